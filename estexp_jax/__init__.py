@@ -1,0 +1,39 @@
+"""Finds what broke on a robot, or what its simulator lacks, by searching simulations until they match its sensors.
+
+The front doors are loaded when first used, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from estexp_jax.api.explain import explain
+    from estexp_jax.api.recover import recover, rollout
+    from estexp_jax.api.simulator import load_explained
+    from estexp_jax.physics.robot import Robot
+
+__all__ = ["Robot", "explain", "load_explained", "recover", "rollout"]
+
+_DOORS = {
+    "Robot": "estexp_jax.physics.robot",
+    "explain": "estexp_jax.api.explain",
+    "load_explained": "estexp_jax.api.simulator",
+    "recover": "estexp_jax.api.recover",
+    "rollout": "estexp_jax.api.recover",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _DOORS:
+        raise AttributeError(f"module 'estexp_jax' has no attribute '{name}'")
+    from importlib import import_module
+
+    from estexp_jax.runs.cache import quiet_xla
+
+    quiet_xla()  # the doors load JAX; afterwards it would be too late
+    return getattr(import_module(_DOORS[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_DOORS])

@@ -1,0 +1,26 @@
+"""Errors that are the user's to mend, and how they are told."""
+
+from collections.abc import Iterable
+
+
+class InputError(Exception):
+    """Something the user gave is wrong: says what, where, and what would be right.
+
+    The command line prints it as one message and leaves with exit code 2; no traceback.
+
+    Args:
+        what: what is wrong, a clause without a final full stop.
+        where: file, row, column or name, as the user knows them.
+        right: what would be right, or what exists instead.
+    """
+
+    def __init__(self, what: str, *, where: str = "", right: str = "") -> None:
+        self.what, self.where, self.right = what, where, right
+        message = f"{where}: {what}" if where else what
+        super().__init__(f"{message}; {right}" if right else message)
+
+
+def known(names: Iterable[str]) -> str:
+    """The tail of a message about an unknown name: what exists instead."""
+    listed = ", ".join(names)
+    return f"known are: {listed}" if listed else "there are none"

@@ -1,0 +1,141 @@
+"""Changes: named differences between a robot and its nominal model, and their arrays.
+
+A `Change` is what people read and write: one effect at one place with its numbers. `encode` lays a set of them out
+over a catalogue as `Values`: per effect an array (n_sites, n_parameters), neutral where nothing differs. The structure
+of the arrays depends on robot and catalogue only, so one compiled simulation serves every hypothesis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from estexp_jax.errors import InputError, known
+from estexp_jax.physics.effects.base import Effect, neutral_values
+from estexp_jax.physics.registry import Catalogue, effect
+from estexp_jax.physics.robot import Robot
+
+Values = dict[str, Any]
+"""Effect name -> array (n_sites, n_parameters), or (batch, n_sites, n_parameters); float32."""
+
+
+@final
+@dataclass(frozen=True)
+class Change:
+    """One effect at one place.
+
+    Attributes:
+        effect: its name in the catalogue.
+        name: the element it acts on; None for the environment.
+        parameters: parameter name to value; those left out are neutral.
+    """
+
+    effect: str
+    name: str | None
+    parameters: Mapping[str, float]
+
+    @property
+    def kind(self) -> str:
+        """Kind of element it acts on."""
+        return effect(self.effect).kind
+
+    @property
+    def place(self) -> str:
+        """`effect@name`, or the effect alone for the environment."""
+        return self.effect if self.name is None else f"{self.effect}@{self.name}"
+
+    def sentence(self) -> str:
+        """What it says, in plain words."""
+        e = effect(self.effect)
+        values = {p.name: p.neutral for p in e.parameters} | dict(self.parameters)
+        return e.sentence(self.name or "", values)
+
+    def to_json(self) -> dict[str, Any]:
+        """As in `run.json` and `findings.json`."""
+        return {"effect": self.effect, "kind": self.kind, "name": self.name, "parameters": dict(self.parameters)}
+
+    @classmethod
+    def from_json(cls, entry: Mapping[str, Any]) -> Change:
+        """The inverse of `to_json`."""
+        return cls(entry["effect"], entry["name"], dict(entry["parameters"]))
+
+
+def parse_change(text: str, robot: Robot) -> Change:
+    """Read `effect@name parameter=value ...`, as typed on the command line.
+
+    Raises:
+        InputError: unknown effect, place or parameter, or no number.
+    """
+    head, *assignments = text.split()
+    name, at, place = head.partition("@")
+    e = effect(name)
+    sites = e.sites(robot)
+    if sites == ("",):
+        if at:
+            raise InputError(
+                f"'{name}' acts on the {e.kind} and takes no place", where=text, right=f"write '{name} ...'"
+            )
+    elif place not in sites:
+        raise InputError(f"'{name}' cannot act on '{place}'", where=text, right=known(sites))
+    names = [p.name for p in e.parameters]
+    parameters: dict[str, float] = {}
+    for assignment in assignments:
+        key, equals, value = assignment.partition("=")
+        if not equals or key not in names:
+            raise InputError(f"'{assignment}' is not a parameter of {name}", where=text, right=known(names))
+        parameters[key] = _value(e, key, value, robot, text)
+    if not parameters and e.name == "part_lost":
+        parameters = {"lost": 1.0}
+    if not parameters:
+        raise InputError(
+            "no parameter is given", where=text, right=f"add one of {', '.join(n + '=...' for n in names)}"
+        )
+    return Change(name, place or None, parameters)
+
+
+def _value(e: Effect, key: str, value: str, robot: Robot, text: str) -> float:
+    """A number, or for `tied_outputs with=` an actuator's name."""
+    if e.name == "tied_outputs" and value in robot.names("actuator"):
+        return 1.0 + robot.index("actuator", value)
+    try:
+        number = float(value)
+    except ValueError:
+        number = np.nan
+    if not np.isfinite(number):
+        raise InputError(f"'{value}' is no finite number", where=f"{text}, parameter '{key}'") from None
+    return number
+
+
+def neutral(robot: Robot, catalogue: Catalogue) -> Values:
+    """The values of the nominal robot."""
+    return {
+        e.name: np.array(neutral_values(e, len(e.sites(robot))), np.float32).reshape(-1, len(e.parameters))
+        for e in catalogue
+    }
+
+
+def encode(robot: Robot, catalogue: Catalogue, changes: Iterable[Change]) -> Values:
+    """The values of one robot with these changes. Changes at one place add up; lost strength does so as well.
+
+    Raises:
+        InputError: a change's effect is not in the catalogue or cannot act there.
+    """
+    values = neutral(robot, catalogue)
+    sites = {e.name: e.sites(robot) for e in catalogue}
+    for change in changes:
+        if change.effect not in values:
+            raise InputError(f"'{change.effect}' is not in this catalogue", right=known(values))
+        if (change.name or "") not in sites[change.effect]:
+            raise InputError(f"'{change.effect}' cannot act on '{change.name}'", right=known(sites[change.effect]))
+        row = values[change.effect][sites[change.effect].index(change.name or "")]
+        for column, parameter in enumerate(effect(change.effect).parameters):
+            row[column] += change.parameters.get(parameter.name, parameter.neutral) - parameter.neutral
+    return values
+
+
+def stack(batch: Sequence[Values]) -> Values:
+    """One batch of several robots' values."""
+    return {name: np.stack([values[name] for values in batch]) for name in batch[0]}

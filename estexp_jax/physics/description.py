@@ -1,0 +1,64 @@
+"""Descriptions that can be changed element by element: each has a name, and nothing is worked out anew from the whole.
+
+MuJoCo's compiler derives servo damping (`dampratio`), joint springs (`springdamper`) and masses (`settotalmass`,
+`inertiafromgeom`) from the robot's inertia. A heavier leg does not change the motors, so what was derived once stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+
+Index = Callable[[str, str], int]
+"""MuJoCo's index in the nominal model of an element of a kind by its name."""
+
+
+def elements(spec: mujoco.MjSpec) -> dict[str, Sequence[Any]]:
+    """The elements of a description that effects change, by kind."""
+    return {"body": spec.bodies, "joint": spec.joints, "actuator": spec.actuators, "sensor": spec.sensors}
+
+
+def named(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+    """A copy of a compiled description in which the unnamed are called `<kind>_<index>`.
+
+    Indices shift when a part is deleted from a description; names stay.
+    """
+    spec = spec.copy()
+    for kind, some in elements(spec).items():
+        taken = {element.name for element in some}
+        for element in some:
+            if not element.name and f"{kind}_{element.id}" not in taken:
+                element.name = f"{kind}_{element.id}"
+    return spec
+
+
+def freeze(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Index) -> None:
+    """Write down, in place, what the compiler derived from the nominal robot as a whole; twice changes nothing more."""
+    for joint in spec.joints:
+        if np.any(joint.springdamper):
+            j = index("joint", joint.name)
+            joint.stiffness = [nominal.jnt_stiffness[j], *joint.stiffness[1:]]
+            joint.damping = [nominal.dof_damping[nominal.jnt_dofadr[j]], *joint.damping[1:]]
+            joint.springdamper = [0.0, 0.0]
+    for actuator in spec.actuators:
+        derived = nominal.actuator_biasprm[index("actuator", actuator.name)]
+        if actuator.biasprm[2] > 0.0 > derived[2]:  # so MjSpec holds dampratio, to be replaced by -kv
+            actuator.biasprm = derived
+    from_geoms = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    if spec.compiler.settotalmass > 0.0 or spec.compiler.inertiafromgeom == from_geoms:
+        spec.compiler.settotalmass = -1.0
+        spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
+        for body in spec.bodies[1:]:
+            b = index("body", body.name)
+            if nominal.body_mass[b] > 0.0:
+                weigh(body, nominal, b, float(nominal.body_mass[b]))
+
+
+def weigh(body: Any, nominal: mujoco.MjModel, index: int, mass: float) -> None:
+    """Give a body of a description this mass, its nominal inertia scaled with it, about its nominal centre."""
+    body.explicitinertial, body.fullinertia = True, np.full(6, np.nan)
+    body.mass, body.inertia = mass, nominal.body_inertia[index] * (mass / nominal.body_mass[index])
+    body.ipos, body.iquat = nominal.body_ipos[index], nominal.body_iquat[index]

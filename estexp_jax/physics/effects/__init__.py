@@ -1,0 +1,3 @@
+"""The catalogue of effects, one a file."""
+
+from estexp_jax.physics import quiet_mjx  # noqa: F401 (before any module of this folder imports MJX)

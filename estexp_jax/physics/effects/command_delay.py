@@ -1,0 +1,33 @@
+"""Command delay: a motor obeys late."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import CommandShift, Parameter
+from estexp_jax.physics.robot import Robot
+
+
+@final
+class CommandDelay(CommandShift):
+    """u(t) = command(t - delay)."""
+
+    name: ClassVar[str] = "command_delay"
+    kind: ClassVar[str] = "actuator"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("delay", "s"),)
+    equation: ClassVar[str] = "u(t) = command(t - delay)"
+    source: ClassVar[str] = "transport delay"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return robot.names("actuator")
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, 0.2),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"the motor {site} obeys its commands {1000 * values['delay']:.3g} ms late"
+
+    def shift(self, robot: Robot, values: jax.Array) -> jax.Array:
+        return jnp.maximum(values[:, 0], 0.0)

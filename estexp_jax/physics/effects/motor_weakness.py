@@ -1,0 +1,62 @@
+"""Motor weakness: a motor gives only a share of its torque."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from mujoco import mjx
+
+from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.sites import actuator_sites, driven_actuators
+from estexp_jax.physics.robot import Robot, spec_element
+
+
+@final
+class MotorWeakness(Edit):
+    """force = max(1 - loss, 0) * nominal force: gain, bias and force range shrink together."""
+
+    name: ClassVar[str] = "motor_weakness"
+    kind: ClassVar[str] = "actuator"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("loss", "", signed=True),)
+    equation: ClassVar[str] = "tau = (1 - loss) tau_nominal"
+    in_mjcf: ClassVar[bool] = True
+    source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return actuator_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((-1.0, 1.0),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        loss = values["loss"]
+        change = (
+            f"lost {100 * loss:.3g} % of its strength"
+            if loss >= 0
+            else f"is {-100 * loss:.3g} % stronger than modelled"
+        )
+        return f"the motor {site} {change}"
+
+    def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
+        driven = np.array(driven_actuators(robot), dtype=int)
+        loss = jnp.zeros(robot.model.nu, values.dtype).at[driven].add(values[:, 0])
+        share = jnp.maximum(1.0 - loss, 0.0)[:, None]
+        return model.replace(
+            actuator_gainprm=model.actuator_gainprm * share,
+            actuator_biasprm=model.actuator_biasprm * share,
+            actuator_forcerange=model.actuator_forcerange * share,
+        )
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        actuator = spec_element(spec, robot, "actuator", site)
+        nominal = robot.model.actuator(robot.index("actuator", site))
+        gain = float(nominal.gainprm[0])
+        before = float(actuator.gainprm[0]) / gain if gain else 1.0  # less than 1 where a loss was written already
+        share = max(before - values["loss"], 0.0)
+        actuator.gainprm = nominal.gainprm * share
+        actuator.biasprm = nominal.biasprm * share
+        if share > 0.0:  # MJCF takes no empty range, and no force needs none
+            actuator.forcerange = nominal.forcerange * share

@@ -1,0 +1,64 @@
+"""Where effects can act: the usual lists of sites, and how a site's index is found."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.robot import Robot
+
+
+def scalar_joint_sites(robot: Robot) -> tuple[str, ...]:
+    """Names of the hinge and slide joints."""
+    names = robot.names("joint")
+    return tuple(names[i] for i in robot.scalar_joints)
+
+
+def joint_dofs(robot: Robot) -> np.ndarray:
+    """Velocity address of each of `scalar_joint_sites`."""
+    return robot.model.jnt_dofadr[list(robot.scalar_joints)]
+
+
+def driven_actuators(robot: Robot) -> tuple[int, ...]:
+    """Indices of the actuators that drive a hinge or slide joint directly."""
+    return tuple(a for a in range(robot.model.nu) if robot.joint_of_actuator(a) in robot.scalar_joints)
+
+
+def actuator_sites(robot: Robot) -> tuple[str, ...]:
+    """Names of `driven_actuators`."""
+    names = robot.names("actuator")
+    return tuple(names[a] for a in driven_actuators(robot))
+
+
+def actuator_dofs(robot: Robot) -> np.ndarray:
+    """Velocity address of the joint of each of `driven_actuators`."""
+    return np.array([robot.model.jnt_dofadr[robot.joint_of_actuator(a)] for a in driven_actuators(robot)], dtype=int)
+
+
+def body_sites(robot: Robot) -> tuple[str, ...]:
+    """Names of the bodies that have mass and can move."""
+    model, names = robot.model, robot.names("body")
+    return tuple(names[b] for b in range(1, model.nbody) if model.body_mass[b] > 0.0 and model.body_weldid[b] != 0)
+
+
+def scalar_sensor_sites(robot: Robot) -> tuple[str, ...]:
+    """Names of the sensors with one value."""
+    return tuple(n for n, dim in zip(robot.names("sensor"), robot.model.sensor_dim, strict=True) if dim == 1)
+
+
+def scalar_sensor_columns(robot: Robot) -> np.ndarray:
+    """Address in `sensordata` of each of `scalar_sensor_sites`."""
+    return robot.model.sensor_adr[robot.model.sensor_dim == 1]
+
+
+def lost_bodies(robot: Robot) -> tuple[str, ...]:
+    """Names of the bodies that can come off: those on hinges or slides, unless nothing that moves would be left."""
+    model, names = robot.model, robot.names("body")
+    free, joints = int(mujoco.mjtJoint.mjJNT_FREE), set(model.jnt_bodyid.tolist())
+    return tuple(
+        names[b]
+        for b in range(1, model.nbody)
+        if model.body_jntnum[b] > 0
+        and int(model.jnt_type[model.body_jntadr[b]]) != free
+        and joints - set(robot.subtree(b))
+    )

@@ -1,0 +1,41 @@
+"""Viscous friction: a joint resists motion in proportion to its speed."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax
+import mujoco
+from mujoco import mjx
+
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites
+from estexp_jax.physics.robot import Robot, spec_element
+
+
+@final
+class ViscousFriction(Edit):
+    """tau = -c w, added to the joint's own damping; integrated implicitly, as MuJoCo does."""
+
+    name: ClassVar[str] = "viscous_friction"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("c", "N m s/rad"),)
+    equation: ClassVar[str] = "tau = -c w"
+    in_mjcf: ClassVar[bool] = True
+    source: ClassVar[str] = "MuJoCo: joint/damping"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, scales.joint_torque(robot, robot.index("joint", site))),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"the joint {site} resists motion with {values['c']:.3g} N m for each rad/s of speed"
+
+    def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
+        return model.replace(dof_damping=model.dof_damping.at[joint_dofs(robot)].add(values[:, 0]))
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        joint = spec_element(spec, robot, "joint", site)
+        joint.damping = [joint.damping[0] + values["c"], *joint.damping[1:]]

@@ -1,0 +1,107 @@
+"""A robot on MJX: armed for the edits of a catalogue, with a solver that converges."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import final
+
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from mujoco import mjx
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.changes import Values
+from estexp_jax.physics.constants import refresh
+from estexp_jax.physics.effects.base import Edit, Moment, Term
+from estexp_jax.physics.motors import motor_torques
+from estexp_jax.physics.registry import Catalogue
+from estexp_jax.physics.robot import Robot
+
+NEWTON_ITERATIONS = 8
+"""With 4 line-search steps: velocities of one step of the quadruped agree with the converged C engine to 1.1e-4 m/s
+(99th percentile over 251 states of random walks, with falls) in float32; a single iteration is wrong by 14 m/s."""
+LINE_SEARCH_ITERATIONS = 4
+_ARMED = 1e-9
+"""A friction loss without effect, that makes MJX keep a row for it."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MjxModel:
+    """A robot's MJX model and the effects it can carry.
+
+    Attributes:
+        robot: the nominal robot.
+        catalogue: the effects whose values a simulation takes.
+        model, data: MJX's; templates, never changed.
+    """
+
+    robot: Robot
+    catalogue: Catalogue
+    model: mjx.Model
+    data: mjx.Data
+
+    def edited(self, model: mjx.Model, values: Values) -> mjx.Model:
+        """One robot's model with its edits, and what they make stale derived anew."""
+        edits = [e for e in self.catalogue if isinstance(e, Edit)]
+        for effect in edits:
+            model = effect.edit(self.robot, model, values[effect.name])
+        return refresh(self.robot, model) if any(e.stales_inertia for e in edits) else model
+
+    def acted(self, model: mjx.Model, values: Values, qpos, qvel, ctrl, enable) -> mjx.Model:  # noqa: ANN001
+        """The model of one step: motors switched, terms applied."""
+        terms = [e for e in self.catalogue if isinstance(e, Term)]
+        if not terms:
+            return model
+        motor = motor_torques(self.robot, model, qpos, qvel, ctrl)
+        moment = Moment(qpos, qvel, ctrl, enable, motor)
+        for effect in terms:
+            model = effect.act(self.robot, model, moment, values[effect.name])
+        return model
+
+
+def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
+    """Put a robot on MJX.
+
+    Raises:
+        InputError: MJX cannot simulate something in the model.
+    """
+    model = copy.deepcopy(robot.model)
+    model.opt.iterations, model.opt.ls_iterations = NEWTON_ITERATIONS, LINE_SEARCH_ITERATIONS
+    if any("dof_frictionloss" in e.arms for e in catalogue if isinstance(e, (Edit, Term))):
+        _arm(robot, model)
+    try:
+        if np.any(model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)) and not _rows(model):
+            _arm(robot, model)  # without any row, MJX's forward pass ends before the sensors of accelerations
+        return MjxModel(robot, catalogue, mjx.put_model(model), mjx.make_data(model))
+    except NotImplementedError as error:
+        raise InputError(f"MJX cannot simulate this model: {error}", where=robot.source) from None
+
+
+def _arm(robot: Robot, model: mujoco.MjModel) -> None:
+    dofs = model.jnt_dofadr[list(robot.scalar_joints)]
+    model.dof_frictionloss[dofs] = np.maximum(model.dof_frictionloss[dofs], _ARMED)
+
+
+def _rows(model: mujoco.MjModel) -> int:
+    """How many constraint rows MJX lays out for a model."""
+    return mjx.make_data(model)._impl.efc_force.size
+
+
+def switched(model: mjx.Model, enable) -> mjx.Model:  # noqa: ANN001
+    """The model with motors on or off: (nu,) 1.0 or 0.0."""
+    on = jnp.asarray(enable)[:, None]
+    return model.replace(actuator_gainprm=model.actuator_gainprm * on, actuator_biasprm=model.actuator_biasprm * on)
+
+
+def stepped(model: mjx.Model, data: mjx.Data) -> mjx.Data:
+    """One physics step, with the readings of the state it begins with.
+
+    With RK4, MJX leaves those of the last of its four stages; the C engine, those of the first.
+    """
+    after = mjx.step(model, data)
+    if model.opt.integrator == mjx.IntegratorType.RK4:
+        after = after.replace(sensordata=mjx.forward(model, data).sensordata)
+    return after

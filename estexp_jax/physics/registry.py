@@ -1,0 +1,64 @@
+"""The catalogue: every effect by name, and the paper's six."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from estexp_jax.errors import InputError, known
+from estexp_jax.physics.effects.armature import Armature
+from estexp_jax.physics.effects.back_emf import BackEmf
+from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.effects.body_mass import BodyMass
+from estexp_jax.physics.effects.command_delay import CommandDelay
+from estexp_jax.physics.effects.coulomb_friction import CoulombFriction
+from estexp_jax.physics.effects.gravity_tilt import GravityTilt
+from estexp_jax.physics.effects.joint_jam import JointJam
+from estexp_jax.physics.effects.load_dependent_friction import LoadDependentFriction
+from estexp_jax.physics.effects.motor_weakness import MotorWeakness
+from estexp_jax.physics.effects.neuron_fault import NeuronFault
+from estexp_jax.physics.effects.part_lost import PartLost
+from estexp_jax.physics.effects.sensor_bias import SensorBias
+from estexp_jax.physics.effects.sensor_gain import SensorGain
+from estexp_jax.physics.effects.tied_outputs import TiedOutputs
+from estexp_jax.physics.effects.viscous_friction import ViscousFriction
+
+Catalogue = tuple[Effect, ...]
+
+ALL: Catalogue = (
+    ViscousFriction(),
+    CoulombFriction(),
+    LoadDependentFriction(),
+    Armature(),
+    BackEmf(),
+    CommandDelay(),
+    MotorWeakness(),
+    SensorBias(),
+    SensorGain(),
+    BodyMass(),
+    JointJam(),
+    PartLost(),
+    GravityTilt(),
+    NeuronFault(),
+    TiedOutputs(),
+)
+"""Every effect the program knows."""
+
+PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")
+"""The six edits of the paper's estimation phase, in the order of its genome."""
+
+
+def effect(name: str) -> Effect:
+    """The effect of that name.
+
+    Raises:
+        InputError: there is none; the message lists the catalogue.
+    """
+    for candidate in ALL:
+        if candidate.name == name:
+            return candidate
+    raise InputError(f"there is no effect '{name}'", right=known(e.name for e in ALL))
+
+
+def catalogue(names: Iterable[str]) -> Catalogue:
+    """The effects of those names, in that order."""
+    return tuple(effect(name) for name in names)

@@ -1,0 +1,95 @@
+"""When a replay steps, and what is commanded in each step.
+
+Physics steps never straddle a row of the log: each interval between rows is cut into equal steps, no longer than the
+model's own, so that no reading is compared with the state of another time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+_ROUNDING = 1e-6
+"""An interval this little (relative) longer than whole steps counts as whole."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Physics steps between rows.
+
+    Attributes:
+        start: (steps,) time at which each step begins, s.
+        length: (steps,) its length, s.
+        row: (steps,) index of the row whose command is in force.
+        sample: (rows,) index of the step that begins at each row; the last is one past the end.
+    """
+
+    start: np.ndarray
+    length: np.ndarray
+    row: np.ndarray
+    sample: np.ndarray
+
+    @property
+    def n_steps(self) -> int:
+        """Number of physics steps."""
+        return len(self.start)
+
+
+def schedule(row_time: np.ndarray, timestep: float) -> Schedule:
+    """Steps that end on every row.
+
+    Args:
+        row_time: (rows,) strictly increasing, s.
+        timestep: longest step, s.
+    """
+    interval = np.diff(row_time)
+    count = np.maximum(1, np.ceil(interval / timestep - _ROUNDING)).astype(int)
+    row = np.repeat(np.arange(len(interval)), count)
+    sample = np.concatenate([[0], np.cumsum(count)])
+    length = (interval / count)[row]
+    within = np.arange(len(row)) - sample[row]
+    return Schedule(row_time[row] + within * length, length, row, sample)
+
+
+@final
+class CommandHistory:
+    """A log's commands, held from row to row, and their mean over any span of time.
+
+    The mean over a step is exact for a held command and continuous in a delay, so that a delay of a fraction of a row
+    can be found by gradients.
+    """
+
+    def __init__(self, time: np.ndarray, ctrl: np.ndarray) -> None:
+        """Commands `ctrl` (rows, nu) in force from `time` (rows,) on."""
+        self._time, self._ctrl = time, ctrl
+        steps = np.diff(time)[:, None] * ctrl[:-1]
+        self._integral = np.concatenate([np.zeros((1, ctrl.shape[1])), np.cumsum(steps, axis=0)])
+
+    def mean(self, start: np.ndarray, length: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        """Mean command (steps, nu) over [start - shift, start - shift + length].
+
+        Before the first row its command counts, after the last row that one's.
+
+        Args:
+            start: (steps,) s.
+            length: (steps,) s.
+            shift: (nu,) s, how late each command arrives.
+        """
+        held = self._ctrl[np.clip(np.searchsorted(self._time, start, side="right") - 1, 0, None)]
+        late = np.flatnonzero(shift)
+        if late.size:
+            held = held.copy()
+        for a in late.tolist():
+            begin = start - shift[a]
+            span = np.maximum(length, 1e-9)
+            held[:, a] = (self._area(begin + span, a) - self._area(begin, a)) / span
+        return held
+
+    def _area(self, when: np.ndarray, actuator: int) -> np.ndarray:
+        first, last = self._time[0], self._time[-1]
+        inside = np.interp(when, self._time, self._integral[:, actuator])
+        before = np.minimum(when - first, 0.0) * self._ctrl[0, actuator]
+        return inside + before + np.maximum(when - last, 0.0) * self._ctrl[-1, actuator]

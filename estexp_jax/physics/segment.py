@@ -1,0 +1,68 @@
+"""A stretch of a recording to replay: rows, the steps between them, and the state it starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.schedule import CommandHistory, Schedule, schedule
+
+
+class Start(NamedTuple):
+    """A state to start from, and what of it is only known through sensors.
+
+    Attributes:
+        qpos, qvel: (nq,), (nv,).
+        sensed: (address in `sensordata`, address in qpos, address in qvel) of each joint whose position a sensor gave;
+            a hypothesis that doubts the sensor starts elsewhere.
+    """
+
+    qpos: np.ndarray
+    qvel: np.ndarray
+    sensed: tuple[tuple[int, int, int], ...] = ()
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """Rows `first` to `last` (inclusive) of a recording.
+
+    Attributes:
+        recording: index of the recording among those replayed together.
+        first, last: rows.
+        steps: physics steps between the rows.
+        history: the whole recording's commands, for what arrives late.
+        enable: (rows of the recording, nu).
+        start: the state it starts from.
+    """
+
+    recording: int
+    first: int
+    last: int
+    steps: Schedule
+    history: CommandHistory
+    enable: np.ndarray
+    start: Start
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return self.last - self.first + 1
+
+
+def segment(
+    recordings: Sequence[Recording],
+    index: int,
+    rows: tuple[int, int],
+    timestep: float,
+    start: Start,
+) -> Segment:
+    """The stretch `rows` (first, last) of `recordings[index]`."""
+    recording, (first, last) = recordings[index], rows
+    steps = schedule(recording.time[first : last + 1], timestep)
+    history = CommandHistory(recording.time, recording.ctrl)
+    return Segment(index, first, last, steps, history, recording.enable, start)
