@@ -1,0 +1,29 @@
+"""How far a simulation is from recordings: one number, and its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def nrmse(square_errors: Sequence[np.ndarray]) -> float:
+    """Root mean square of normalised errors over sensors and recordings.
+
+    Args:
+        square_errors: for each recording (rows, channels) of squared errors over the channel's squared range, NaN where
+            there is no sample.
+    """
+    parts = [np.nanmean(e[:, c]) for e in square_errors for c in range(e.shape[1]) if np.isfinite(e[:, c]).any()]
+    return float(np.sqrt(np.mean(parts))) if parts else float("nan")
+
+
+def excess(error: float, floor: float) -> float:
+    """Error beyond what noise gives: sqrt(max(error^2 - floor^2, 0))."""
+    return float(np.sqrt(max(error**2 - floor**2, 0.0)))
+
+
+def gain(explained: float, nominal: float, floor: float) -> float:
+    """Share of the nominal simulator's excess error that an explanation removes; NaN where there is none to remove."""
+    before = excess(nominal, floor)
+    return 1.0 - excess(explained, floor) / before if before > 0.0 else float("nan")

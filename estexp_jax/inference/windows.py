@@ -1,0 +1,51 @@
+"""Cutting recordings into windows that follow each other without overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from estexp_jax.inference.start import start_state
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.segment import Segment, segment
+
+
+def window_rows(time: np.ndarray, length: float) -> list[tuple[int, int]]:
+    """First and last row of each window of a clock; a lone last row joins the window before.
+
+    Args:
+        time: (rows,) s.
+        length: of a window, s; infinite for one window.
+    """
+    number = np.zeros(len(time), int) if np.isinf(length) else ((time - time[0]) / length + 1e-9).astype(int)
+    firsts = [int(np.flatnonzero(number == n)[0]) for n in np.unique(number)]
+    lasts = [f - 1 for f in firsts[1:]] + [len(time) - 1]
+    windows: list[tuple[int, int]] = []
+    for first, last in zip(firsts, lasts, strict=True):
+        if last > first or not windows:
+            windows.append((first, last))
+        else:
+            windows[-1] = (windows[-1][0], last)
+    return windows
+
+
+def segments_of(
+    robots: Sequence[Robot], recordings: Sequence[Recording], length: float, finer: int = 1, degree: int = 3
+) -> list[Segment]:
+    """All windows of all recordings, each started from a state estimated around its first row.
+
+    Args:
+        robots: the nominal robot with each recording's settings.
+        recordings: one for each robot.
+        length: of a window, s; infinite for whole recordings.
+        finer: part of the model's step to take.
+        degree: of the polynomials that start states are read from.
+    """
+    found: list[Segment] = []
+    for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
+        for rows in window_rows(recording.time, length):
+            start = start_state(robot, recording, rows[0], degree=degree)
+            found.append(segment(recordings, i, rows, float(robot.model.opt.timestep) / finer, start))
+    return found

@@ -1,0 +1,121 @@
+"""Laws of the paper's genetic algorithm."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from estexp_jax.search.driver import evolve
+from estexp_jax.search.genetic import Genetic, Population, ask, begin, best, tell
+
+GENETIC = Genetic(length=12, population=40, seed=3, tags=(1, 2))
+
+
+def sphere(genomes: np.ndarray) -> np.ndarray:
+    return np.sum((genomes - 0.37) ** 2, axis=1)
+
+
+def counting(score: Callable[[np.ndarray], np.ndarray]) -> tuple[list[int], Callable[[np.ndarray], np.ndarray]]:
+    counts: list[int] = []
+
+    def counted(genomes: np.ndarray) -> np.ndarray:
+        counts.append(len(genomes))
+        return score(genomes)
+
+    return counts, counted
+
+
+def same(a: Population, b: Population) -> bool:
+    return all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
+
+
+def test_only_new_genomes_are_simulated() -> None:
+    counts, score = counting(sphere)
+    list(evolve(GENETIC, score, 5))
+    assert counts == [40, 20, 20, 20, 20]
+
+
+def test_the_best_half_survives_with_its_scores() -> None:
+    before, after = list(evolve(GENETIC, sphere, 6))[-2:]
+    survivors = {genome.tobytes() for genome in before.genomes[:20]}
+    assert survivors <= {genome.tobytes() for genome in after.genomes}
+    assert np.array_equal(np.sort(after.scores), after.scores)
+    assert np.array_equal(sphere(after.genomes), after.scores)
+
+
+def test_the_best_never_gets_worse_and_gets_better() -> None:
+    scores = [state.scores[0] for state in evolve(GENETIC, sphere, 30)]
+    assert np.all(np.diff(scores) <= 0.0)
+    assert scores[-1] < 0.5 * scores[0]
+
+
+def test_values_are_hundredths_in_range() -> None:
+    state = list(evolve(GENETIC, sphere, 10))[-1]
+    assert np.all(np.abs(state.genomes) <= 1.0)
+    assert np.allclose(100 * state.genomes, np.round(100 * state.genomes), atol=1e-12)
+
+
+@pytest.mark.parametrize("stop", [1, 4, 7])
+def test_going_on_from_any_generation_gives_the_same_bits(stop: int) -> None:
+    states = list(evolve(GENETIC, sphere, 8))
+    kept = Population.from_tree(states[stop - 1].to_tree())
+    assert same(list(evolve(GENETIC, sphere, 8, state=kept))[-1], states[-1])
+
+
+def test_other_seeds_and_tags_give_other_populations() -> None:
+    first = ask(GENETIC, begin(GENETIC))
+    assert not np.array_equal(first, ask(Genetic(12, 40, 4, (1, 2)), begin(GENETIC)))
+    assert not np.array_equal(first, ask(Genetic(12, 40, 3, (1, 3)), begin(GENETIC)))
+
+
+def test_seeds_take_the_first_places() -> None:
+    seed = np.full(12, 0.37)
+    state = next(evolve(GENETIC, sphere, 1, seeds=[seed]))
+    assert np.array_equal(state.genomes[0], seed)
+
+
+def test_what_blew_up_is_worst_and_never_best() -> None:
+    genomes = ask(GENETIC, begin(GENETIC))
+    scores = np.full(40, np.nan)
+    assert best(tell(GENETIC, begin(GENETIC), genomes, scores)) is None
+    scores[7] = 5.0
+    found = best(tell(GENETIC, begin(GENETIC), genomes, scores))
+    assert found is not None and np.array_equal(found[0], genomes[7])
+    assert best(begin(GENETIC)) is None
+
+
+def test_dominants_are_new_genomes_better_than_all_before() -> None:
+    state = next(evolve(GENETIC, sphere, 1))
+    children = ask(GENETIC, state)
+    scores = np.full(20, state.scores[0])
+    scores[:3] -= [0.1, 0.2, 0.3]
+    assert tell(GENETIC, state, children, scores).dominants == 3
+
+
+def test_without_mutation_and_crossover_children_are_copies_of_survivors() -> None:
+    genetic = Genetic(12, 40, 3, mutation=0.0, crossover=0.0)
+    state = next(evolve(genetic, sphere, 1))
+    survivors = {genome.tobytes() for genome in state.genomes[:20]}
+    assert {child.tobytes() for child in ask(genetic, state)} <= survivors
+
+
+def test_crossover_mixes_values_but_makes_none() -> None:
+    genetic = Genetic(12, 40, 3, mutation=0.0)
+    state = next(evolve(genetic, sphere, 1))
+    survivors, children = state.genomes[:20], ask(genetic, state)
+    assert all(np.isin(children[:, i], survivors[:, i]).all() for i in range(12))
+    assert not {child.tobytes() for child in children} <= {genome.tobytes() for genome in survivors}
+
+
+def test_mutation_draws_one_value_in_a_hundred_anew() -> None:
+    genetic = Genetic(2000, 40, 3, crossover=0.0)
+    state = next(evolve(genetic, sphere, 1))
+    differing = [np.min(np.sum(child != state.genomes[:20], axis=1)) for child in ask(genetic, state)]
+    assert 0.008 < np.mean(differing) / 2000 < 0.012
+
+
+def test_impossible_settings_are_refused() -> None:
+    with pytest.raises(ValueError, match="at least 4"):
+        Genetic(12, 2)
+    with pytest.raises(ValueError, match="mutation"):
+        Genetic(12, 40, mutation=2.0)
