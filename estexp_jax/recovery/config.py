@@ -1,0 +1,86 @@
+"""What one run of the estimation-exploration algorithm is told."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal, final
+
+from estexp_jax.errors import InputError
+
+Metric = Literal["rolling-mean", "distance"]
+Axis = Literal["x", "-x", "y", "-y"]
+
+
+@final
+@dataclass(frozen=True)
+class Settings:
+    """Settings of a run; the defaults are the paper's, except for the estimation, which `paper` sets to the paper's."""
+
+    situation: int | None = 3
+    """What happens to the robot: 1 to 13 as in the paper's Table 1, at places drawn with the seed."""
+    damage: tuple[str, ...] = ()
+    """What happens instead of a situation, such as "motor_weakness@knee_f loss=0.5"; may be repeated."""
+    seed: int = 0
+    """Of all random numbers; same seed, same run."""
+    passes: int = 4
+    """Estimations, and hardware trials after them; exploration runs once more."""
+    population: int = 200
+    """Genomes in a generation of the genetic algorithm."""
+    generations: int = 40
+    """Generations of a phase."""
+    steps: int = 1000
+    """Control steps of a trial."""
+    control_step: float = 0.01
+    """Time between two commands, s."""
+    settle_steps: int = 50
+    """Control steps with all motors at home before every trial, so that the robot rests on the ground."""
+    metric: Metric = "rolling-mean"
+    """What a diagnosis is judged by: the first sensor readings (equation 2), or the distance (equation 1)."""
+    header: int = 20
+    """h of equation 2: how many control steps of a trial are compared."""
+    window: int = 10
+    """w of equation 3: width of the rolling mean, control steps; even."""
+    mutation: float = 0.01
+    """Chance of each value of a copied genome to be drawn anew."""
+    gain: float = 3.0
+    """Of the neurons' tanh."""
+    axis: Axis = "x"
+    """Direction in which distance counts."""
+    robot: Literal["same", "foreign"] = "same"
+    """The robot in the world: the same simulator with the damage in it, or another engine with errors of its own."""
+    paper: bool = False
+    """Diagnose with the paper's genetic algorithm instead of the set search."""
+
+    def __post_init__(self) -> None:
+        _check(self.situation is None or 1 <= self.situation <= 13, "--situation", self.situation, "1 to 13")
+        _check(self.passes >= 1, "--passes", self.passes, "at least 1")
+        _check(self.population >= 4, "--population", self.population, "at least 4")
+        _check(self.generations >= 1, "--generations", self.generations, "at least 1")
+        even = self.window >= 2 and self.window % 2 == 0
+        _check(even, "--window", self.window, "an even number of control steps")
+        _check(self.header > self.window, "--header", self.header, f"more than the window of {self.window}")
+        _check(self.steps > self.header, "--steps", self.steps, f"more than the header of {self.header}")
+        _check(self.control_step > 0.0, "--control-step", self.control_step, "a positive time")
+        _check(self.settle_steps >= 1, "--settle-steps", self.settle_steps, "at least 1")
+        _check(self.settle_steps <= self.steps, "--settle-steps", self.settle_steps, f"at most the {self.steps} steps")
+        _check(0.0 <= self.mutation <= 1.0, "--mutation", self.mutation, "0 to 1")
+        _check(self.seed >= 0, "--seed", self.seed, "0 or more")
+
+    @property
+    def samples(self) -> int:
+        """Readings of a trial that the rolling mean compares: h + 1."""
+        return self.header + 1
+
+    def to_json(self) -> dict[str, Any]:
+        """As in `run.json`."""
+        return asdict(self)
+
+
+def quick(settings: Settings) -> Settings:
+    """The small setting of `--quick`: minutes on two cores, and still finds the damage and walks again."""
+    return replace(settings, population=64, generations=10, steps=300)
+
+
+def _check(holds: bool, where: str, value: object, right: str) -> None:
+    if not holds:
+        raise InputError(f"{value} is not possible", where=where, right=right)

@@ -1,0 +1,167 @@
+"""The estimation-exploration algorithm: walk, get damaged, diagnose from the sensors, walk again.
+
+exploration -> damage, whose trial is the first recording -> `passes` times (estimation -> exploration -> hardware
+trial).
+A generator yields the state after every generation and every trial; any of them can be gone on with, bit for bit.
+
+Source: Bongard and Lipson 2004, section 2.1 and Figure 2a.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.changes import Change, parse_change
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.estimation import changes_of, estimation, residuals_of
+from estexp_jax.recovery.exploration import exploration_algorithm, exploration_score
+from estexp_jax.recovery.foreign import ForeignTarget
+from estexp_jax.recovery.simulator import Simulator, simulator
+from estexp_jax.recovery.situations import situation
+from estexp_jax.recovery.state import Row, RunState
+from estexp_jax.recovery.target import SameTarget, Target
+from estexp_jax.search.driver import evolve
+from estexp_jax.search.genetic import Population, best
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Job:
+    """What a run works with.
+
+    Attributes:
+        settings: of the run.
+        simulator: the robot's, without damage.
+        planted: what is wrong with the robot in the world, for the record; empty where nobody knows.
+        target: the damaged robot.
+        healthy: the robot before the damage; None where it cannot be had, and then the simulator stands in.
+    """
+
+    settings: Settings
+    simulator: Simulator
+    planted: tuple[Change, ...]
+    target: Target
+    healthy: Target | None
+
+
+def planted_changes(robot: Robot, settings: Settings) -> tuple[Change, ...]:
+    """What a run's settings do to the robot.
+
+    Raises:
+        InputError: the situation or a damage has no place on this robot.
+    """
+    if settings.damage:
+        return tuple(parse_change(text, robot) for text in settings.damage)
+    return situation(settings.situation, robot, settings.seed) if settings.situation is not None else ()
+
+
+def job_of(robot: Robot, settings: Settings, target: Target | None = None) -> Job:
+    """Everything a run needs.
+
+    Args:
+        robot: the nominal robot.
+        settings: of the run.
+        target: the robot in the world, damaged already; None: a simulated one, with the damage of `settings`.
+
+    Raises:
+        InputError: the damage cannot be planted, or the robot cannot be controlled or cannot travel.
+    """
+    planted = planted_changes(robot, settings) if target is None else ()
+    world = simulator(robot, settings, planted)
+    if target is not None:
+        return Job(settings, world, (), target, None)
+    if settings.robot == "foreign":
+        robots = [ForeignTarget(robot, changes, settings.seed, settings.settle_steps) for changes in (planted, ())]
+        return Job(settings, world, planted, *robots)
+    return Job(settings, world, planted, SameTarget(world, planted), SameTarget(world, ()))
+
+
+def run(job: Job, state: RunState | None = None) -> Iterator[RunState]:
+    """Yield the state after each generation and each trial, to the end of the run.
+
+    Args:
+        job: what it works with.
+        state: an earlier state of the same job, to go on from.
+
+    Raises:
+        InputError: every simulation of a phase blew up.
+    """
+    state = RunState() if state is None else state
+    phases = {"exploration": _explore, "damage": _damage, "estimation": _estimate, "trial": _trial}
+    while state.phase != "done":
+        for reached in phases[state.phase](job, state):
+            state = reached
+            yield state
+
+
+def _explore(job: Job, state: RunState) -> Iterator[RunState]:
+    settings, number = job.settings, state.number
+    changes = state.diagnoses[-1] if state.diagnoses else ()
+    score = exploration_score(job.simulator, settings, changes)
+    earlier = None if state.search is None else Population.from_tree(dict(state.search))
+    algorithm = exploration_algorithm(job.simulator, settings, number)
+    for population in evolve(algorithm, score, settings.generations, seeds=state.controllers, state=earlier):
+        row = _row(number, "exploration", population.generation, -population.scores, population.dominants)
+        state = replace(state, search=population.to_tree(), history=(*state.history, row))
+        if population.generation < settings.generations:
+            yield state
+    found = best(Population.from_tree(dict(state.search or {})))
+    if found is None:
+        raise InputError("every simulated walk blew up", where=job.simulator.robot.source, right="a smaller timestep")
+    weights, value = found
+    yield replace(
+        state,
+        phase="trial" if number else "damage",
+        search=None,
+        controllers=(*state.controllers, weights),
+        simulated=(*state.simulated, -value),
+    )
+
+
+def _damage(job: Job, state: RunState) -> Iterator[RunState]:
+    """The first controller on the robot before and after; only the second is a recording."""
+    healthy = job.healthy if job.healthy is not None else SameTarget(job.simulator, ())
+    controller = job.simulator.controller(state.controllers[0], job.settings.steps)
+    before, damaged = healthy(controller), job.target(controller)
+    yield replace(state, phase="estimation", number=1, before=before, trials=(damaged,))
+
+
+def _estimate(job: Job, state: RunState) -> Iterator[RunState]:
+    method = estimation(job.simulator, job.settings, state.number)
+    residuals = residuals_of(job.simulator, job.settings, state.controllers, state.trials)
+    search = dict(state.search) if state.search is not None else method.begin(state.seeds)
+    generation = sum(row.number == state.number and row.phase == "estimation" for row in state.history)
+    while not method.done(search):
+        search, generation = method.advance(search, residuals), generation + 1
+        told = method.summary(search)
+        row = Row(state.number, "estimation", generation, told.best, told.median, told.dominants)
+        state = replace(state, search=search, history=(*state.history, row))
+        if not method.done(search):
+            yield state
+    diagnosis = method.diagnosis(search)
+    yield replace(
+        state,
+        phase="exploration",
+        search=None,
+        diagnoses=(*state.diagnoses, changes_of(job.simulator, diagnosis.items)),
+        residuals=(*state.residuals, diagnosis.residual),
+        probabilities=(*state.probabilities, diagnosis.probability),
+        seeds=(*state.seeds, method.seed(search)),
+    )
+
+
+def _trial(job: Job, state: RunState) -> Iterator[RunState]:
+    trial = job.target(job.simulator.controller(state.controllers[-1], job.settings.steps))
+    last = state.number >= job.settings.passes
+    number = state.number if last else state.number + 1
+    yield replace(state, phase="done" if last else "estimation", number=number, trials=(*state.trials, trial))
+
+
+def _row(number: int, phase: str, generation: int, values: Sequence[float] | np.ndarray, dominants: int) -> Row:
+    return Row(number, phase, generation, float(values[0]), float(np.median(values)), dominants)

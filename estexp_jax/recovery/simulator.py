@@ -1,0 +1,169 @@
+"""The robot's simulator as both phases use it: sets of changes and controllers in, trials out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar, final
+
+import jax
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.changes import Change, Values, encode, stack
+from estexp_jax.physics.controllers import n_weights
+from estexp_jax.physics.effects.base import CommandShift
+from estexp_jax.physics.engines.mjx_walk import BodyState, Walk, Walker, walker
+from estexp_jax.physics.registry import PAPER, catalogue, effect
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.trial import Controller, Trial
+
+_Tree = TypeVar("_Tree")
+
+_WIDTHS = (16, 56)
+"""Narrowest and widest chunk: below, a chunk's fixed costs dominate; above, nothing is gained."""
+_LANES = 8
+"""Robots in a chunk are a multiple of this, and one filler."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Simulator:
+    """Simulates any damage on any controller, with one executable.
+
+    Attributes:
+        walker: the engine.
+        settle_steps: control steps with motors at home before each trial.
+        control_step: s.
+    """
+
+    walker: Walker
+    settle_steps: int
+    control_step: float
+
+    @property
+    def robot(self) -> Robot:
+        """The nominal robot."""
+        return self.walker.robot
+
+    @property
+    def n_weights(self) -> int:
+        """Length of a controller's genome."""
+        face = self.walker.interface
+        return n_weights(face.n_inputs, face.n_outputs)
+
+    def controller(self, weights: np.ndarray, steps: int) -> Controller:
+        """A controller (n_weights,) as a robot in the world runs it."""
+        return Controller(weights, self.walker.interface, self.walker.gain, self.control_step, steps)
+
+    def settled(self, sets: Sequence[Sequence[Change]]) -> BodyState:
+        """Where robots with these changes come to rest: what each trial of theirs starts from, (sets, ...)."""
+        values = stack(self._values(sets))
+        spread, real = _spread(len(sets), self.walker.width)
+        body = self.walker.settle(_taken(values, spread), self.settle_steps)
+        return _taken(body, real)
+
+    def walks(self, changes: Sequence[Change], start: BodyState, weights: np.ndarray, steps: int) -> Walk:
+        """One damaged robot under many controllers.
+
+        Args:
+            changes: what differs from the nominal robot.
+            start: of one robot, batched: `settled([changes])`.
+            weights: (controllers, n_weights).
+            steps: control steps.
+        """
+        n = len(weights)
+        starts = jax.tree.map(lambda x: np.broadcast_to(x[0], (n, *x.shape[1:])), start)
+        return self._walk(stack(self._values([changes]) * n), weights, starts, steps)
+
+    def trials(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
+        """Many damaged robots, each under the same few controllers.
+
+        Args:
+            sets: the changes of each robot.
+            weights: (controllers, n_weights).
+            steps: control steps.
+
+        Returns:
+            Arrays (sets, controllers, ...).
+        """
+        c, values = len(weights), self._values(sets)
+        starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), self.settled(sets))
+        many = {name: np.repeat(array, c, axis=0) for name, array in stack(values).items()}
+        walk = self._walk(many, np.tile(weights, (len(sets), 1)), starts, steps)
+        return jax.tree.map(lambda x: x.reshape(len(sets), c, *x.shape[1:]), walk)
+
+    def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
+        """Many damaged robots, each under its own controller.
+
+        Args:
+            sets: the changes of each robot.
+            weights: (len(sets), n_weights).
+            steps: control steps.
+        """
+        return self._walk(stack(self._values(sets)), weights, self.settled(sets), steps)
+
+    def trial(self, changes: Sequence[Change], weights: np.ndarray, steps: int) -> Trial:
+        """One trial of one damaged robot."""
+        walk = self.walks(changes, self.settled([changes]), weights[None], steps)
+        time = self.control_step * np.arange(steps)
+        return Trial(time, walk.readings[0], walk.commands[0], walk.position[0])
+
+    def _walk(self, values: Values, weights: np.ndarray, start: BodyState, steps: int) -> Walk:
+        spread, real = _spread(len(weights), self.walker.width)
+        walk = self.walker.walk(_taken(values, spread), weights[spread], _taken(start, spread), steps)
+        return _taken(walk, real)
+
+    def _values(self, sets: Sequence[Sequence[Change]]) -> list[dict[str, np.ndarray]]:
+        return [encode(self.robot, self.walker.catalogue, changes) for changes in sets]
+
+
+def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) -> Simulator:
+    """The simulator of a run.
+
+    Its catalogue holds the paper's modifications, the controller's faults, and what else is planted.
+
+    Raises:
+        InputError: a planted effect has no place in closed loop, or the robot has no controller's senses.
+    """
+    late = next((c for c in planted if isinstance(effect(c.effect), CommandShift)), None)
+    if late is not None:
+        raise InputError(f"'{late.effect}' is not simulated in closed loop", where="--damage")
+    names = dict.fromkeys([*PAPER, "neuron_fault", "tied_outputs", *(c.effect for c in planted)])
+    engine = walker(
+        robot,
+        catalogue(names),
+        rows=max(settings.steps, settings.settle_steps, settings.samples),
+        control_step=settings.control_step,
+        gain=settings.gain,
+        width=_width(settings.population),
+    )
+    return Simulator(engine, settings.settle_steps, settings.control_step)
+
+
+def _width(population: int) -> int:
+    """A quarter of the population, so that its new half still fills two chunks, one a core; and the filler."""
+    quarter = -(-population // 4)
+    return int(np.clip(-(-quarter // _LANES) * _LANES, *_WIDTHS)) + 1
+
+
+def _spread(n: int, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Which robot goes where, so that a robot's walk does not depend on its place in the batch.
+
+    XLA steps through a chunk by vectors of robots, but always leaves at least one over for other, scalar code, in which
+    a robot walks differently in the last bits; some hundred steps later, by decimetres. With a filler in the last place
+    of each chunk every robot takes the vector code, and a diagnosis that is exact foretells the trial exactly.
+
+    Returns:
+        The robot in each place (n + fillers,), and the places of the robots (n,).
+    """
+    robots = np.arange(n)
+    places = robots + robots // (width - 1)
+    spread = np.zeros(places[-1] + 1, dtype=int)
+    spread[places] = robots
+    return spread, places
+
+
+def _taken(tree: _Tree, places: np.ndarray) -> _Tree:
+    return jax.tree.map(lambda x: np.asarray(x)[places], tree)

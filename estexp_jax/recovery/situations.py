@@ -1,0 +1,144 @@
+"""The paper's unanticipated situations, at places drawn with a seed.
+
+Source: Bongard and Lipson 2004, Table 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import mujoco
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.interface import interface_of
+from estexp_jax.physics.registry import effect
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recovery.edits import Place, change_of, places
+
+TABLE: dict[int, str] = {
+    1: "one motor weakens by 50 %",
+    2: "the mass of one body doubles",
+    3: "an entire leg breaks off",
+    4: "an entire leg breaks off, and a sensor fails by 50 %",
+    5: "an angle sensor fails by 50 %",
+    6: "a joint jams by 50 %",
+    7: "an entire leg breaks off, and a joint jams by 50 %",
+    8: "an entire leg breaks off, a joint jams by 50 %, and a sensor fails by 50 %",
+    9: "nothing breaks",
+    10: "the robot stands on a slope of 30 degrees, sideways to its way",
+    11: "a hidden neuron fails by 50 %",
+    12: "two motor neurons give the same value",
+    13: "the mass of one body halves",
+}
+"""The thirteen situations. Where the text says "increases by 200 %", the mass doubles, the most the genome can say."""
+
+_TAG = 13
+_ANGLE = int(mujoco.mjtSensor.mjSENS_JOINTPOS)
+
+
+def situation(number: int, robot: Robot, seed: int) -> tuple[Change, ...]:
+    """What happens to a robot.
+
+    Args:
+        number: 1 to 13.
+        robot: the nominal robot; places are drawn among its own.
+        seed: of the draw.
+
+    Raises:
+        InputError: there is no such situation, or the robot has no place for it.
+    """
+    if number not in TABLE:
+        raise InputError(f"there is no situation {number}", right="1 to 13, as in the paper's Table 1")
+    draw = _Draw(robot, number, np.random.default_rng([seed, _TAG, number]))
+    return _RECIPES[number](draw)
+
+
+class _Draw:
+    """Draws places on one robot for one situation."""
+
+    def __init__(self, robot: Robot, number: int, random: np.random.Generator) -> None:
+        self.robot, self.number, self.random = robot, number, random
+
+    def one(self, choices: Sequence[str], what: str) -> str:
+        """A name, or the user's error that there is none."""
+        if not choices:
+            right = f"choose another situation or --damage: {TABLE[self.number]}"
+            raise InputError(
+                f"situation {self.number} needs {what}, and the robot has none", where=self.robot.source, right=right
+            )
+        return str(choices[int(self.random.integers(len(choices)))])
+
+    def edit(self, name: str, amount: float, what: str, spared: frozenset[int] = frozenset()) -> Change:
+        """One of the paper's modifications at any of its places that is not on a spared body."""
+        choices = [p for p in places(self.robot, name) if not self._body(p) & spared]
+        chosen = self.one([p.name or "" for p in choices], what)
+        return change_of(self.robot, Place(name, chosen), amount)
+
+    def leg(self) -> Change:
+        """An entire leg: what hangs from the root by a hinge or slide."""
+        robot = self.robot
+        lost = [robot.index("body", name) for name in effect("part_lost").sites(robot)]
+        legs = [b for b in lost if int(robot.model.body_parentid[b]) not in lost]
+        names = [robot.names("body")[b] for b in legs]
+        return change_of(robot, Place("part_lost", self.one(names, "a leg")), 1.0)
+
+    def angle(self) -> Change:
+        """An angle sensor at half its value."""
+        robot = self.robot
+        names = interface_of(robot).names
+        angles = [n for n in names if int(robot.model.sensor_type[robot.index("sensor", n)]) == _ANGLE]
+        return change_of(robot, Place("sensor_gain", self.one(angles, "an angle sensor")), 0.5)
+
+    def with_leg(self, *others: tuple[str, str]) -> tuple[Change, ...]:
+        """A leg lost, and other failures by 50 % that are not on it."""
+        leg = self.leg()
+        spared = frozenset(self.robot.subtree(self.robot.index("body", leg.name or "")))
+        return (leg, *(self.edit(name, 0.5, what, spared) for name, what in others))
+
+    def neuron(self) -> Change:
+        """A hidden neuron at half its output."""
+        return Change("neuron_fault", self.one(effect("neuron_fault").sites(self.robot), "a neuron"), {"gain": 0.5})
+
+    def tie(self) -> Change:
+        """A motor that repeats another's command."""
+        motors = self.robot.names("actuator")
+        first = self.one(motors, "a motor")
+        second = self.one([m for m in motors if m != first], "a second motor")
+        return Change("tied_outputs", first, {"with": 1.0 + motors.index(second)})
+
+    def _body(self, place: Place) -> frozenset[int]:
+        robot, name = self.robot, place.name or ""
+        match effect(place.effect).kind:
+            case "joint":
+                return frozenset({int(robot.model.jnt_bodyid[robot.index("joint", name)])})
+            case "sensor":
+                body = robot.body_of_sensor(robot.index("sensor", name))
+                return frozenset() if body is None else frozenset({body})
+            case _:
+                return frozenset()
+
+
+_JAM, _SENSOR = ("joint_jam", "a joint"), ("sensor_gain", "a sensor")
+
+
+def _slope(draw: _Draw) -> tuple[Change, ...]:
+    return (change_of(draw.robot, Place("gravity_tilt", None), 1.0),)
+
+
+_RECIPES: dict[int, Callable[[_Draw], tuple[Change, ...]]] = {
+    1: lambda draw: (draw.edit("motor_weakness", 0.5, "a motor"),),
+    2: lambda draw: (draw.edit("body_mass", 1.0, "a body"),),
+    3: lambda draw: draw.with_leg(),
+    4: lambda draw: draw.with_leg(_SENSOR),
+    5: lambda draw: (draw.angle(),),
+    6: lambda draw: (draw.edit("joint_jam", 0.5, "a joint"),),
+    7: lambda draw: draw.with_leg(_JAM),
+    8: lambda draw: draw.with_leg(_JAM, _SENSOR),
+    9: lambda draw: (),
+    10: _slope,
+    11: lambda draw: (draw.neuron(),),
+    12: lambda draw: (draw.tie(),),
+    13: lambda draw: (draw.edit("body_mass", -0.5, "a body"),),
+}

@@ -1,0 +1,39 @@
+"""The robot in the world: a controller goes in, a recorded trial comes out.
+
+Trials are what is scarce: `RunState.trials` keeps them, and so counts them. Any callable that takes a `Controller` and
+returns a `Trial` will do; the two kinds that come with the package are simulated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol, final
+
+from estexp_jax.physics.changes import Change
+from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.trial import Controller, Trial
+
+
+class Target(Protocol):
+    """A robot in the world."""
+
+    def __call__(self, controller: Controller) -> Trial:
+        """Drive the robot, from rest, for `controller.steps` control steps of `controller.control_step`."""
+        ...
+
+
+@final
+class SameTarget:
+    """The simulator itself with damage planted in it: nothing but the damage is unknown.
+
+    Args:
+        simulator: its catalogue holds the planted effects.
+        planted: what differs.
+    """
+
+    def __init__(self, simulator: Simulator, planted: Sequence[Change]) -> None:
+        self._simulator, self._planted = simulator, tuple(planted)
+
+    def __call__(self, controller: Controller) -> Trial:
+        """See `Target`."""
+        return self._simulator.trial(self._planted, controller.weights, controller.steps)

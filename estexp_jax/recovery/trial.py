@@ -1,0 +1,114 @@
+"""What a robot's trial leaves behind, and the controller that drove it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.controllers import HIDDEN, Network, decode, n_weights, respond
+from estexp_jax.physics.interface import Interface
+
+AXES = {"x": (0, 1.0), "-x": (0, -1.0), "y": (1, 1.0), "-y": (1, -1.0)}
+"""Axis of travel: component of the root's position, and sign."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One recorded walk; rows are control steps.
+
+    Attributes:
+        time: (rows,) s.
+        readings: (rows, n_inputs) raw readings before the row's command acts; touch as +1/-1.
+        commands: (rows, nu) in each actuator's unit.
+        position: (rows, 3) of the root, m.
+    """
+
+    time: np.ndarray
+    readings: np.ndarray
+    commands: np.ndarray
+    position: np.ndarray
+
+    def __post_init__(self) -> None:
+        rows = len(self.time)
+        if any(len(table) != rows for table in (self.readings, self.commands, self.position)):
+            raise InputError("a trial's time, readings, commands and position differ in length", where="trial")
+
+    def distance(self, axis: str) -> float:
+        """How far the root came along an axis, m."""
+        return float(distances(self.position, axis))
+
+    def to_tree(self) -> dict[str, np.ndarray]:
+        """What a checkpoint holds."""
+        return {name: getattr(self, name) for name in ("time", "readings", "commands", "position")}
+
+    @classmethod
+    def from_tree(cls, tree: dict[str, Any]) -> Trial:
+        """The inverse of `to_tree`."""
+        return cls(*(np.asarray(tree[name]) for name in ("time", "readings", "commands", "position")))
+
+
+def distances(position: np.ndarray, axis: str) -> np.ndarray:
+    """How far roots came along an axis, m: (..., rows, 3) to (...)."""
+    component, sign = AXES[axis]
+    return sign * (position[..., -1, component] - position[..., 0, component])
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """A network as a robot in the world runs it.
+
+    Attributes:
+        weights: (n_weights,) in [-1, 1].
+        interface: what it sees and moves.
+        gain: of the neurons' tanh.
+        control_step: time between two commands, s.
+        steps: commands of a trial.
+    """
+
+    weights: np.ndarray
+    interface: Interface
+    gain: float
+    control_step: float
+    steps: int
+
+    def network(self) -> Network:
+        """The network of its weights."""
+        face = self.interface
+        if len(self.weights) != n_weights(face.n_inputs, face.n_outputs):
+            raise InputError(f"{len(self.weights)} weights", where="controller", right="the robot's own controller")
+        return decode(jnp.asarray(self.weights, jnp.float32), face.n_inputs, face.n_outputs)
+
+    def rest(self) -> np.ndarray:
+        """What the hidden neurons hold before the first step, (HIDDEN,)."""
+        return np.zeros(HIDDEN, np.float32)
+
+    def respond(self, hidden: np.ndarray, readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """One control step.
+
+        Args:
+            hidden: (HIDDEN,) of the step before; `rest()` at first.
+            readings: (n_inputs,) raw, touch as +1/-1, in the order of `interface.names`.
+
+        Returns:
+            Hidden outputs (HIDDEN,) for the next step, and commands (nu,) in each actuator's unit.
+        """
+        return drive(self.network(), self.interface, self.gain, hidden, readings)
+
+
+def drive(
+    network: Network, interface: Interface, gain: float, hidden: np.ndarray, readings: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `Controller.respond`, for a network that may carry a fault."""
+    inputs = interface.inputs(jnp.asarray(readings, jnp.float32))
+    hidden, outputs = _respond(network, jnp.asarray(hidden, jnp.float32), inputs, gain)
+    return np.asarray(hidden), np.asarray(interface.commands(outputs), np.float32)
+
+
+_respond = jax.jit(respond, static_argnums=3)

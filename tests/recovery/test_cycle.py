@@ -1,0 +1,99 @@
+"""The whole loop, small: its order, its record, and that it goes on from any state bit for bit."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estexp_jax.errors import InputError
+from estexp_jax.recovery.config import Settings, quick
+from estexp_jax.recovery.cycle import Job, run
+from estexp_jax.recovery.exploration import exploration_score
+from estexp_jax.recovery.state import RunState
+from estexp_jax.recovery.trial import Controller, Trial
+
+
+def equal(a: Any, b: Any) -> bool:
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(equal(a[k], b[k]) for k in a)
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(equal(x, y) for x, y in zip(a, b, strict=True))
+    return bool(np.array_equal(a, b, equal_nan=isinstance(a, float)))
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["set search", "paper"])
+def variant(request: pytest.FixtureRequest, job: Job) -> Job:
+    return replace(job, settings=replace(job.settings, paper=request.param))
+
+
+@pytest.fixture(scope="module")
+def states(variant: Job) -> list[RunState]:
+    return list(run(variant))
+
+
+def test_phases_follow_the_paper(variant: Job, states: list[RunState]) -> None:
+    last, settings = states[-1], variant.settings
+    assert last.phase == "done"
+    assert len(last.controllers) == settings.passes + 1 == len(last.trials) == len(last.simulated)
+    assert len(last.diagnoses) == settings.passes == len(last.passes("x"))
+    phases = list(dict.fromkeys((row.number, row.phase) for row in last.history))
+    assert phases == [(0, "exploration")] + [(i, p) for i in (1, 2) for p in ("estimation", "exploration")]
+
+
+def test_every_generation_is_in_the_history(variant: Job, states: list[RunState]) -> None:
+    for number in range(variant.settings.passes + 1):
+        rows = [row for row in states[-1].history if (row.number, row.phase) == (number, "exploration")]
+        assert [row.generation for row in rows] == list(range(1, variant.settings.generations + 1))
+        assert np.all(np.diff([row.best for row in rows]) >= 0.0)
+        assert rows[-1].best == states[-1].simulated[number]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.5, 0.7, 0.9])
+def test_going_on_from_any_state_gives_the_same_bits(variant: Job, states: list[RunState], share: float) -> None:
+    kept = RunState.from_tree(states[int(share * len(states))].to_tree())
+    assert equal(list(run(variant, kept))[-1].to_tree(), states[-1].to_tree())
+
+
+def test_controllers_start_from_the_robot_as_diagnosed(variant: Job, states: list[RunState]) -> None:
+    last = states[-1]
+    for i, diagnosis in enumerate([(), *last.diagnoses]):
+        score = exploration_score(variant.simulator, variant.settings, diagnosis)
+        assert score(last.controllers[i][None])[0] == -last.simulated[i]
+
+
+def test_an_exact_diagnosis_foretells_the_trial(job: Job) -> None:
+    last = list(run(job))[-1]
+    assert last.diagnoses[-1] == job.planted
+    assert last.passes("x")[-1].hardware == last.simulated[-1]
+
+
+def test_any_callable_is_a_target(job: Job) -> None:
+    calls: list[int] = []
+
+    def still(controller: Controller) -> Trial:
+        hidden, commands = controller.respond(controller.rest(), job.simulator.walker.interface.rest)
+        assert hidden.shape == (3,) and commands.shape == (8,)
+        calls.append(controller.steps)
+        rows = controller.steps
+        return Trial(np.arange(rows) * 0.01, np.zeros((rows, 8)), np.zeros((rows, 8)), np.zeros((rows, 3)))
+
+    settings = replace(job.settings, paper=True)
+    last = list(run(replace(job, settings=settings, target=still, healthy=None, planted=())))[-1]
+    assert calls == [30, 30, 30]
+    assert [trial.distance("x") for trial in last.trials] == [0.0] * 3
+    assert last.before is not None and last.before.distance("x") == last.simulated[0]
+
+
+def test_impossible_settings_are_the_users_errors() -> None:
+    wrongs: list[dict[str, Any]] = [
+        {"situation": 14},
+        {"population": 2},
+        {"window": 5},
+        {"steps": 20},
+        {"settle_steps": 2000},
+    ]
+    for wrong in wrongs:
+        with pytest.raises(InputError, match=f"--{next(iter(wrong)).replace('_', '-')}"):
+            Settings(**wrong)
+    assert quick(Settings(seed=5)).seed == 5

@@ -1,0 +1,72 @@
+"""A robot's walk is its own business."""
+
+import numpy as np
+import pytest
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.changes import Change, parse_change
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.edits import Place, change_of
+from estexp_jax.recovery.front import rollout
+from estexp_jax.recovery.simulator import Simulator, simulator
+
+STEPS = 30
+
+
+def controllers(n: int, world: Simulator) -> np.ndarray:
+    return np.random.default_rng(0).integers(-100, 101, (n, world.n_weights)) / 100
+
+
+def test_a_walk_does_not_depend_on_its_place_in_the_batch(world: Simulator) -> None:
+    weights, start = controllers(40, world), world.settled([()])
+    walks, order = world.walks((), start, weights, STEPS), np.random.default_rng(1).permutation(40)
+    assert np.array_equal(walks.position[order], world.walks((), start, weights[order], STEPS).position)
+    assert np.array_equal(walks.readings[33], world.trial((), weights[33], STEPS).readings)
+
+
+def test_trials_of_many_robots_are_those_of_each(world: Simulator, quadruped: Robot) -> None:
+    sets = [
+        (),
+        (change_of(quadruped, Place("part_lost", "upper_l"), 1.0),),
+        (Change("gravity_tilt", None, {"angle": 0.3}),),
+    ]
+    weights = controllers(2, world)
+    many = world.trials(sets, weights, STEPS)
+    assert many.readings.shape == (3, 2, STEPS, 8)
+    for i, changes in enumerate(sets):
+        for j in range(2):
+            assert np.array_equal(many.readings[i, j], world.trial(changes, weights[j], STEPS).readings)
+
+
+def test_a_lost_leg_shows_its_sensors_at_rest(world: Simulator, quadruped: Robot) -> None:
+    lost = change_of(quadruped, Place("part_lost", "upper_l"), 1.0)
+    trial = world.trial([lost], controllers(1, world)[0], STEPS)
+    names = world.walker.interface.names
+    assert np.all(trial.readings[:, names.index("touch_l")] == -1.0)
+    assert np.all(trial.readings[:, names.index("angle_l")] == 0.0)
+    assert np.ptp(trial.readings[:, names.index("angle_r")]) > 0.01
+
+
+def test_effects_without_a_place_in_closed_loop_are_refused(quadruped: Robot) -> None:
+    late = parse_change("command_delay@knee_f delay=0.02", quadruped)
+    with pytest.raises(InputError, match="closed loop"):
+        simulator(quadruped, Settings(), [late])
+
+
+def test_rollout_refuses_shapes_that_do_not_fit(quadruped: Robot) -> None:
+    with pytest.raises(InputError, match="one row of 68 weights for each of the 2 robots"):
+        rollout(quadruped, [[], ["motor_weakness@knee_f loss=0.5"]], np.zeros((1, 68)), steps=30)
+
+
+def test_rollout_is_each_robots_own_trial(quadruped: Robot, world: Simulator) -> None:
+    weights, edits = (
+        controllers(3, world),
+        [[], ["motor_weakness@knee_f loss=0.5"], [Change("gravity_tilt", None, {"angle": 0.3})]],
+    )
+    walks = rollout(quadruped, edits, weights, steps=STEPS, settle_steps=10)
+    assert walks.readings.shape == (3, STEPS, 8) and walks.position.shape == (3, STEPS, 3)
+    weak = parse_change("motor_weakness@knee_f loss=0.5", quadruped)
+    for i, changes in enumerate([(), (weak,), (edits[2][0],)]):
+        assert np.array_equal(walks.readings[i], world.trial(changes, weights[i], STEPS).readings)
+    assert not walks.failed.any()
