@@ -1,0 +1,111 @@
+"""What an explanation of recordings consists of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from estexp_jax.discovery.selection import Selection
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.robot import Robot
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Case:
+    """Recordings of a robot and its nominal simulator.
+
+    Attributes:
+        robot: the nominal robot.
+        recordings: training and test recordings, at least one of each.
+        robots: for each recording, the nominal robot with what is known of that recording.
+    """
+
+    robot: Robot
+    recordings: tuple[Recording, ...]
+    robots: tuple[Robot, ...]
+
+    def indices(self, role: str) -> list[int]:
+        """Indices of the recordings of a role."""
+        return [i for i, r in enumerate(self.recordings) if r.role == role]
+
+
+@final
+@dataclass(frozen=True)
+class ExplainConfig:
+    """How to explain.
+
+    Attributes:
+        window: length of the windows that are fitted, compared and written, s; infinite for whole recordings.
+        most: largest number of effects in an explanation.
+        effects: names of the effects to consider.
+        seed: of the resampling behind probabilities and intervals.
+    """
+
+    window: float = 2.0
+    most: int = 3
+    effects: tuple[str, ...] = (
+        "viscous_friction",
+        "coulomb_friction",
+        "load_dependent_friction",
+        "armature",
+        "back_emf",
+        "command_delay",
+        "motor_weakness",
+        "sensor_bias",
+        "body_mass",
+    )
+    seed: int = 0
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """One recording beside the two simulators.
+
+    Attributes:
+        recording: its file name.
+        role: train or test.
+        time: (rows,) s.
+        window: (rows,) number of the window each row lies in.
+        channels: names of the readings.
+        recorded, nominal, explained: (rows, channels); NaN where there is no sample.
+    """
+
+    recording: str
+    role: str
+    time: np.ndarray
+    window: np.ndarray
+    channels: tuple[str, ...]
+    recorded: np.ndarray
+    nominal: np.ndarray
+    explained: np.ndarray
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What was found.
+
+    Attributes:
+        case: what was explained.
+        config: how.
+        findings: as in `findings.json`, but for cost and versions, which the caller knows.
+        selection: all explanations tried.
+        changes: the explained simulator: claimed effects and refitted values of the model.
+        mjcf_changes: what `model_explained.xml` holds; refitted without what MJCF cannot say.
+        left_out: the claims that MJCF cannot say.
+        predictions: one for each recording.
+    """
+
+    case: Case
+    config: ExplainConfig
+    findings: dict[str, Any]
+    selection: Selection
+    changes: tuple[Change, ...]
+    mjcf_changes: tuple[Change, ...]
+    left_out: tuple[Change, ...]
+    predictions: tuple[Prediction, ...]

@@ -1,0 +1,221 @@
+"""Explaining recordings: compare, refit, hypothesise, choose on held-out windows, prove on test recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from estexp_jax.discovery import findings as tell
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
+from estexp_jax.discovery.export import expressible
+from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.hypotheses import claiming, known_values, parameters_only
+from estexp_jax.discovery.location import where
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.resolution import resolution
+from estexp_jax.discovery.selection import Selection, folds_of, probabilities, select, windows_to_fit
+from estexp_jax.discovery.uncertainty import gain_interval, parameter_intervals
+from estexp_jax.discovery.verdict import bent_values, verdict
+from estexp_jax.inference.accuracy import gain
+from estexp_jax.inference.channels import channels_of
+from estexp_jax.inference.noise import noise_floor
+from estexp_jax.inference.windows import segments_of
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.engines.mjx_replay import replayer
+from estexp_jax.physics.registry import catalogue
+
+FINER = 4
+"""The explained simulator steps at this part of the nominal step."""
+_PRICE = 1e-3
+"""Price of a model's value being off by 10 %, as a share of the nominal simulator's squared error: breaks ties only."""
+
+
+def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
+    """The comparison of a case, with windows of the configured length.
+
+    Raises:
+        InputError: the model cannot be simulated, or there is no reading to compare.
+    """
+    simulator = replayer(case.robot, catalogue(config.effects), case.robots)
+    coarse, fine = (tuple(segments_of(case.robots, case.recordings, config.window, finer)) for finer in (1, FINER))
+    return Problem(simulator, case.recordings, coarse, fine, channels_of(case.robot, case.recordings), [0], memory)
+
+
+def explain(
+    case: Case, config: ExplainConfig, memory: dict[str, Any] | None = None
+) -> Generator[Progress, None, Diagnosis]:
+    """Explain a case. Test recordings are looked at only after everything is chosen and fitted.
+
+    Args:
+        case: what is to be explained.
+        config: how.
+        memory: what an interrupted explanation of the same case had found; filled further as this one goes on.
+
+    Yields:
+        Progress.
+
+    Raises:
+        InputError: the model cannot be simulated, or there is no reading to compare.
+    """
+    problem = problem_of(case, config, {} if memory is None else memory)
+    train = problem.windows_of(case.indices("train"))
+    settings = {name for r in case.recordings for name in r.settings}
+    parameters = parameters_only(case.robot, problem.replayer.catalogue, known_values(case.robot, settings))
+    nominal = Fit(parameters, parameters.start(), np.inf)
+    price = _PRICE * problem.error(nominal.member, train) ** 2
+    fitted = windows_to_fit(problem, case.indices("train"))
+    folds = folds_of(problem, case.indices("train"))
+    level = resolution(case, config, problem, nominal.member, _floors(case, problem)["train"])
+    selection, problem = yield from select(problem, parameters, folds, price, config.most, level)
+    final, sayable, own = yield from _refitted(problem, selection, fitted, price)
+    yield Progress("test recordings", 0, 1)
+    return _diagnosis(case, config, problem, selection, (nominal, own, final, sayable), price, level)
+
+
+def _refitted(
+    problem: Problem, selection: Selection, windows: np.ndarray, price: float
+) -> Generator[Progress, None, tuple[Fit, Fit, Fit]]:
+    """The chosen explanation, its part that MJCF can say, and parameters alone, fitted to all training windows."""
+    chosen, parameters = selection.chosen.fitted, selection.parameters.fitted
+    changes = chosen.hypothesis.changes(chosen.vector, claimed=True)
+    said = [(c.effect, c.name or "") for c in changes if expressible(c)]
+    sayable = claiming(problem.replayer.robot, parameters.hypothesis, said)
+    known = {(f.effect, f.site, f.parameter): v for f, v in zip(chosen.hypothesis.free, chosen.vector, strict=True)}
+    start = np.array([known.get((f.effect, f.site, f.parameter), f.neutral) for f in sayable.free])
+    tasks: list[Task] = [
+        (chosen.hypothesis, [chosen.vector]),
+        (sayable, [start]),
+        (parameters.hypothesis, [parameters.vector]),
+    ]
+    final, said_fit, own = yield from fit(problem, tasks, windows, price, stage="all training recordings")
+    return final, said_fit, own
+
+
+def _diagnosis(
+    case: Case,
+    config: ExplainConfig,
+    problem: Problem,
+    selection: Selection,
+    fits: tuple[Fit, Fit, Fit, Fit],
+    price: float,
+    level: float,
+) -> Diagnosis:
+    nominal, own, final, sayable = fits
+    claimed = final.hypothesis.changes(final.vector, claimed=True)
+    fitted = windows_to_fit(problem, case.indices("train"))
+    floors = _floors(case, problem)
+    found = verdict(case.robot, selection, level, claimed)
+    if found == "consistent":  # then nothing is changed, not even what a refit would bend
+        final = sayable = nominal
+        claimed = ()
+    shares = probabilities(selection, config.seed)
+    told = (
+        bent_values(case.robot, final.hypothesis, final.hypothesis.changes(final.vector))
+        if found == "parameters"
+        else ()
+    )
+    intervals = parameter_intervals(problem, final, fitted, price)
+    named = () if found in ("consistent", "unexplained") else (*claimed, *told)
+    test, exact = problem.windows_of(case.indices("test")), problem.exact()
+    body: dict[str, Any] = {
+        "schema": "estexp.findings/1",
+        "verdict": found,
+        "side": tell.side(named),
+        "where": [] if found == "consistent" else where(case.robot, selection),
+        "when": {"regime": "throughout", "onset_s": {case.recordings[i].name: None for i in case.indices("train")}},
+        "what": [
+            tell.what_entry(
+                c, final, intervals, tell.presence(selection, shares, (c.effect, c.name or "")) if c in claimed else 1.0
+            )
+            for c in named
+        ],
+        "alternatives": tell.alternatives(selection, shares, lambda f: exact.error(f.member, test)),
+        "fit": _fit_entry(
+            case, config, problem, {"nominal": nominal, "parameters_only": own, "explained": final}, floors
+        ),
+        "advice": tell.advice(found, claimed, case.recordings, shares)
+        + tell.step_advice(selection, level, float(case.robot.model.opt.timestep)),
+        "data": tell.data_entries(case.recordings),
+        "cost": {"wall_s": None, "compile_s": None, "robot_steps": problem.counted[0]},
+        "seed": config.seed,
+        "versions": {},
+    }
+    return Diagnosis(
+        case,
+        config,
+        body,
+        selection,
+        changes=_told(final),
+        mjcf_changes=_told(sayable),
+        left_out=tuple(c for c in claimed if not expressible(c)),
+        predictions=_predictions(case, problem, nominal, final),
+    )
+
+
+_ROLES = ("train", "test")
+
+
+def _told(fitted: Fit) -> tuple[Change, ...]:
+    """The changes of a fit, without those that change nothing."""
+    off = {(f.effect, f.site) for f, v in zip(fitted.hypothesis.free, fitted.vector, strict=True) if v != f.neutral}
+    return tuple(c for c in fitted.hypothesis.changes(fitted.vector) if (c.effect, c.name or "") in off)
+
+
+def _floors(case: Case, problem: Problem) -> dict[str, float]:
+    """Noise floors of training and test recordings."""
+    return {role: noise_floor(problem.channels, [case.recordings[i] for i in case.indices(role)]) for role in _ROLES}
+
+
+def _fit_entry(
+    case: Case, config: ExplainConfig, problem: Problem, fits: dict[str, Fit], floors: dict[str, float]
+) -> dict[str, Any]:
+    """Errors of nominal, rivals and explanation on training and test recordings, and the gain on the test recordings.
+
+    The nominal simulator runs at its own step, the others at the finer one.
+    """
+    windows = {role: problem.windows_of(case.indices(role)) for role in _ROLES}
+    own, exact = replace(problem, correction=None), problem.exact()
+    at = {name: own if name == "nominal" else exact for name in fits}
+    errors = {name: {role: at[name].error(f.member, w) for role, w in windows.items()} for name, f in fits.items()}
+    residuals = [at[n].residuals([fits[n].member], windows["test"])[0] for n in ("nominal", "explained")]
+    costs = [np.sum(np.square(r, dtype=float), axis=(1, 2)) for r in residuals]
+    low, high = gain_interval(costs[0], costs[1], floors["test"], config.seed)
+    value = gain(errors["explained"]["test"], errors["nominal"]["test"], floors["test"])
+    return {
+        "metric": "nrmse",
+        "window_s": config.window,
+        "noise_floor": floors,
+        "nominal": errors["nominal"],
+        "parameters_only": errors["parameters_only"],
+        "black_box": {},
+        "placebo": {},
+        "explained": errors["explained"],
+        "gain": {"value": value, "low": float(low), "high": float(high)},
+    }
+
+
+def _predictions(case: Case, problem: Problem, nominal: Fit, final: Fit) -> tuple[Prediction, ...]:
+    found = []
+    for index, recording in enumerate(case.recordings):
+        windows = problem.windows_of([index])
+        pair = ((replace(problem, correction=None), nominal), (problem.exact(), final))
+        simulated = [comparison.simulated([f.member], windows)[0] for comparison, f in pair]
+        rows = [problem.segments[w].rows for w in windows]
+        joined = [np.concatenate([s[k, :n] for k, n in enumerate(rows)]) for s in simulated]
+        number = np.repeat(np.arange(len(windows)), rows)
+        recorded = problem.channels.recorded(recording)
+        prediction = Prediction(
+            recording.name,
+            recording.role,
+            recording.time,
+            number,
+            problem.channels.names,
+            recorded,
+            joined[0],
+            joined[1],
+        )
+        found.append(prediction)
+    return tuple(found)

@@ -1,0 +1,49 @@
+"""The explained model as MJCF: what MJCF can say is in it, what it cannot is named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import mujoco
+
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.base import Edit, Term
+from estexp_jax.physics.registry import effect
+from estexp_jax.physics.robot import Robot
+
+
+def expressible(change: Change) -> bool:
+    """Whether MJCF has a place for a change."""
+    return effect(change.effect).in_mjcf
+
+
+def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> mujoco.MjSpec:
+    """A description of the robot with the changes that MJCF can express in it, at a part of the robot's step.
+
+    Files the model refers to (meshes, textures) are given by absolute paths, so that it loads from anywhere.
+    """
+    spec = robot.spec.copy()
+    for change in changes:
+        e = effect(change.effect)
+        if expressible(change) and isinstance(e, (Edit, Term)):
+            e.write_mjcf(robot, spec, change.name or "", change.parameters)
+    spec.option.timestep /= finer
+    folder = Path(robot.source).resolve().parent
+    if list(spec.meshes) or list(spec.hfields) or list(spec.skins):
+        spec.compiler.meshdir = str(folder / spec.compiler.meshdir)
+    if any(texture.file for texture in spec.textures):
+        spec.compiler.texturedir = str(folder / spec.compiler.texturedir)
+    spec.compile()
+    return spec
+
+
+def explained_xml(robot: Robot, changes: Sequence[Change], left_out: Sequence[Change], finer: int) -> str:
+    """MJCF text of `explained_spec`, headed by what it contains and what it lacks."""
+    lines = ["The nominal model with the physics that its recordings show it lacked."]
+    step = robot.model.opt.timestep
+    lines += [f"Its step is {step / finer:g} s instead of {step:g} s."]
+    lines += [f"In it: {c.sentence()}." for c in changes if expressible(c)]
+    lines += [f"NOT in it, MJCF has no place for it: {c.sentence()} ({c.place})." for c in left_out]
+    comment = "\n     ".join(lines).replace("--", "- -")
+    return f"<!-- {comment} -->\n{explained_spec(robot, changes, finer).to_xml()}"

@@ -1,0 +1,126 @@
+"""Findings in the words of `findings.json`: sentences, numbers, intervals, rivals, advice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.selection import Selection
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.registry import effect
+
+_TOLD = 0.01
+"""Smallest probability of an alternative worth a line."""
+
+
+def presence(selection: Selection, shares: np.ndarray, place: Place) -> float:
+    """Probability that an effect is present: share of all explanations in which it is, by their probabilities."""
+    everything = [selection.parameters, *selection.tried]
+    return float(sum(s for e, s in zip(everything, shares, strict=True) if place in e.places))
+
+
+def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: float) -> dict[str, Any]:
+    """One claimed effect with its numbers."""
+    e = effect(change.effect)
+    rows = {
+        f.parameter: i
+        for i, f in enumerate(fitted.hypothesis.free)
+        if (f.effect, f.site) == (e.name, change.name or "")
+    }
+    units = {p.name: p.unit for p in e.parameters}
+    parameters = {
+        name: {
+            "value": value,
+            "low": float(intervals[rows[name], 0]),
+            "high": float(intervals[rows[name], 1]),
+            "unit": units[name],
+        }
+        for name, value in change.parameters.items()
+    }
+    return {
+        "effect": e.name,
+        "kind": e.kind,
+        "name": change.name,
+        "probability": probability,
+        "in_mjcf": e.in_mjcf,
+        "sentence": change.sentence(),
+        "equation": e.equation,
+        "parameters": parameters,
+    }
+
+
+def side(changes: Sequence[Change]) -> str | None:
+    """The side the first claim is on; None for no claim."""
+    return effect(changes[0].effect).side if changes else None
+
+
+def alternatives(selection: Selection, shares: np.ndarray, test_error: Callable[[Fit], float]) -> list[dict[str, Any]]:
+    """Other explanations, by probability; at least the next three by held-out error.
+
+    Args:
+        selection: all explanations.
+        shares: probability of (parameters, *tried).
+        test_error: gives the nrmse of a fit on test recordings; asked only for those that are told.
+    """
+    everything = [selection.parameters, *selection.tried]
+    order = sorted(range(len(everything)), key=lambda i: (-shares[i], everything[i].error))
+    others = [i for i in order if everything[i] is not selection.chosen]
+    told = [i for rank, i in enumerate(others) if rank < 3 or shares[i] >= _TOLD]
+    return [
+        {
+            "effects": [f"{e}@{s}" if s else e for e, s in everything[i].places],
+            "probability": float(shares[i]),
+            "test_error": test_error(everything[i].fitted),
+        }
+        for i in told
+    ]
+
+
+def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recording], shares: np.ndarray) -> list[str]:
+    """What to record next to settle what is open."""
+    lines = []
+    claimed: list[Effect] = [effect(c.effect) for c in changes]
+    friction = any(
+        e.name in ("viscous_friction", "coulomb_friction", "load_dependent_friction", "back_emf") for e in claimed
+    )
+    if friction and all(np.all(r.enable > 0.0) for r in recordings):
+        lines.append("Record a motion with the motor off: friction stays, back-EMF and load-dependent losses vanish.")
+    if friction:
+        lines.append(
+            "Record slow and fast motions of the same path: viscous losses grow with speed, Coulomb friction does not."
+        )
+    if shares.size and shares.max() < 0.8 and verdict == "missing_physics":
+        lines.append("Several explanations predict held-out data about equally well: record faster and larger motions.")
+    if verdict == "unexplained":
+        lines.append(
+            "No effect of the catalogue explains these recordings: record joints one at a time to locate it better."
+        )
+    if len(recordings) < 3:
+        lines.append("Give at least three recordings of different motions, so that whole recordings can be held out.")
+    return lines
+
+
+def data_entries(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
+    """What was read."""
+    return [{"file": r.name, "role": r.role, "rows": r.rows, "hz": r.rate, "notes": list(r.notes)} for r in recordings]
+
+
+def step_advice(selection: Selection, level: float, timestep: float) -> list[str]:
+    """A line if the nominal step alone gives an error that can be told from noise.
+
+    Args:
+        selection: all explanations.
+        level: the smallest error that means something, an nrmse.
+        timestep: of the nominal simulator, s.
+    """
+    nominal, corrected = selection.nominal.error, selection.corrected.error
+    if nominal <= level or corrected > 0.5 * nominal:
+        return []
+    share, step = f"{1.0 - corrected / nominal:.0%}", f"{1e3 * timestep:g} ms"
+    return [f"Take a smaller time step: {share} of the nominal simulator's error comes from its step of {step}."]

@@ -1,0 +1,230 @@
+"""Fitting many hypotheses at once: bounded Levenberg-Marquardt on finite differences, all of it in batched replays.
+
+Source: Nocedal and Wright, Numerical Optimization (2006), chapter 10; the damping is chosen each time among three
+candidates simulated together, which costs no extra round trip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple, final
+
+import numpy as np
+
+from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.problem import Problem
+
+_STEP = 0.01
+"""Finite-difference step, as a share of a parameter's present size ..."""
+_LEAST_STEP = 1e-3
+"""... and at least this share of its largest."""
+_DAMPINGS = (1e-4, 1e-2, 1.0)
+_CONVERGED = 1e-3
+"""Relative fall of the cost under which a fit rests."""
+
+
+Task = tuple[Hypothesis, Sequence[np.ndarray]]
+
+
+class Progress(NamedTuple):
+    """How far a long computation is."""
+
+    stage: str
+    done: int
+    total: int
+    note: str = ""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A hypothesis with its best parameters on some windows.
+
+    Attributes:
+        hypothesis: what is claimed.
+        vector: (n_free,).
+        cost: sum of squared residuals, i.e. nrmse^2, with the price of unusual values of the model.
+    """
+
+    hypothesis: Hypothesis
+    vector: np.ndarray
+    cost: float
+
+    @property
+    def member(self) -> tuple[Hypothesis, np.ndarray]:
+        """As `Problem` takes it."""
+        return self.hypothesis, self.vector
+
+
+def fit(
+    problem: Problem,
+    tasks: Sequence[Task],
+    windows: np.ndarray,
+    price: float,
+    *,
+    stage: str,
+    iterations: int = 8,
+    newest_only: bool = False,
+) -> Generator[Progress, None, list[Fit]]:
+    """Fit hypotheses to windows.
+
+    Args:
+        problem: the comparison.
+        tasks: hypotheses with the vectors (n_free,) to start from; the best start is pursued.
+        windows: indices of the windows.
+        price: cost of a value of the model being off by its `spread`, in nrmse^2.
+        stage: what to call it while it goes on.
+        iterations: most steps.
+
+        newest_only: move only the parameters of the last claimed place, the others stay: cheap, for a first look.
+
+    Yields:
+        Progress after each step.
+    """
+    fits, moving, first = _remembered(problem, tasks, stage) or (*_screened(problem, tasks, windows, price), 0)
+    for iteration in range(first, iterations):
+        _remember(problem, stage, fits, moving, iteration)
+        yield Progress(stage, iteration, iterations, _note(fits))
+        if not moving:
+            break
+        improved = _step([fits[i] for i in moving], problem, windows, price, newest_only)
+        still = [i for i, new in zip(moving, improved, strict=True) if new.cost < fits[i].cost * (1.0 - _CONVERGED)]
+        for i, new in zip(moving, improved, strict=True):
+            fits[i] = new
+        moving = still
+    _remember(problem, stage, fits, moving, iterations)
+    yield Progress(stage, iterations, iterations, _note(fits))
+    return fits
+
+
+def _remember(problem: Problem, stage: str, fits: list[Fit], moving: list[int], iteration: int) -> None:
+    """Note a stage's state, from which an interrupted explanation goes on."""
+    problem.memory[stage] = {
+        "iteration": iteration,
+        "vectors": [f.vector for f in fits],
+        "costs": [f.cost for f in fits],
+        "moving": list(moving),
+        "robot_steps": problem.counted[0],
+    }
+
+
+def _remembered(problem: Problem, tasks: Sequence[Task], stage: str) -> tuple[list[Fit], list[int], int] | None:
+    """What an earlier attempt at this stage came to, if there was one."""
+    noted = problem.memory.get(stage)
+    if noted is None:
+        return None
+    problem.counted[0] = max(problem.counted[0], noted["robot_steps"])
+    found = zip(tasks, noted["vectors"], noted["costs"], strict=True)
+    return [Fit(h, vector, cost) for (h, _), vector, cost in found], noted["moving"], noted["iteration"]
+
+
+def _note(fits: list[Fit]) -> str:
+    best = min(fits, key=lambda f: f.cost)
+    return f"{best.hypothesis.label}, error {np.sqrt(best.cost):.4f}"
+
+
+def _screened(
+    problem: Problem, tasks: Sequence[Task], windows: np.ndarray, price: float
+) -> tuple[list[Fit], list[int]]:
+    """The best of several starts for each hypothesis, and the indices of those still to be improved: all."""
+    starts = [(h, v) for h, vectors in tasks for v in vectors]
+    owner = np.repeat(np.arange(len(tasks)), [len(vectors) for _, vectors in tasks])
+    costs = _costs(problem, starts, windows, price)
+    best = [int(np.flatnonzero(owner == i)[np.argmin(costs[owner == i])]) for i in range(len(tasks))]
+    return [Fit(*starts[b], float(costs[b])) for b in best], list(range(len(tasks)))
+
+
+def _prior(hypothesis: Hypothesis, vector: np.ndarray, price: float) -> np.ndarray:
+    """Residuals (n_free,) of values of the model that are off."""
+    return np.sqrt(price) * np.array([(v - f.neutral) / f.spread for f, v in zip(hypothesis.free, vector, strict=True)])
+
+
+def _costs(
+    problem: Problem, members: Sequence[tuple[Hypothesis, np.ndarray]], windows: np.ndarray, price: float
+) -> np.ndarray:
+    residuals = problem.residuals(members, windows)
+    data = np.sum(np.square(residuals, dtype=np.float64), axis=(1, 2, 3))
+    return data + np.array([np.sum(_prior(h, v, price) ** 2) for h, v in members])
+
+
+def _step(fits: list[Fit], problem: Problem, windows: np.ndarray, price: float, newest_only: bool) -> list[Fit]:
+    """One Levenberg-Marquardt step of each fit; a fit that finds nothing better stays."""
+    candidates = []
+    for f in fits:
+        moving = _newest(f.hypothesis) if newest_only else np.ones(len(f.vector), bool)
+        candidates += _candidates(f, moving, *normal_equations(problem, f, windows, price, moving))
+    costs = _costs(problem, [(f.hypothesis, c) for f, c in _paired(fits, candidates)], windows, price)
+    found = []
+    for i, f in enumerate(fits):
+        own = slice(i * len(_DAMPINGS), (i + 1) * len(_DAMPINGS))
+        best = int(np.argmin(costs[own]))
+        better = costs[own][best] < f.cost
+        found.append(replace(f, vector=candidates[own][best], cost=float(costs[own][best])) if better else f)
+    return found
+
+
+def _paired(fits: list[Fit], candidates: list[np.ndarray]) -> list[tuple[Fit, np.ndarray]]:
+    return [(fits[i // len(_DAMPINGS)], c) for i, c in enumerate(candidates)]
+
+
+def _newest(hypothesis: Hypothesis) -> np.ndarray:
+    """Which parameters (n_free,) belong to the place claimed last."""
+    return np.array([(f.effect, f.site) == hypothesis.places[-1] for f in hypothesis.free])
+
+
+def jacobian(
+    problem: Problem, fitted: Fit, windows: np.ndarray, moving: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals (windows, samples) and their derivatives (windows, samples, n_free) at a fit.
+
+    Args:
+        problem: the comparison.
+        fitted: the fit.
+        windows: indices of the windows.
+        moving: (n_free,) bool, the parameters to derive by; the others' derivatives are left at zero. None: all.
+    """
+    h, vector = fitted.member
+    steps = _steps(h, vector)
+    columns = np.arange(len(vector)) if moving is None else np.flatnonzero(moving)
+    moved = [vector + steps[c] * np.eye(len(vector))[c] for c in columns]
+    residuals = problem.residuals([(h, v) for v in [vector, *moved]], windows).astype(np.float64)
+    flat = residuals.reshape(len(moved) + 1, len(windows), -1)
+    derivative = np.zeros((*flat.shape[1:], len(vector)))
+    derivative[..., columns] = np.moveaxis((flat[1:] - flat[0]) / steps[columns, None, None], 0, -1)
+    return flat[0], derivative
+
+
+def normal_equations(
+    problem: Problem, fitted: Fit, windows: np.ndarray, price: float, moving: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gradient (n_free,) and Gauss-Newton matrix (n_free, n_free) of half the cost; arguments as of `jacobian`."""
+    residual, derivative = jacobian(problem, fitted, windows, moving)
+    j = derivative.reshape(-1, derivative.shape[-1])
+    curvature = price / np.array([f.spread for f in fitted.hypothesis.free]) ** 2
+    offset = fitted.vector - fitted.hypothesis.start()
+    return j.T @ residual.reshape(-1) + curvature * offset, j.T @ j + np.diag(curvature)
+
+
+def _steps(hypothesis: Hypothesis, vector: np.ndarray) -> np.ndarray:
+    """Finite-difference steps (n_free,), away from a bound that is near."""
+    found = []
+    for f, v in zip(hypothesis.free, vector, strict=True):
+        step = max(_STEP * abs(v - f.neutral), _LEAST_STEP * f.size)
+        found.append(-step if v + step > f.high else step)
+    return np.array(found)
+
+
+def _candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: np.ndarray) -> list[np.ndarray]:
+    """Damped steps of the moving parameters, within bounds; those that a bound already holds back stay there."""
+    free, vector = fitted.hypothesis.free, fitted.vector
+    low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
+    held = ~moving | ((vector <= low) & (gradient > 0)) | ((vector >= high) & (gradient < 0))
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-30))
+    unit = np.where(held, 0.0, 1.0) / scale
+    normal = matrix * unit[:, None] * unit[None, :]
+    found = []
+    for damping in _DAMPINGS:
+        regular = normal + np.diag(np.where(held, 1.0, damping + 1e-12))
+        found.append(np.clip(vector - unit * np.linalg.solve(regular, unit * gradient), low, high))
+    return found

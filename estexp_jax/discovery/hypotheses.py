@@ -1,0 +1,187 @@
+"""Hypotheses: which effects are present where, with the parameters that are free under them.
+
+Every hypothesis, also the one that nothing is missing, may bend the values the model already has by up to 30 %: masses,
+motor strengths, dampings, armatures. Otherwise small errors there would pass for missing physics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from estexp_jax.physics.changes import Change, Values, neutral
+from estexp_jax.physics.effects.sites import joint_dofs
+from estexp_jax.physics.registry import Catalogue, effect
+from estexp_jax.physics.robot import Robot
+
+Place = tuple[str, str]
+"""An effect's name and a site."""
+
+_SHARES = (0.004, 0.04, 0.3)
+"""Where, between neutral and a bound, a search starts: landscapes differ in scale by orders of magnitude."""
+_BENT = {
+    ("body", "mass"): "body_mass",
+    ("joint", "damping"): "viscous_friction",
+    ("joint", "frictionloss"): "coulomb_friction",
+    ("joint", "armature"): "armature",
+}
+
+TOLERANCE = 0.3
+"""Share by which a value of the model may be off and still count as a wrong parameter."""
+
+
+@final
+@dataclass(frozen=True)
+class Free:
+    """One free parameter.
+
+    Attributes:
+        effect, site, parameter: what it is.
+        row, column: its place in the effect's value array.
+        low, high: bounds, in its unit.
+        neutral: where it does nothing.
+        spread: deviation that counts as ordinary for a value of the model; infinite for an effect's own parameter.
+    """
+
+    effect: str
+    site: str
+    parameter: str
+    row: int
+    column: int
+    low: float
+    high: float
+    neutral: float
+    spread: float
+
+    @property
+    def size(self) -> float:
+        """Largest distance from neutral, the scale of steps."""
+        return max(abs(self.low - self.neutral), abs(self.high - self.neutral))
+
+
+@final
+@dataclass(frozen=True)
+class Hypothesis:
+    """Some effects at some places, over parameters of the model that may be off a little.
+
+    Attributes:
+        places: the effects that are claimed; empty: only parameters are off.
+        free: all free parameters, the claimed effects' last.
+    """
+
+    places: tuple[Place, ...]
+    free: tuple[Free, ...]
+
+    @property
+    def label(self) -> str:
+        """`effect@site` of each claimed effect, joined by +; `parameters` if there is none."""
+        return " + ".join(f"{e}@{s}" if s else e for e, s in self.places) or "parameters"
+
+    def start(self) -> np.ndarray:
+        """The vector (n_free,) at which nothing differs from the nominal model."""
+        return np.array([f.neutral for f in self.free])
+
+    def starts(self, places: Sequence[Place]) -> list[np.ndarray]:
+        """Vectors (n_free,) to search from: nothing off, and some effects a little, somewhat and strongly present."""
+        start = self.start()
+        own = [i for i, f in enumerate(self.free) if (f.effect, f.site) in places]
+        found = [start]
+        for share in _SHARES:
+            for bound in ("high", "low"):
+                moved = start.copy()
+                for i in own:
+                    moved[i] += share * (getattr(self.free[i], bound) - self.free[i].neutral)
+                if not np.array_equal(moved, start):
+                    found.append(moved)
+        return found
+
+    def changes(self, vector: np.ndarray, *, claimed: bool | None = None) -> tuple[Change, ...]:
+        """The changes a vector (n_free,) stands for: all, only the claimed ones, or only the others."""
+        found: dict[Place, dict[str, float]] = {}
+        for f, value in zip(self.free, vector, strict=True):
+            if claimed is None or claimed == ((f.effect, f.site) in self.places):
+                found.setdefault((f.effect, f.site), {})[f.parameter] = float(value)
+        return tuple(Change(e, s or None, parameters) for (e, s), parameters in found.items())
+
+
+def parameters_only(robot: Robot, catalogue: Catalogue, known: Collection[Place] = ()) -> Hypothesis:
+    """The hypothesis that only values of the model are off.
+
+    Args:
+        robot: the nominal robot.
+        catalogue: the effects; those that change a value the model has say which values.
+        known: values that are given for each recording, so not in doubt.
+    """
+    free = (f for e in catalogue for f in _nuisance(robot, e.name))
+    return Hypothesis((), tuple(f for f in free if (f.effect, f.site) not in known))
+
+
+def claiming(robot: Robot, parameters: Hypothesis, places: Sequence[Place]) -> Hypothesis:
+    """The hypothesis that claims effects at places, over or instead of small errors of parameters."""
+    own = [f for place in places for f in _own(robot, place)]
+    claimed = {(f.effect, f.site) for f in own}
+    others = [f for f in parameters.free if (f.effect, f.site) not in claimed]
+    return Hypothesis(tuple(places), tuple(others + own))
+
+
+def known_values(robot: Robot, settings: Iterable[str]) -> set[Place]:
+    """The values of the model that recordings' settings give, as the effects that would bend them."""
+    found: set[Place] = set()
+    for setting in settings:
+        element, _, rest = setting.partition(".")
+        name, _, attribute = rest.rpartition(".")
+        if element == "actuator":
+            found.add(("motor_weakness", name))
+        elif (element, attribute) in _BENT:
+            found.add((_BENT[element, attribute], name))
+    return found
+
+
+def singles(robot: Robot, catalogue: Catalogue) -> list[Place]:
+    """Every effect of a catalogue at every place."""
+    return [(e.name, site) for e in catalogue for site in e.sites(robot)]
+
+
+def batch(robot: Robot, catalogue: Catalogue, members: Sequence[tuple[Hypothesis, np.ndarray]]) -> Values:
+    """Values (members, n_sites, n_parameters) of hypotheses with their vectors (n_free,)."""
+    base = neutral(robot, catalogue)
+    values = {name: np.repeat(v[None], len(members), axis=0) for name, v in base.items()}
+    for i, (hypothesis, vector) in enumerate(members):
+        for f, value in zip(hypothesis.free, vector, strict=True):
+            values[f.effect][i, f.row, f.column] = value
+    return values
+
+
+def _own(robot: Robot, place: Place) -> list[Free]:
+    name, site = place
+    e = effect(name)
+    row = e.sites(robot).index(site)
+    return [
+        Free(name, site, p.name, row, column, low, high, p.neutral, np.inf)
+        for column, (p, (low, high)) in enumerate(zip(e.parameters, e.bounds(robot, site), strict=True))
+    ]
+
+
+def _nuisance(robot: Robot, name: str) -> list[Free]:
+    """The small errors of a catalogue's effect that changes a value the model already has."""
+    e, model = effect(name), robot.model
+    sites = e.sites(robot)
+    present = {
+        "body_mass": lambda: model.body_mass[[robot.index("body", s) for s in sites]],
+        "motor_weakness": lambda: np.ones(len(sites)),
+        "viscous_friction": lambda: model.dof_damping[joint_dofs(robot)],
+        "coulomb_friction": lambda: model.dof_frictionloss[joint_dofs(robot)],
+        "armature": lambda: model.dof_armature[joint_dofs(robot)],
+    }.get(name)
+    if present is None:
+        return []
+    p = e.parameters[0]
+    reach = TOLERANCE * np.asarray(present())
+    return [
+        Free(name, site, p.name, row, 0, -r, r, p.neutral, r / 3.0)
+        for row, (site, r) in enumerate(zip(sites, reach, strict=True))
+        if r > 0.0
+    ]

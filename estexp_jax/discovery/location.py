@@ -1,0 +1,48 @@
+"""Where the mismatch sits: how much of it effects at each place remove, taken singly."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.selection import Explanation, Selection, p_value
+from estexp_jax.physics.registry import effect
+from estexp_jax.physics.robot import Robot
+
+_TOLD = 0.02
+"""Smallest share worth a line."""
+
+
+def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
+    """Ranked places: kind, name, share of the removable held-out error, p-value against parameters alone."""
+    base = selection.parameters.held_out.sum()
+    best: dict[tuple[str, str | None], Explanation] = {}
+    for explanation in selection.tried:
+        if len(explanation.places) == 1:
+            place = element(robot, explanation.places[0])
+            if place not in best or explanation.error < best[place].error:
+                best[place] = explanation
+    removed = {place: max(base - e.held_out.sum(), 0.0) for place, e in best.items()}
+    total = sum(removed.values())
+    ranked = sorted(best, key=lambda place: removed[place], reverse=True)
+    entries = [
+        {
+            "kind": kind,
+            "name": name,
+            "share": removed[kind, name] / total,
+            "p_value": p_value(best[kind, name], selection.parameters),
+        }
+        for kind, name in ranked
+        if total > 0.0
+    ]
+    return [entry for entry in entries if entry["share"] >= _TOLD]
+
+
+def element(robot: Robot, place: Place) -> tuple[str, str | None]:
+    """Kind and name of the element an effect sits on; motors count as the joint they drive."""
+    name, site = place
+    kind = effect(name).kind
+    if kind == "actuator":
+        joint = robot.joint_of_actuator(robot.index("actuator", site))
+        return ("joint", robot.names("joint")[joint]) if joint is not None else ("actuator", site)
+    return kind, site or None

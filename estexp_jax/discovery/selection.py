@@ -1,0 +1,218 @@
+"""Choosing an explanation: effects are added as long as windows that were not fitted are predicted better."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from scipy import stats
+
+from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming, singles
+from estexp_jax.discovery.problem import Problem
+
+NOISE = 1.2
+"""An error up to this many times what noise and uncertain start states give is no mismatch."""
+_WORTH = 0.85
+"""An added effect must bring the held-out squared error under this share of what it was ..."""
+_CHANCE = 0.05
+"""... and the windows must agree on it, at this level of a signed-rank test."""
+_TIE = 1.03
+"""Held-out squared errors this near are no reason to prefer one explanation to another."""
+_FOLDS = 3
+_MOST_WINDOWS = 48
+"""So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
+_PROMISING = 6
+"""So many of a round's hypotheses, the best fitted ones, are judged on held-out windows."""
+_PRICE = 1.1
+"""Factor on the held-out squared error for each effect, when explanations are compared for their probability."""
+
+
+Fold = tuple[np.ndarray, np.ndarray]
+"""Windows to fit, windows held out."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """A fitted hypothesis and how it predicts windows that it was not fitted to.
+
+    Attributes:
+        fitted: the hypothesis with its parameters, on all training windows.
+        held_out: (windows,) sums of squared residuals on the held-out windows; their total is nrmse^2 there.
+    """
+
+    fitted: Fit
+    held_out: np.ndarray
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """What it claims."""
+        return self.fitted.hypothesis.places
+
+    @property
+    def error(self) -> float:
+        """Nrmse on the held-out windows."""
+        return float(np.sqrt(self.held_out.sum()))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """All explanations that were tried, and the chosen one.
+
+    Attributes:
+        nominal: the nominal simulator, nothing fitted.
+        corrected: the same without the error of its coarse step.
+        parameters: values of the model refitted, nothing claimed.
+        tried: those with claims, in the order tried.
+        chosen: `parameters`, or the last of `tried` that was worth its price.
+    """
+
+    nominal: Explanation
+    corrected: Explanation
+    parameters: Explanation
+    tried: tuple[Explanation, ...]
+    chosen: Explanation
+
+
+def windows_to_fit(problem: Problem, recordings: Sequence[int]) -> np.ndarray:
+    """Indices of windows of some recordings: all, or where there are very many, evenly spread ones."""
+    windows = problem.windows_of(recordings)
+    return windows[:: -(-len(windows) // _MOST_WINDOWS)]
+
+
+def folds_of(problem: Problem, recordings: Sequence[int]) -> list[Fold]:
+    """Ways to hold windows of training recordings out, so that each is held out once: (to fit, held out).
+
+    Whole recordings are held out where there are at least three; else stretches of time. Never single samples.
+    """
+    windows = windows_to_fit(problem, recordings)
+    owner = np.array([problem.segments[w].recording for w in windows])
+    if len(recordings) >= _FOLDS:
+        part = np.array([list(recordings).index(r) % _FOLDS for r in owner])
+    else:
+        rank = np.array([np.sum(owner[:i] == r) / np.sum(owner == r) for i, r in enumerate(owner)])
+        part = (rank * _FOLDS).astype(int)
+    held = [windows[part == k] for k in np.unique(part)]
+    return [(np.setdiff1d(windows, h), h) for h in held] if len(held) > 1 else [(windows, windows)]
+
+
+def select(
+    problem: Problem, parameters: Hypothesis, folds: Sequence[Fold], price: float, most: int, floor: float
+) -> Generator[Progress, None, tuple[Selection, Problem]]:
+    """Forward selection of up to `most` effects.
+
+    Args:
+        problem: the comparison.
+        parameters: the hypothesis that only values of the model are off.
+        folds: windows to fit, and held out.
+        price: of unusual values of the model, as in `fit`.
+        most: largest number of effects.
+        floor: `resolution` of the training recordings, an nrmse; an explanation that reaches it needs no more effects.
+
+    Yields:
+        Progress of each round's fits.
+
+    Returns:
+        The selection, and the comparison with the error of the coarse step taken out at the chosen explanation.
+    """
+    robot, catalogue = problem.replayer.robot, problem.replayer.catalogue
+    windows = np.unique(np.concatenate([held for _, held in folds]))
+    unfitted = [[Fit(parameters, parameters.start(), np.inf)] * len(folds)]
+    [nominal] = _held_out(problem, unfitted, folds)
+    problem = problem.corrected_at(nominal.fitted.member)
+    [corrected] = _held_out(problem, unfitted, folds)
+    stage = "parameters only"
+    fits = yield from fit(problem, [(parameters, [parameters.start()])], windows, price, stage=stage)
+    [own] = yield from _cross_validated(problem, fits, folds, price, stage)
+    chosen, tried = own, []
+    for n in range(1, most + 1):
+        if chosen.error <= NOISE * floor:
+            break
+        stage = f"explanations with {n} effect{'s' * (n > 1)}"
+        tasks = [_extended(problem, parameters, chosen, p) for p in singles(robot, catalogue) if p not in chosen.places]
+        if len(tasks) > 2 * _PROMISING:
+            look = fit(problem, tasks, windows, price, stage=f"{stage}, first look", iterations=2, newest_only=True)
+            looked = sorted((yield from look), key=lambda f: f.cost)
+            tasks = [(f.hypothesis, [f.vector]) for f in looked[: 2 * _PROMISING]]
+        fits = yield from fit(problem, tasks, windows, price, stage=stage)
+        promising = sorted(fits, key=lambda f: f.cost)[:_PROMISING]
+        found = yield from _cross_validated(problem, promising, folds, price, stage)
+        tried += found
+        best = simplest(found)
+        if not worth(best, chosen):
+            break
+        problem = problem.corrected_at(best.fitted.member)
+        [chosen] = yield from _cross_validated(problem, [best.fitted], folds, price, f"{stage}, finer step")
+        tried[tried.index(best)] = chosen
+    return Selection(nominal, corrected, own, tuple(tried), chosen), problem
+
+
+def _extended(problem: Problem, parameters: Hypothesis, chosen: Explanation, place: Place) -> Task:
+    """A hypothesis with one more place, and the vectors to start it from: what is known, plus any of its own starts."""
+    hypothesis = claiming(problem.replayer.robot, parameters, (*chosen.places, place))
+    known = dict(zip(_keys(chosen.fitted.hypothesis), chosen.fitted.vector, strict=True))
+    is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
+    settled = np.array([known.get(k, f.neutral) for k, f in zip(_keys(hypothesis), hypothesis.free, strict=True)])
+    return hypothesis, [np.where(is_new, start, settled) for start in hypothesis.starts([place])]
+
+
+def _keys(hypothesis: Hypothesis) -> list[tuple[str, str, str]]:
+    return [(f.effect, f.site, f.parameter) for f in hypothesis.free]
+
+
+def _cross_validated(
+    problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold], price: float, stage: str
+) -> Generator[Progress, None, list[Explanation]]:
+    """Each hypothesis fitted anew without each fold's held-out windows, and judged on them."""
+    by_fold = []
+    for k, (fitted, _) in enumerate(folds):
+        name = f"{stage}, held-out part {k + 1} of {len(folds)}"
+        tasks: list[Task] = [(f.hypothesis, [f.vector]) for f in fits]
+        by_fold.append((yield from fit(problem, tasks, fitted, price, stage=name, iterations=3)))
+    found = _held_out(problem, [list(each) for each in zip(*by_fold, strict=True)], folds)
+    return [replace(e, fitted=f) for e, f in zip(found, fits, strict=True)]
+
+
+def _held_out(problem: Problem, fits: Sequence[Sequence[Fit]], folds: Sequence[Fold]) -> list[Explanation]:
+    """Explanations of hypotheses with one fit a fold, each judged on its fold's held-out windows."""
+    parts = []
+    for k, (_, held) in enumerate(folds):
+        residuals = problem.residuals([each[k].member for each in fits], held).astype(np.float64)
+        parts.append(np.sum(residuals**2, axis=(2, 3)) / len(folds))
+    return [Explanation(each[0], np.concatenate([p[i] for p in parts])) for i, each in enumerate(fits)]
+
+
+def simplest(found: Sequence[Explanation]) -> Explanation:
+    """The best on held-out windows; of near ties, the one with the fewest free parameters."""
+    least = min(e.held_out.sum() for e in found)
+    near = [e for e in found if e.held_out.sum() <= _TIE * least]
+    return min(near, key=lambda e: (len(e.fitted.hypothesis.free), e.error))
+
+
+def worth(new: Explanation, old: Explanation) -> bool:
+    """Whether an explanation predicts held-out windows enough better than a simpler one to be believed."""
+    return bool(new.held_out.sum() < _WORTH * old.held_out.sum() and p_value(new, old) < _CHANCE)
+
+
+def p_value(new: Explanation, old: Explanation) -> float:
+    """Chance of windows agreeing this well that `new` is better if it were not: signed-rank test of errors, one-sided.
+
+    With fewer than five windows there is no such test; the sum's sign alone counts.
+    """
+    before, after = np.sqrt(old.held_out), np.sqrt(new.held_out)
+    if len(before) < 5 or np.array_equal(before, after):
+        return 0.0 if after.sum() < before.sum() else 1.0
+    return float(stats.wilcoxon(before, after, alternative="greater").pvalue)
+
+
+def probabilities(selection: Selection, seed: int, n: int = 2000) -> np.ndarray:
+    """Share of resampled held-out windows on which each of (parameters, *tried) is best, after its price."""
+    everything = [selection.parameters, *selection.tried]
+    costs = np.array([e.held_out * _PRICE ** len(e.places) for e in everything])
+    windows = np.random.default_rng(seed).integers(0, costs.shape[1], size=(n, costs.shape[1]))
+    winners = np.argmin(costs[:, windows].sum(axis=2), axis=0)
+    return np.bincount(winners, minlength=len(everything)) / n

@@ -1,0 +1,59 @@
+"""The verdict: nothing wrong, wrong values, missing physics, or something that no explanation reaches."""
+
+from __future__ import annotations
+
+from estexp_jax.discovery.hypotheses import TOLERANCE, Hypothesis
+from estexp_jax.discovery.selection import NOISE, Selection, worth
+from estexp_jax.inference.accuracy import gain
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.robot import Robot
+
+_ENOUGH = 0.5
+"""Share of the excess error on held-out windows that an explanation must remove to be called one."""
+
+
+def verdict(robot: Robot, selection: Selection, floor: float, changes: tuple[Change, ...]) -> str:
+    """`consistent`, `parameters`, `missing_physics` or `unexplained`.
+
+    Args:
+        robot: the nominal robot.
+        selection: what was tried and chosen, judged on held-out windows of training recordings.
+        floor: their `resolution`, an nrmse.
+        changes: the chosen claims with their fitted values.
+    """
+    # A robot does not step; but where it was simulated itself, at the same step, there is nothing to correct.
+    as_it_is, chosen = min(selection.nominal, selection.corrected, key=lambda e: e.error), selection.chosen
+    refitted = selection.parameters
+    improved = worth(refitted, as_it_is) and refitted.error < _ENOUGH * as_it_is.error
+    if as_it_is.error <= NOISE * floor and not improved:
+        return "consistent"
+    explained = chosen.error <= NOISE * floor or gain(chosen.error, as_it_is.error, floor) >= _ENOUGH
+    if not explained:
+        return "unexplained"
+    return "parameters" if all(is_wrong_value(robot, change) for change in changes) else "missing_physics"
+
+
+def is_wrong_value(robot: Robot, change: Change) -> bool:
+    """Whether a change only bends a value that the model already has, by at most 30 %."""
+    [value] = change.parameters.values()
+    present = _present(robot, change)
+    return present > 0.0 and abs(value) <= TOLERANCE * present
+
+
+def _present(robot: Robot, change: Change) -> float:
+    """The value of the model that a change bends; 0 where it has none."""
+    model, name = robot.model, change.name or ""
+    if change.effect == "motor_weakness":
+        return 1.0
+    if change.effect == "body_mass":
+        return float(model.body_mass[robot.index("body", name)])
+    fields = {"viscous_friction": "dof_damping", "coulomb_friction": "dof_frictionloss", "armature": "dof_armature"}
+    if change.effect not in fields:
+        return 0.0
+    return float(getattr(model, fields[change.effect])[model.jnt_dofadr[robot.index("joint", name)]])
+
+
+def bent_values(robot: Robot, hypothesis: Hypothesis, changes: tuple[Change, ...]) -> tuple[Change, ...]:
+    """Those changes of the model's own values that are worth telling: by more than one per cent."""
+    told = [c for c in changes if abs(next(iter(c.parameters.values()))) > 0.01 * _present(robot, c)]
+    return tuple(c for c in told if (c.effect, c.name or "") not in hypothesis.places)

@@ -1,0 +1,119 @@
+"""Planted effects are named, nothing is called missing where nothing is, and test recordings decide nothing."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from estexp_jax.discovery.diagnosis import Case
+from estexp_jax.discovery.export import explained_spec
+from tests.discovery.planted import CASES, TRUTH, case_of, explained, nominal, problem_of
+
+QUICK = ("coulomb_friction@shaft",)
+PLANTED = [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in TRUTH]
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_a_planted_effect_is_named_with_its_value(name, diagnosed):
+    findings = diagnosed(name).findings
+    assert findings["verdict"] == "missing_physics"
+    first = max(findings["what"], key=lambda w: w["probability"])
+    assert f"{first['effect']}@{first['name']}" == name
+    [number] = first["parameters"].values()
+    assert number["value"] == pytest.approx(TRUTH[name], rel=0.1)
+    assert number["low"] <= number["value"] <= number["high"]
+    assert findings["fit"]["gain"]["value"] > 0.8
+    assert findings["fit"]["explained"]["test"] < 0.5 * findings["fit"]["parameters_only"]["test"]
+    side = {"command_delay": "command", "sensor_bias": "sensor"}.get(first["effect"], "plant")
+    assert findings["side"] == side
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_the_place_is_right(name, diagnosed):
+    effect, _, element = name.partition("@")
+    place = diagnosed(name).findings["where"][0]
+    joints = {"servo": "shaft", "hip": "shoulder", "knee": "elbow"}
+    kind = {"sensor_bias": "sensor", "body_mass": "body"}.get(effect, "joint")
+    assert (place["kind"], place["name"]) == (kind, joints.get(element, element))
+
+
+NOTHING = ["nothing", *(pytest.param(n, marks=pytest.mark.slow) for n in ("nothing, two joints", "exact"))]
+
+
+@pytest.mark.parametrize("name", NOTHING)
+def test_nothing_planted_raises_no_alarm(name, diagnosed):
+    findings = diagnosed(name).findings
+    assert findings["verdict"] == "consistent"
+    assert findings["what"] == findings["where"] == [] and findings["side"] is None
+    coarse = any("smaller time step" in line for line in findings["advice"])
+    assert coarse == (name == "nothing")  # the two-joint arm's windows are too uncertain to tell
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["heavier by 8 %", "damped by 10 % more"])
+def test_values_that_are_off_are_parameters(name, diagnosed):
+    findings = diagnosed(name).findings
+    assert findings["verdict"] in (("parameters",) if name == "heavier by 8 %" else ("parameters", "consistent"))
+    assert {claim["effect"] for claim in findings["what"]} <= {"body_mass", "motor_weakness", "viscous_friction"}
+    assert bool(findings["what"]) == (findings["verdict"] == "parameters")
+
+
+def test_the_explained_model_in_the_c_engine_gives_the_explained_predictions(diagnosed):
+    diagnosis = diagnosed("coulomb_friction@shaft")
+    assert diagnosis.left_out == ()
+    model = explained_spec(diagnosis.case.robot, diagnosis.mjcf_changes).compile()
+    problem = problem_of(diagnosis.case)
+    index = diagnosis.case.indices("test")[0]
+    prediction, recording = diagnosis.predictions[index], diagnosis.case.recordings[index]
+    replayed = np.concatenate([in_c(model, problem.fine[w], recording) for w in problem.windows_of([index])])
+    assert replayed == pytest.approx(prediction.explained[:, 0], abs=2e-3)
+    assert np.abs(prediction.nominal[:, 0] - replayed).max() > 2e-2
+
+
+def in_c(model, part, recording) -> np.ndarray:
+    """The joint's angle at the rows of a window."""
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = part.start.qpos, part.start.qvel
+    angles = []
+    for k in range(part.steps.n_steps + 1):
+        if k in part.steps.sample:
+            angles.append(data.qpos[0])
+        if k < part.steps.n_steps:
+            model.opt.timestep = part.steps.length[k]
+            data.ctrl[:] = recording.ctrl[part.first + part.steps.row[k]]
+            mujoco.mj_step(model, data)
+    return np.array(angles)
+
+
+def test_predictions_hold_what_was_recorded_row_by_row(diagnosed):
+    diagnosis = diagnosed("coulomb_friction@shaft")
+    assert [p.role for p in diagnosis.predictions] == ["train"] * 3 + ["test"]
+    for p, recording in zip(diagnosis.predictions, diagnosis.case.recordings, strict=True):
+        assert p.recording == recording.name and np.array_equal(p.recorded[:, 0], recording.sensor[:, 0])
+        assert p.window.tolist() == [0] * 125 + [1] * 126
+        assert np.isfinite(p.nominal).all() and np.isfinite(p.explained).all()
+
+
+def test_test_recordings_decide_nothing(diagnosed):
+    before = diagnosed("coulomb_friction@shaft")
+    *train, test = before.case.recordings
+    rng = np.random.default_rng(81)
+    ruined = replace(test, sensor=rng.permutation(test.sensor) + 3.0, ctrl=rng.permutation(test.ctrl))
+    after = explained(Case(before.case.robot, (*train, ruined), before.case.robots))
+    for key in ("verdict", "side", "where", "when", "what"):
+        assert after.findings[key] == before.findings[key]
+    for name in ("nominal", "parameters_only", "explained"):
+        assert after.findings["fit"][name]["train"] == before.findings["fit"][name]["train"]
+        assert after.findings["fit"][name]["test"] > before.findings["fit"][name]["test"]
+    assert [a["effects"] for a in after.findings["alternatives"]] == [
+        a["effects"] for a in before.findings["alternatives"]
+    ]
+    assert after.findings["fit"]["gain"] != before.findings["fit"]["gain"]
+
+
+def test_recordings_differ_and_the_plant_is_no_effect_of_ours():
+    robot, plant, seed = CASES["coulomb_friction@shaft"]
+    case = case_of(robot, plant, seed)
+    assert len({r.name for r in case.recordings}) == 4
+    assert nominal(robot).model.dof_frictionloss[0] == 0.0

@@ -1,0 +1,120 @@
+"""Laws of the fit: it never worsens, keeps its bounds, finds what is there, and goes on where it was stopped."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery.fitting import fit
+from estexp_jax.discovery.hypotheses import claiming, parameters_only
+from tests.discovery.planted import CASES, case_of, finished, problem_of
+
+PLACES = ("coulomb_friction", "shaft"), ("command_delay", "servo"), ("sensor_bias", "angle"), ("body_mass", "arm")
+
+
+@pytest.fixture(scope="module")
+def setting():
+    robot, plant, seed = CASES["coulomb_friction@shaft"]
+    case = case_of(robot, plant, seed)
+    problem = problem_of(case)
+    parameters = parameters_only(case.robot, problem.replayer.catalogue)
+    problem = problem.corrected_at((parameters, parameters.start()))
+    hypotheses = [parameters, *(claiming(case.robot, parameters, [place]) for place in PLACES)]
+    return problem, problem.windows_of(case.indices("train")), hypotheses
+
+
+def random_starts(hypotheses, seed):
+    rng = np.random.default_rng(seed)
+    return [(h, [np.array([rng.uniform(f.low, f.high) for f in h.free])]) for h in hypotheses]
+
+
+def run(problem, tasks, windows, iterations, stage):
+    return finished(fit(problem, tasks, windows, 1e-7, stage=stage, iterations=iterations))
+
+
+def test_more_steps_never_worsen_a_fit_and_never_leave_the_bounds(setting):
+    problem, windows, hypotheses = setting
+    tasks = random_starts(hypotheses, 71)
+    costs = []
+    for iterations in (0, 1, 2, 4):
+        fits = run(problem, tasks, windows, iterations, f"law {iterations}")
+        costs.append([f.cost for f in fits])
+        for f in fits:
+            assert all(p.low <= v <= p.high for p, v in zip(f.hypothesis.free, f.vector, strict=True))
+    assert np.all(np.diff(costs, axis=0) <= 0.0)
+    assert np.all(np.array(costs[-1]) < 0.5 * np.array(costs[0]))
+
+
+class Rugged:
+    """A comparison whose residuals turn up and down, so that most steps lead uphill."""
+
+    def __init__(self) -> None:
+        self.memory: dict[str, Any] = {}
+        self.counted = [0]
+
+    def residuals(self, members, windows) -> np.ndarray:
+        size = np.array([f.size for f in members[0][0].free])
+        places = np.array([(vector - h.start()) / size for h, vector in members])
+        return np.stack([1.1 + np.sin(37.0 * places), 0.3 * np.cos(91.0 * places)], axis=2)[:, None]
+
+
+def test_a_step_uphill_is_not_taken(setting):
+    _, windows, hypotheses = setting
+    tasks, rugged = random_starts(hypotheses[:1] * 20, 74), Rugged()
+    costs = [[f.cost for f in run(rugged, tasks, windows, n, f"rugged {n}")] for n in range(5)]
+    assert np.all(np.diff(costs, axis=0) <= 0.0)
+
+
+def test_the_cost_is_the_squared_error_and_the_price(setting):
+    problem, windows, hypotheses = setting
+    [found] = run(problem, random_starts(hypotheses[:1], 72), windows, 0, "cost")
+    price = 1e-7 * sum(
+        ((v - f.neutral) / f.spread) ** 2 for f, v in zip(found.hypothesis.free, found.vector, strict=True)
+    )
+    assert found.cost == pytest.approx(problem.error(found.member, windows) ** 2 + price, rel=1e-4)
+
+
+def test_the_best_of_several_starts_is_pursued(setting):
+    problem, windows, hypotheses = setting
+    near = hypotheses[1].start()
+    near[-1] = 0.15
+    far = hypotheses[1].start()
+    far[-1] = hypotheses[1].free[-1].high
+    [found] = run(problem, [(hypotheses[1], [far, near, far])], windows, 0, "starts")
+    assert found.vector == pytest.approx(near)
+
+
+def test_the_true_effect_is_fitted_to_its_value(setting):
+    problem, windows, hypotheses = setting
+    found = run(problem, [(h, h.starts(h.places)) for h in hypotheses], windows, 8, "all")
+    best = min(found, key=lambda f: f.cost)
+    assert best.hypothesis.label == "coulomb_friction@shaft"
+    assert found[0].cost > 4.0 * best.cost  # parameters alone
+    there = problem.corrected_at(best.member)
+    [again] = run(there, [(best.hypothesis, [best.vector])], windows, 8, "corrected at the fit")
+    assert again.vector[-1] == pytest.approx(0.15, rel=0.1)
+
+
+def test_a_first_look_moves_only_what_was_claimed_last(setting):
+    problem, windows, hypotheses = setting
+    tasks = [(h, h.starts(h.places)) for h in hypotheses[1:]]
+    looked = finished(fit(problem, tasks, windows, 1e-7, stage="look", iterations=3, newest_only=True))
+    for found in looked:
+        free = found.hypothesis.free
+        own = np.array([(f.effect, f.site) == found.hypothesis.places[-1] for f in free])
+        np.testing.assert_array_equal(found.vector[~own], found.hypothesis.start()[~own])
+    unmoved = run(problem, tasks, windows, 0, "unmoved")
+    assert any(a.cost < 0.5 * b.cost for a, b in zip(looked, unmoved, strict=True))
+
+
+def test_a_fit_that_was_stopped_goes_on_where_it_was(setting):
+    problem, windows, hypotheses = setting
+    tasks = random_starts(hypotheses[:2], 73)
+    whole = run(problem, tasks, windows, 3, "whole")
+    steps = fit(problem, tasks, windows, 1e-7, stage="stopped", iterations=3)
+    next(steps)
+    next(steps)
+    steps.close()
+    resumed = run(problem, tasks, windows, 3, "stopped")
+    assert [f.cost for f in resumed] == [f.cost for f in whole]
+    assert all(np.array_equal(a.vector, b.vector) for a, b in zip(resumed, whole, strict=True))
