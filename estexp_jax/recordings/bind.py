@@ -1,0 +1,206 @@
+"""Tie a log's columns to a robot's actuators, sensors and joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from estexp_jax.errors import InputError, known
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recordings.columns import Source
+from estexp_jax.recordings.table import Table, read_table
+
+_PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")
+_READINGS = ("sensor", "qpos", "qvel")
+_COORDINATES = {  # joint type: numbers in qpos, in qvel
+    mujoco.mjtJoint.mjJNT_FREE: (7, 6),
+    mujoco.mjtJoint.mjJNT_BALL: (4, 3),
+    mujoco.mjtJoint.mjJNT_SLIDE: (1, 1),
+    mujoco.mjtJoint.mjJNT_HINGE: (1, 1),
+}
+
+
+def read_recording(
+    robot: Robot,
+    path: str | Path,
+    *,
+    role: str = "train",
+    mapping: Mapping[str, Source] | None = None,
+    settings: Mapping[str, Any] | None = None,
+) -> Recording:
+    """Read a log file (.csv, .npz, .parquet) and tie it to a robot.
+
+    Args:
+        robot: whose actuators, sensors and joints the columns name.
+        path: the log.
+        role: `train` or `test`.
+        mapping: our column name to its source, where the log uses other names.
+        settings: what is known to differ in this recording; kept, not applied (see `apply_settings`).
+
+    Raises:
+        InputError: the file cannot be read, or its contents do not fit the robot; names file, row and column.
+    """
+    return bind(robot, read_table(path), role=role, mapping=mapping, settings=settings)
+
+
+def column_names(robot: Robot) -> tuple[str, ...]:
+    """All column names that a recording of this robot may have."""
+    return ("time", *_places(robot))
+
+
+def check_names(robot: Robot, names: Iterable[str], where: str) -> None:
+    """See that each name is `time` or one of the robot's columns.
+
+    Raises:
+        InputError: a name means nothing on this robot; lists those that do.
+    """
+    choices = column_names(robot)
+    for name in names:
+        if name not in choices:
+            kind = next((prefix for prefix in _PREFIXES if name.startswith(prefix)), "")
+            right = known(choice for choice in choices if choice.startswith(kind))
+            raise InputError(f"'{name}' names nothing on this robot", where=where, right=right)
+
+
+def bind(
+    robot: Robot,
+    table: Table,
+    *,
+    role: str = "train",
+    mapping: Mapping[str, Source] | None = None,
+    settings: Mapping[str, Any] | None = None,
+) -> Recording:
+    """Tie a log's columns to a robot.
+
+    A column counts when it is `mapping`'s source of one of our columns, or bears one of our names that is not mapped:
+    `time`, `ctrl.<actuator>`, `enable.<actuator>`, `sensor.<sensor>`, `qpos.<joint>`, `qvel.<joint>`, with `.0 .1 ...`
+    where there are several values. Columns of other names are ignored and listed in the notes. An empty command or
+    switch repeats the last; a motor is on until a switch says otherwise.
+
+    Args: as for `read_recording`.
+
+    Raises:
+        InputError: no time, or time that does not increase; an actuator without commands, or whose first is empty; no
+            reading at all; a name that the robot does not have; a text or an infinite value in a column that counts.
+    """
+    sources = _sources(robot, table, mapping or {})
+    time = _time(table, sources)
+    sizes = {"ctrl": robot.model.nu, "enable": robot.model.nu, "sensor": robot.model.nsensordata}
+    sizes |= {"qpos": robot.model.nq, "qvel": robot.model.nv}
+    arrays = {kind: np.full((len(time), size), np.nan) for kind, size in sizes.items()}
+    arrays["enable"][:] = 1.0
+    for name, (kind, index) in _places(robot).items():
+        if name in sources:
+            values = _values(table, name, sources[name], len(time))
+            arrays[kind][:, index] = _held(table, name, sources[name], values, kind)
+        elif kind == "ctrl":
+            right = "every actuator needs its command: a column, a mapping, or a constant { value = 0.0 } in a manifest"
+            raise InputError(f"no column '{name}'", where=table.source, right=f"{right}; columns are: {_listed(table)}")
+    if not any(np.isfinite(arrays[kind]).any() for kind in _READINGS):
+        right = f"at least one column with samples of: {', '.join(n for n in _places(robot) if _kind(n) in _READINGS)}"
+        raise InputError("no reading of any sensor or joint", where=table.source, right=right)
+    notes = _notes(table, sources)
+    return Recording(Path(table.source).name, time, **arrays, role=role, settings=dict(settings or {}), notes=notes)
+
+
+def _places(robot: Robot) -> dict[str, tuple[str, int]]:
+    """Each of our column names but `time`: the array it fills, and the column there."""
+    places: dict[str, tuple[str, int]] = {}
+    for kind in ("ctrl", "enable"):
+        places |= {f"{kind}.{name}": (kind, index) for index, name in enumerate(robot.names("actuator"))}
+    places |= {f"sensor.{name}": ("sensor", index) for index, name in enumerate(robot.sensor_columns())}
+    model = robot.model
+    for kind, width, addresses in (("qpos", 0, model.jnt_qposadr), ("qvel", 1, model.jnt_dofadr)):
+        for joint, name in enumerate(robot.names("joint")):
+            size = _COORDINATES[mujoco.mjtJoint(model.jnt_type[joint])][width]
+            for k in range(size):
+                places[f"{kind}.{name}" + (f".{k}" if size > 1 else "")] = (kind, int(addresses[joint]) + k)
+    return places
+
+
+def _kind(name: str) -> str:
+    return name.partition(".")[0]
+
+
+def _listed(table: Table) -> str:
+    return ", ".join(table.names) or "none"
+
+
+def _sources(robot: Robot, table: Table, mapping: Mapping[str, Source]) -> dict[str, Source]:
+    """The source of each of our columns that this log gives."""
+    check_names(robot, mapping, "mapping")
+    theirs = {source.column for source in mapping.values()}
+    choices = set(column_names(robot))
+    own: dict[str, Source] = {}
+    for name in table.names:
+        if name not in choices and name in theirs:
+            continue
+        if name in choices or name.startswith(_PREFIXES):
+            check_names(robot, [name], f"{table.source}, column '{name}'")
+            own[name] = Source(column=name)
+    return own | dict(mapping)
+
+
+def _values(table: Table, name: str, source: Source, rows: int) -> np.ndarray:
+    values = source.read(table, rows)
+    if source.column is None:
+        return values
+    if len(values) != rows:
+        what = f"has {len(values)} rows, `time` has {rows}"
+        raise InputError(what, where=f"{table.source}, column '{source.column}'")
+    if np.isinf(values).any():
+        where = table.place(int(np.argmax(np.isinf(values))), source.column)
+        raise InputError(f"infinite value for {name}", where=where, right="a finite number, or an empty cell")
+    return values
+
+
+def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
+    if "time" not in sources:
+        right = f"seconds, strictly increasing; map it if it has another name; columns are: {_listed(table)}"
+        raise InputError("no column 'time'", where=table.source, right=right)
+    source = sources["time"]
+    if source.column is None:
+        raise InputError("time cannot be a constant", where=table.source, right="map a column of the log")
+    values = source.read(table, 0)
+    if len(values) < 2:
+        raise InputError(f"has {len(values)} rows", where=table.source, right="at least two")
+    if not np.isfinite(values).all():
+        where = table.place(int(np.argmin(np.isfinite(values))), source.column)
+        raise InputError("the time is empty or not finite", where=where, right="every row needs its time")
+    steps = np.diff(values)
+    if (steps <= 0.0).any():
+        row = int(np.argmax(steps <= 0.0)) + 1
+        verb = "stands still" if steps[row - 1] == 0.0 else "runs backwards"
+        what = f"time {verb}: {float(values[row])!r} s after {float(values[row - 1])!r} s"
+        raise InputError(what, where=table.place(row, source.column), right="strictly increasing times")
+    return values
+
+
+def _held(table: Table, name: str, source: Source, values: np.ndarray, kind: str) -> np.ndarray:
+    """Commands and switches without gaps; readings as they are."""
+    if kind in _READINGS:
+        return values
+    column = source.column or name
+    empty = np.isnan(values)
+    if kind == "ctrl" and empty[0]:
+        right = "the first command; later empty cells repeat the last"
+        raise InputError(f"the first command of {name} is empty", where=table.place(0, column), right=right)
+    if kind == "enable":
+        wrong = ~empty & (values != 0.0) & (values != 1.0)
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            what = f"{name} is {float(values[row])!r}"
+            raise InputError(what, where=table.place(row, column), right="0 (motor off) or 1 (on)")
+    last = np.maximum.accumulate(np.where(empty, -1, np.arange(len(values))))
+    return np.where(last < 0, 1.0, values[last])
+
+
+def _notes(table: Table, sources: Mapping[str, Source]) -> tuple[str, ...]:
+    used = {source.column for source in sources.values()}
+    ignored = [name for name in table.names if name not in used]
+    return (f"ignored columns: {', '.join(ignored)}",) if ignored else ()

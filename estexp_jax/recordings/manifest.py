@@ -1,0 +1,135 @@
+"""The manifest `recordings.toml`: which model, which recordings, and what their columns mean."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+from estexp_jax.errors import InputError, known
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recordings.bind import check_names, read_recording
+from estexp_jax.recordings.columns import Source, number, parse_source
+from estexp_jax.recordings.settings import apply_settings
+
+ROLES = ("train", "test")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Manifest:
+    """What a manifest says, with its recordings read.
+
+    Attributes:
+        path: the manifest.
+        model: path of the MJCF.
+        robot: the MJCF compiled; the recordings' settings are not applied to it.
+        columns: our column name to its source in the logs.
+        recordings: in the manifest's order, with the roles it gives (`train` where it gives none).
+    """
+
+    path: Path
+    model: Path
+    robot: Robot
+    columns: Mapping[str, Source]
+    recordings: tuple[Recording, ...]
+
+
+def read_manifest(path: str | Path) -> Manifest:
+    """Read a manifest, its model and its recordings. Paths in it are relative to it.
+
+    Raises:
+        InputError: a file is missing or cannot be read, the TOML is broken (with its line), a key is unknown or of the
+            wrong type, a setting does not fit the model, or a recording does not fit the robot.
+    """
+    path = Path(path)
+    document = _document(path)
+    _only(document, ("model", "columns", "recording"), str(path))
+    model = path.parent / _text(document, "model", str(path), "the path of an MJCF file, relative to this one")
+    if not model.is_file():
+        right = "a path relative to the manifest"
+        raise InputError(f"no such MJCF file '{model}'", where=f"{path}, model", right=right)
+    robot = Robot.from_xml(model)
+    columns = _columns(document.get("columns", {}), robot, f"{path}, [columns]")
+    entries = document.get("recording", [])
+    if not isinstance(entries, list) or not entries:
+        raise InputError("lists no recordings", where=str(path), right='[[recording]] with file = "log.csv"')
+    places = [f"{path}, [[recording]] {index}" for index in range(1, len(entries) + 1)]
+    recordings = tuple(_recording(e, robot, columns, path, w) for e, w in zip(entries, places, strict=True))
+    return Manifest(path, model, robot, columns, recordings)
+
+
+def _document(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise InputError("no such manifest", where=str(path), right="give the path of a recordings.toml")
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"is not valid TOML: {error}", where=str(path)) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot be read: {error}", where=str(path), right="UTF-8 text") from None
+
+
+def _only(table: Mapping[str, Any], keys: Iterable[str], where: str) -> None:
+    for key in table:
+        if key not in keys:
+            raise InputError(f"unknown key '{key}'", where=where, right=known(keys))
+
+
+def _text(table: Mapping[str, Any], key: str, where: str, right: str) -> str:
+    if key not in table:
+        raise InputError(f"has no `{key}`", where=where, right=right)
+    if not isinstance(table[key], str):
+        raise InputError(f"{key} is {table[key]!r}, not a text", where=where, right=right)
+    return table[key]
+
+
+def _table(value: object, where: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise InputError(f"is {value!r}, not a table", where=where)
+    return value
+
+
+def _columns(value: object, robot: Robot, where: str) -> dict[str, Source]:
+    table = _table(value, where)
+    for key, entry in table.items():
+        if key in ("ctrl", "sensor", "qpos", "qvel", "enable") and isinstance(entry, dict):
+            first = next(iter(entry), "")
+            right = f'put names with dots in quotes: "{key}.{first}" = ...'
+            raise InputError(f"'{key}' is a nested table", where=where, right=right)
+    check_names(robot, table, where)
+    sources = {key: parse_source(entry, f"{where}, '{key}'") for key, entry in table.items()}
+    if "time" in sources and sources["time"].column is None:
+        raise InputError("time cannot be a constant", where=where, right="name a column of the logs")
+    return sources
+
+
+def _recording(entry: object, robot: Robot, columns: Mapping[str, Source], path: Path, where: str) -> Recording:
+    table = _table(entry, where)
+    _only(table, ("file", "role", "set"), where)
+    file = path.parent / _text(table, "file", where, "the path of a log, relative to the manifest")
+    if not file.exists():
+        raise InputError(f"no such recording '{file}'", where=where, right="a path relative to the manifest")
+    role = table.get("role", "train")
+    if role not in ROLES:
+        raise InputError(f"role is {role!r}", where=where, right=known(ROLES))
+    settings = _settings(table.get("set", {}), f"{where}, set")
+    apply_settings(robot, settings, where=f"{where}, set")  # told now rather than in the middle of a fit
+    return read_recording(robot, file, role=role, mapping=columns, settings=settings)
+
+
+def _settings(value: object, where: str) -> dict[str, float | tuple[float, ...]]:
+    settings: dict[str, float | tuple[float, ...]] = {}
+    for key, entry in _table(value, where).items():
+        place = f"{where}, '{key}'"
+        if isinstance(entry, dict):
+            right = 'put the whole key in quotes: "actuator.servo.kp" = 1.0'
+            raise InputError("is a nested table", where=place, right=right)
+        if isinstance(entry, list):
+            settings[key] = tuple(number(item, place) for item in entry)
+        else:
+            settings[key] = number(entry, place)
+    return settings

@@ -1,0 +1,45 @@
+"""Write a table of numbers so that reading it gives back every bit."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+
+def write_csv(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
+    """Write columns of one length to a CSV file, replacing it at once or not at all.
+
+    Floats are written with the fewest digits that give the same float64 back; NaN is an empty cell.
+
+    Args:
+        path: the file; its folder must exist.
+        columns: header name to values, (rows,) numbers.
+
+    Raises:
+        ValueError: the columns differ in length, or are not one-dimensional.
+    """
+    path = Path(path)
+    arrays = {name: np.asarray(values) for name, values in columns.items()}
+    arrays = {name: values.astype(int) if values.dtype == bool else values for name, values in arrays.items()}
+    shapes = {name: values.shape for name, values in arrays.items()}
+    if len(set(shapes.values())) > 1 or any(len(shape) != 1 for shape in shapes.values()):
+        raise ValueError(f"columns are not of one length: {shapes}")
+    # Beside its place and renamed into it: a reader, or a run that dies, never meets half a file.
+    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with draft.open("w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(arrays)
+            writer.writerows(zip(*([_cell(v) for v in values.tolist()] for values in arrays.values()), strict=True))
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _cell(value: float | int) -> str:
+    return "" if math.isnan(value) else repr(value)

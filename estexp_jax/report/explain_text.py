@@ -1,0 +1,74 @@
+"""Findings in words, for terminals and notebooks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+from typing import Any
+
+VERDICTS = {
+    "consistent": "The simulator agrees with the recordings, up to noise.",
+    "parameters": "Values that the model already has are off; nothing is missing.",
+    "missing_physics": "The simulator lacks physics.",
+    "unexplained": "The simulator is wrong, and no effect of the catalogue explains how.",
+}
+"""What each verdict says."""
+
+
+def summary(findings: Mapping[str, Any]) -> str:
+    """The verdict, each claim with its numbers, the proof, and what else it could be; several lines."""
+    lines = [VERDICTS[findings["verdict"]]]
+    lines += [f"  {claim(entry)}" for entry in findings["what"]]
+    lines += [proof(findings)]
+    for other in findings["alternatives"]:
+        if other["probability"] >= 0.05:
+            effects = " + ".join(other["effects"]) or "parameters alone"
+            lines.append(f"It could also be {effects} ({other['probability']:.0%}).")
+    return "\n".join(lines)
+
+
+def claim(entry: Mapping[str, Any]) -> str:
+    """One effect: sentence, intervals, probability."""
+    sentence = entry["sentence"][0].upper() + entry["sentence"][1:]
+    return f"{sentence} ({intervals(entry)}; probability {entry['probability']:.0%})."
+
+
+def intervals(entry: Mapping[str, Any]) -> str:
+    """`T = 1.02 (0.97 to 1.08) N m` for each parameter."""
+    parts = []
+    for name, p in entry["parameters"].items():
+        parts.append(f"{name} = {p['value']:.3g} ({p['low']:.3g} to {p['high']:.3g}) {p['unit']}".rstrip())
+    return ", ".join(parts)
+
+
+def proof(findings: Mapping[str, Any]) -> str:
+    """How much better unseen recordings are predicted."""
+    fit = findings["fit"]
+    before, after, value = fit["nominal"]["test"], fit["explained"]["test"], fit["gain"]
+    told = f"On recordings not used for fitting the error is {after:.3g} instead of {before:.3g} of the sensors' range"
+    if value["value"] is None or value["value"] != value["value"]:
+        return f"{told}."
+    interval = f"90 % interval {value['low']:.0%} to {value['high']:.0%}"
+    return f"{told}: {value['value']:.0%} of the excess is gone ({interval})."
+
+
+def rows(findings: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """One row for each parameter of each claim."""
+    return [
+        {"effect": entry["effect"], "at": entry["name"], "parameter": name, **p, "probability": entry["probability"]}
+        for entry in findings["what"]
+        for name, p in entry["parameters"].items()
+    ]
+
+
+def html_table(findings: Mapping[str, Any]) -> str:
+    """Verdict, claims as a table, proof."""
+    columns = ("effect", "at", "parameter", "value", "low", "high", "unit", "probability")
+    head = "".join(f"<th>{c}</th>" for c in columns)
+    body = "".join("<tr>" + "".join(f"<td>{_cell(row[c])}</td>" for c in columns) + "</tr>" for row in rows(findings))
+    table = f"<table><tr>{head}</tr>{body}</table>" if body else ""
+    return f"<p><b>{escape(VERDICTS[findings['verdict']])}</b></p>{table}<p>{escape(proof(findings))}</p>"
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else escape(str(value))

@@ -1,0 +1,21 @@
+"""Runs: their folders, checkpoints, progress, and what they ran on."""
+
+from estexp_jax.runs.cache import count_compilations, enable_compilation_cache, quiet_xla
+from estexp_jax.runs.checkpoint import load_checkpoint, save_checkpoint
+from estexp_jax.runs.files import write_json
+from estexp_jax.runs.folder import RunFolder, open_run
+from estexp_jax.runs.progress import Progress
+from estexp_jax.runs.versions import versions
+
+__all__ = [
+    "Progress",
+    "RunFolder",
+    "count_compilations",
+    "enable_compilation_cache",
+    "load_checkpoint",
+    "open_run",
+    "quiet_xla",
+    "save_checkpoint",
+    "versions",
+    "write_json",
+]

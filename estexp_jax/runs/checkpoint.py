@@ -1,0 +1,111 @@
+"""Checkpoints: a nested structure in one file, given back to the last bit."""
+
+from __future__ import annotations
+
+import json
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.runs.files import replacing
+
+_TREE = "tree"
+_KINDS = "biufcSUMm"
+"""NumPy's kinds of values that need no pickle."""
+# What reading a cut or otherwise damaged archive can raise.
+_DAMAGE = (OSError, EOFError, ValueError, KeyError, IndexError, TypeError, RuntimeError, MemoryError)
+_DAMAGE += (zipfile.BadZipFile, zlib.error, struct.error)
+
+
+def previous_of(path: str | Path) -> Path:
+    """Where the checkpoint before the one at `path` is kept."""
+    path = Path(path)
+    return path.with_name(f"{path.name}.previous")
+
+
+def save_checkpoint(path: str | Path, tree: Any) -> None:
+    """Write a checkpoint; the one before is kept beside it until the next.
+
+    A run that is killed at any moment of this leaves a checkpoint that loads: this one or the one before.
+
+    Args:
+        path: the file; its folder must exist.
+        tree: dicts, lists and tuples of str, int, float, bool, None, NumPy numbers and arrays. Other arrays (JAX) are
+            saved as NumPy's. Types count, not their subclasses: a named tuple would come back as another thing.
+
+    Raises:
+        TypeError: something else is in it; names its place.
+    """
+    path = Path(path)
+    arrays: list[np.ndarray] = []
+    text = json.dumps(_encoded(tree, arrays, "checkpoint"))
+    with replacing(path, previous=previous_of(path)) as stream:
+        np.savez(stream, **{_TREE: np.frombuffer(text.encode(), np.uint8)}, **_named(arrays))
+
+
+def load_checkpoint(path: str | Path) -> Any:
+    """Read the checkpoint at `path`, or the one before where that is damaged or missing.
+
+    Returns:
+        What was saved, bit by bit and type by type; None where there is no checkpoint.
+
+    Raises:
+        InputError: there are checkpoints, and none can be read.
+    """
+    path = Path(path)
+    found = [file for file in (path, previous_of(path)) if file.exists()]
+    for file in found:
+        try:
+            return _read(file)
+        except _DAMAGE:
+            continue
+    if found:
+        raise InputError("the checkpoint is damaged", where=str(path), right="begin anew with --force")
+    return None
+
+
+def _named(arrays: list[np.ndarray]) -> dict[str, Any]:
+    return {f"array_{index}": values for index, values in enumerate(arrays)}
+
+
+def _read(file: Path) -> Any:
+    # Members carry a checksum, and reading them in full checks it.
+    with file.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
+        text = archive[_TREE].tobytes().decode()
+        return _decoded(json.loads(text), archive)
+
+
+def _encoded(value: Any, arrays: list[np.ndarray], place: str) -> Any:
+    """JSON of a tree: what JSON holds exactly stands for itself, the rest is a list that begins with its type."""
+    kind = type(value)
+    if value is None or kind in (str, int, float, bool):
+        return value
+    if kind in (list, tuple):
+        return [kind.__name__, *(_encoded(item, arrays, f"{place}[{i}]") for i, item in enumerate(value))]
+    if kind is dict:
+        pairs = ((_encoded(key, arrays, f"a key of {place}"), item, f"{place}[{key!r}]") for key, item in value.items())
+        return ["dict", *([key, _encoded(item, arrays, where)] for key, item, where in pairs)]
+    if hasattr(value, "__array__") and (values := np.asarray(value)).dtype.kind in _KINDS:
+        arrays.append(values)
+        return ["number" if isinstance(value, np.generic) else "array", len(arrays) - 1]
+    what = f" of {value.dtype}" if hasattr(value, "dtype") else ""
+    raise TypeError(f"{place} is a {kind.__name__}{what}, which a checkpoint cannot hold")
+
+
+def _decoded(node: Any, archive: Mapping[str, np.ndarray]) -> Any:
+    if not isinstance(node, list):
+        return node
+    kind, items = node[0], node[1:]
+    if kind == "dict":
+        return {_decoded(key, archive): _decoded(item, archive) for key, item in items}
+    if kind in ("array", "number"):
+        values = archive[f"array_{items[0]}"]
+        return values if kind == "array" else values[()]
+    decoded = [_decoded(item, archive) for item in items]
+    return tuple(decoded) if kind == "tuple" else decoded

@@ -1,0 +1,113 @@
+"""Write files whole or not at all, and results as plain JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+_DRAFT = ".part"
+
+
+def draft_of(path: Path) -> Path:
+    """Where a file is written before it takes its place; left behind by a run that was killed."""
+    return path.with_name(f".{path.name}{_DRAFT}")
+
+
+@contextmanager
+def replacing(path: str | Path, *, previous: Path | None = None) -> Iterator[IO[bytes]]:
+    """A stream whose contents become the file at the end, unless an error ends it sooner.
+
+    A reader, or a run that is killed at any moment, meets the old file or the new one, never half of one: the contents
+    go to a draft in the same folder, reach the disk, and only then take the file's name.
+
+    Args:
+        path: the file; its folder must exist. One writer at a time.
+        previous: in the same folder; where to keep the file that is replaced.
+    """
+    path = Path(path)
+    draft = draft_of(path)
+    try:
+        with draft.open("wb") as stream:
+            yield stream
+            stream.flush()
+            os.fsync(stream.fileno())
+        if previous is not None and path.exists():
+            path.replace(previous)
+        draft.replace(path)
+        _sync_folder(path.parent)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Bring a rename to the disk; where folders cannot be opened (Windows) the system does without."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
+        return
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def write_json(path: str | Path, value: Any) -> None:
+    """Write a result as JSON (UTF-8, indented), replacing the file at once or not at all.
+
+    Args:
+        path: the file; its folder must exist.
+        value: anything `plain` understands.
+
+    Raises:
+        TypeError: something in `value` has no JSON form; names its place.
+    """
+    text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    with replacing(path) as stream:
+        stream.write(f"{text}\n".encode())
+
+
+def plain(value: Any, place: str = "value") -> Any:
+    """What JSON can hold: dicts with text keys, lists, texts, numbers, booleans and None.
+
+    Arrays become lists, dataclasses dicts, paths texts; numbers that are not finite become None.
+
+    Args:
+        value: the above, nested.
+        place: its name, for messages.
+
+    Raises:
+        TypeError: something in it has no such form; names its place.
+    """
+    if value is None or isinstance(value, str | bool):
+        return value
+    if isinstance(value, np.generic):
+        return plain(value.item(), place)
+    if isinstance(value, int):
+        return int(value)
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, Path):
+        return str(value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name), f"{place}.{field.name}") for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {_key(key, place): plain(item, f"{place}.{key}") for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item, f"{place}[{index}]") for index, item in enumerate(value)]
+    if hasattr(value, "__array__"):
+        return plain(np.asarray(value).tolist(), place)
+    raise TypeError(f"{place} is a {type(value).__name__}, which has no JSON form")
+
+
+def _key(key: object, place: str) -> str:
+    if isinstance(key, str | int | np.integer) and not isinstance(key, bool):
+        return str(key)
+    raise TypeError(f"{place} has the key {key!r}; JSON's keys are texts")

@@ -1,0 +1,182 @@
+"""How far a run is: a live line on a terminal, now and then a plain line elsewhere; and its story."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Any, TextIO, final
+
+PERIOD = 10.0
+"""Time between two plain lines, s."""
+
+
+@dataclass
+class _Stage:
+    """What is running: `total` None where nobody knows how long it is."""
+
+    name: str
+    total: float | None
+    began: float
+    done: float = 0.0
+    note: str = ""
+
+    def line(self, now: float) -> str:
+        """`exploration 1/5: 12/40, 30 s, about 1 min 10 s left, best 3.2 m`."""
+        parts = []
+        if self.total is not None:
+            parts.append(f"{self.done:g}/{self.total:g}")
+        elif self.done:
+            parts.append(f"{self.done:g}")
+        parts.append(duration(now - self.began))
+        if self.total is not None and 0 < self.done < self.total:
+            parts.append(f"about {duration((now - self.began) / self.done * (self.total - self.done))} left")
+        return f"{self.name}: {', '.join([*parts, self.note] if self.note else parts)}"
+
+
+def duration(seconds: float) -> str:
+    """A time for people: `45 s`, `1 min 10 s`, `2 h 5 min`."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+@final
+@dataclass
+class Progress:
+    """Shows what is running, how far it is, and how long it may still take.
+
+    On a terminal that is one live line. Elsewhere it is a plain line on standard error, at once and then every
+    `PERIOD`, so that a log shows life even where nothing is reported, as while compiling. The story, told with `say`,
+    goes to standard output either way.
+
+    ```python
+    with Progress() as progress:
+        progress.stage("exploration 1/5", total=40)
+        progress.advance(note="best 3.2 m")
+        progress.say("walks 3.2 m")
+    ```
+
+    Attributes:
+        out: where the story goes; None: `sys.stdout`.
+        err: where plain lines go; None: `sys.stderr`.
+        period: time between two plain lines, s.
+        clock: seconds that only grow.
+    """
+
+    out: TextIO | None = None
+    err: TextIO | None = None
+    period: float = PERIOD
+    clock: Callable[[], float] = time.monotonic
+    _stage: _Stage | None = field(default=None, init=False, repr=False)
+    _last: float | None = field(default=None, init=False, repr=False)
+    _live: _Live | None = field(default=None, init=False, repr=False)
+    _ends: threading.Event = field(default_factory=threading.Event, init=False, repr=False)
+    _lock: Any = field(default_factory=threading.RLock, init=False, repr=False)
+
+    def __enter__(self) -> Progress:
+        out, err = self.out or sys.stdout, self.err or sys.stderr
+        self.out, self.err = out, err
+        terminal = next((stream for stream in (out, err) if stream.isatty()), None)
+        if terminal is not None:
+            self._live = _Live(terminal)
+        else:
+            threading.Thread(target=self._tick_on, name="progress", daemon=True).start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ends.set()
+        if self._live is not None:
+            self._live.close()
+        self._live = self._stage = None
+
+    def say(self, text: str) -> None:
+        """A line of the story, always printed."""
+        if self._live is not None and self._live.stream is self.out:
+            self._live.print(text)
+        else:
+            print(text, file=self.out or sys.stdout, flush=True)
+
+    def stage(self, name: str, total: float | None = None) -> None:
+        """Another thing runs from now on.
+
+        Args:
+            name: what it is, such as `exploration 1/5`.
+            total: how many steps of `advance` it has; None: nobody knows.
+        """
+        with self._lock:
+            self._stage = _Stage(name, total, self.clock())
+            if self._live is not None:
+                self._live.stage(name, total)
+            self.tick()
+
+    def advance(self, steps: float = 1, note: str = "") -> None:
+        """The stage is some steps further.
+
+        Args:
+            steps: how many.
+            note: what there is to say of it, such as the best so far; the last one stays.
+        """
+        with self._lock:
+            if self._stage is None:
+                raise RuntimeError("no stage to advance")
+            self._stage.done += steps
+            self._stage.note = note or self._stage.note
+            if self._live is not None:
+                self._live.advance(steps, self._stage.note)
+            self.tick()
+
+    def tick(self) -> None:
+        """Print a plain line if it is time for one."""
+        with self._lock:
+            now = self.clock()
+            due = self._last is None or now - self._last >= self.period
+            if self._live is None and self._stage is not None and due and not self._ends.is_set():
+                print(self._stage.line(now), file=self.err or sys.stderr, flush=True)
+                self._last = now
+
+    def _tick_on(self) -> None:
+        while not self._ends.wait(self.period / 10.0):
+            self.tick()
+
+
+@final
+class _Live:
+    """The live line on a terminal."""
+
+    def __init__(self, stream: TextIO) -> None:
+        from rich import progress as parts
+        from rich.console import Console
+
+        self.stream = stream
+        name, note = (parts.TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[note]}"))
+        numbers = (parts.MofNCompleteColumn(), parts.TimeElapsedColumn(), parts.TimeRemainingColumn())
+        columns = (parts.SpinnerColumn(), name, parts.BarColumn(), *numbers, note)
+        # Only what is said here goes above the line: redirecting would move all of standard output to this stream.
+        self._bars = parts.Progress(
+            *columns, console=Console(file=stream), transient=True, redirect_stdout=False, redirect_stderr=False
+        )
+        self._task: Any = None
+        self._bars.start()
+
+    def print(self, text: str) -> None:
+        self._bars.console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+    def stage(self, name: str, total: float | None) -> None:
+        if self._task is not None:
+            self._bars.remove_task(self._task)
+        self._task = self._bars.add_task(name, total=total, note="")
+
+    def advance(self, steps: float, note: str) -> None:
+        self._bars.update(self._task, advance=steps, note=note)
+
+    def close(self) -> None:
+        self._bars.stop()

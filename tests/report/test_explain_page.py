@@ -1,0 +1,234 @@
+"""The report of an explanation: one file, everything in it, nothing from elsewhere, for every verdict."""
+
+import base64
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.robot import Robot
+from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where, ranked, worst_channel
+from estexp_jax.report.explain_page import headline, page
+
+LONG = "left_front_upper_leg_abduction_and_rotation_joint"
+XML = f'<mujoco><worldbody><body><joint name="{LONG}"/><geom size="1"/></body></worldbody></mujoco>'
+ROWS = 60
+NUMBERS = {"train": 0.05, "test": 0.04}
+
+
+def explanation(places: tuple, error: float) -> Explanation:
+    return Explanation(Fit(Hypothesis(places, ()), np.zeros(0), error**2), np.full(4, error**2 / 4.0))
+
+
+def prediction(name: str, role: str, offset: float) -> Prediction:
+    time = np.arange(ROWS) / 10.0
+    recorded = np.stack([np.sin(time), 100.0 * np.cos(time)], axis=1)
+    recorded[5] = np.nan
+    nominal, explained = recorded + [offset, 2.0], recorded + 0.01
+    window = np.repeat([0, 1, 2], ROWS // 3)
+    return Prediction(name, role, time, window, ("angle", "force.0"), recorded, nominal, explained)
+
+
+def recording(p: Prediction) -> Recording:
+    one = np.ones((ROWS, 1))
+    return Recording(p.recording, p.time, one, one, p.recorded, one, one, p.role)
+
+
+def claim(effect: str, sentence: str, in_mjcf: bool) -> dict:
+    number = {"value": 1.0234, "low": 0.97, "high": 1.08, "unit": "N m"}
+    told = {"sentence": sentence, "equation": "tau = -T sign(w) & more", "parameters": {"T": number}}
+    return {"effect": effect, "kind": "joint", "name": LONG, "probability": 0.94, "in_mjcf": in_mjcf, **told}
+
+
+FINDINGS = {
+    "schema": "estexp.findings/1",
+    "verdict": "missing_physics",
+    "side": "plant",
+    "where": [{"kind": "joint", "name": LONG, "share": 0.91, "p_value": 1e-9}],
+    "when": {"regime": "at reversals", "onset_s": {"a.csv": None, "b <i>.csv": 1.5}},
+    "what": [
+        claim("coulomb_friction", "the joint resists motion with 1.02 N m", True),
+        claim("load_dependent_friction", "the joint resists motion with 40 % <of> its load", False),
+    ],
+    "alternatives": [
+        {"effects": [f"viscous_friction@{LONG}", "gravity_tilt"], "probability": 0.004, "test_error": 0.013},
+        {"effects": [], "probability": 0.05, "test_error": None},
+    ],
+    "fit": {
+        "metric": "nrmse",
+        "window_s": None,
+        "noise_floor": {"train": 0.001, "test": 0.0},
+        **dict.fromkeys(("nominal", "parameters_only", "explained"), NUMBERS),
+        "black_box": {},
+        "placebo": {"train": 0.0333, "test": 0.0444},
+        "gain": {"value": 0.93, "low": 0.9, "high": 0.95},
+    },
+    "advice": ["Record a motion with the motor off."],
+    "data": [{"file": "b <i>.csv", "role": "test", "rows": 60, "hz": 10.0, "notes": ["ignored: <b>x</b>"]}],
+    "cost": {"wall_s": 61.2, "compile_s": None, "robot_steps": 1500000},
+    "seed": 5,
+    "versions": {"jax": "0.9.2", "mujoco": "4.0.1"},
+}
+QUIET = {"side": None, "what": []}
+NOTHING = {"value": None, "low": None, "high": None}
+OTHERS = {
+    "missing_physics": {},
+    "consistent": {**QUIET, "where": [], "alternatives": [], "advice": [], "fit": {**FINDINGS["fit"], "gain": NOTHING}},
+    "parameters": {"what": FINDINGS["what"][:1]},
+    "unexplained": QUIET,
+}
+
+
+def diagnosis(verdict: str = "missing_physics") -> Diagnosis:
+    predictions = (prediction("a.csv", "train", 0.1), prediction("b <i>.csv", "test", 0.3))
+    robot = Robot.from_string(XML, "folder/legs <1>.xml")
+    case = Case(robot, tuple(recording(p) for p in predictions), (robot, robot))
+    friction, load = ("coulomb_friction", LONG), ("load_dependent_friction", LONG)
+    tried = [
+        explanation((friction,), 0.01),
+        explanation((("body_mass", "trunk"),), 0.03),
+        explanation((friction, load), 2e-3),
+    ]
+    own = explanation((), 0.04)
+    chosen = tried[2] if verdict == "missing_physics" else own
+    nominal = explanation((), 0.05)
+    selection = Selection(nominal, nominal, own, tuple(tried), chosen)
+    findings = {**FINDINGS, "verdict": verdict, **OTHERS[verdict]}
+    left_out = (Change("load_dependent_friction", LONG, {"mu": 0.4}),) if verdict == "missing_physics" else ()
+    return Diagnosis(case, ExplainConfig(), findings, selection, (), (), left_out, predictions)
+
+
+class Reader(HTMLParser):
+    """Collects text, images and every address; notices tags that are not closed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.addresses: list[str] = []
+        self.text = ""
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in ("meta", "img", "br"):
+            self.open.append(tag)
+        self.addresses += [value or "" for key, value in attrs if key in ("src", "href")]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data if "style" not in self.open else ""
+
+
+def read(verdict: str) -> tuple[str, Reader]:
+    d = diagnosis(verdict)
+    html, reader = page(d, d.findings), Reader()
+    reader.feed(html)
+    assert reader.open == []
+    return html, reader
+
+
+@pytest.mark.parametrize("verdict", OTHERS)
+def test_it_needs_nothing_else_and_its_figures_are_drawings(verdict):
+    html, reader = read(verdict)
+    assert len(reader.addresses) == 3
+    for address in reader.addresses:
+        head, _, body = address.partition(",")
+        assert head == "data:image/svg+xml;base64"
+        drawing = base64.b64decode(body).decode()
+        assert ElementTree.fromstring(drawing).tag.endswith("svg")
+        assert not re.search(r'(?:href|src)="(?!#|data:)', drawing)
+    outside = re.sub(r'src="data:[^"]*"', "", html)
+    assert not re.search(r"https?:|@import|url\(|<script|<link", outside)
+
+
+def test_it_tells_the_finding_in_full():
+    _, reader = read("missing_physics")
+    text = " ".join(reader.text.split())
+    for told in (
+        "The simulator lacks physics: the joint resists motion with 1.02 N m, and 1 more.",
+        "tau = -T sign(w) & more", "1.02", "0.97 to 1.08", "N m", "94 %", "MJCF has no place for it",
+        "40 % <of> its load", "leaves out", f"load_dependent_friction@{LONG}",
+        "91 %", "1e-09", "at reversals; from 1.5 s on in b <i>.csv",
+        "4.44 %", "best wrong effect", "93 % (90 % interval 90 % to 95 %)", "whole recordings",
+        f"viscous friction @ {LONG} + gravity tilt", "< 1 %", "parameters only",
+        "Record a motion with the motor off.", "ignored: <b>x</b>",
+        "1.5 million robot steps; 61 s; seed 5.", "jax 0.9.2",
+    ):  # fmt: skip
+        assert told in text, told
+    assert "black-box" not in text and "nan" not in text.lower().replace("nominal", "")
+
+
+def test_what_the_user_typed_is_text_and_not_markup():
+    html, _ = read("missing_physics")
+    assert "<i>" not in html and "<b>x" not in html and "legs <1>" not in html
+    assert "b &lt;i&gt;.csv" in html and "legs &lt;1&gt;.xml" in html
+
+
+@pytest.mark.parametrize("verdict", [v for v in OTHERS if v != "missing_physics"])
+def test_other_verdicts_read_well(verdict):
+    _, reader = read(verdict)
+    text = " ".join(reader.text.split())
+    assert headline(diagnosis(verdict).findings) in text
+    assert "None" not in text and "nan" not in text
+    assert "leaves out" not in text
+    assert ("90 % interval" in text) == (verdict != "consistent")
+    assert {"consistent": "as good as noise", "parameters": "What is off", "unexplained": "no effect"}[verdict] in text
+
+
+def test_the_sections_stand_in_order():
+    html, _ = read("missing_physics")
+    titles = re.findall(r"<h2>(.*?)</h2>", html)
+    assert titles == [
+        "What is missing", "Where the error is", "Before and after",
+        "What else it could be", "What to record next", "What was read",
+    ]  # fmt: skip
+
+
+def test_figure_fit_shows_the_test_recordings_worst_channel_over_its_range():
+    shown, channel = worst_channel(diagnosis())
+    assert (shown.recording, shown.channels[channel]) == ("b <i>.csv", "angle")  # 0.3 of 2 beats 2 of 200
+    above, below = figure_fit(diagnosis()).axes
+    recorded, nominal, explained = (np.asarray(line.get_ydata()) for line in above.get_lines()[:3])
+    assert nominal - recorded == pytest.approx(below.get_lines()[0].get_ydata(), nan_ok=True)
+    assert np.nanmax(np.abs(nominal - recorded)) == pytest.approx(0.3)
+    assert np.nanmax(np.abs(explained - recorded)) == pytest.approx(0.01)
+    assert np.isnan(recorded).sum() == 3  # the gap, and a break before each window but the first
+
+
+def test_figure_ranking_highlights_the_chosen_one():
+    d = diagnosis()
+    names = [name for name, _ in ranked(d)]
+    assert names[:2] == ["nominal simulator", "parameters only"]
+    assert names[2:] == [
+        f"coulomb friction @ {LONG} + load dependent friction @ {LONG}",
+        f"coulomb friction @ {LONG}",
+        "body mass @ trunk",
+    ]
+    [axes] = figure_ranking(d).axes
+    bold = [label.get_text() for label in axes.get_yticklabels() if label.get_fontweight() == "bold"]
+    assert len(bold) == 1 and "load" in bold[0]
+    assert axes.get_xscale() == "log"
+
+
+def test_many_long_names_fit():
+    d = diagnosis()
+    predictions = tuple(replace(p, recording=f"{k}_{'x' * 80}.csv") for k in range(30) for p in d.predictions)
+    places = [{"kind": "joint", "name": f"{LONG}_{k}", "share": 0.05, "p_value": 0.01} for k in range(20)]
+    crowded = replace(d, predictions=predictions, findings={**d.findings, "where": places})
+    for figure in (figure_where(crowded), figure_fit(crowded), figure_ranking(crowded)):
+        figure.draw_without_rendering()
+        width, height = figure.get_size_inches() * figure.dpi
+        assert height < 2.0 * width
+        for axes in figure.axes:
+            box = axes.get_tightbbox()
+            assert box is not None
+            assert box.x0 >= -1.0 and box.y0 >= -1.0 and box.x1 <= width + 1.0 and box.y1 <= height + 1.0
