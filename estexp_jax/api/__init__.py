@@ -1,0 +1,1 @@
+"""The front doors from Python: what the package's top level offers."""

@@ -1,0 +1,184 @@
+"""`explain` from Python and Jupyter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any, final
+
+from estexp_jax.api.inputs import Inputs, read_inputs
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
+from estexp_jax.discovery.explain import explain as _explain
+from estexp_jax.discovery.fitting import Progress as Step
+from estexp_jax.recordings.roles import assign_roles
+from estexp_jax.recordings.settings import apply_settings
+from estexp_jax.report.picture import Picture
+from estexp_jax.runs import count_compilations, enable_compilation_cache, versions
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """What `explain` found; prints itself as a table in a notebook.
+
+    Attributes:
+        diagnosis: everything, with its arrays.
+        findings: as in `findings.json`.
+    """
+
+    diagnosis: Diagnosis
+    findings: Mapping[str, Any]
+
+    def summary(self) -> str:
+        """The verdict, what is missing, and how much better unseen recordings are predicted."""
+        from estexp_jax.report.explain_text import summary
+
+        return summary(self.findings)
+
+    def table(self) -> Any:
+        """The claimed effects, one parameter a row: a DataFrame where pandas is present, else a list of dicts."""
+        from estexp_jax.report.explain_text import rows
+
+        try:
+            from pandas import DataFrame  # pyright: ignore[reportMissingImports] (a guest, not a dependency)
+        except ImportError:
+            return rows(self.findings)
+        return DataFrame(rows(self.findings))
+
+    def plot_where(self) -> Picture:
+        """Where the error is."""
+        from estexp_jax.report.explain_figures import figure_where
+
+        return Picture(figure_where(self.diagnosis))
+
+    def plot_fit(self) -> Picture:
+        """A test recording, before and after."""
+        from estexp_jax.report.explain_figures import figure_fit
+
+        return Picture(figure_fit(self.diagnosis))
+
+    def plot_ranking(self) -> Picture:
+        """All explanations tried, by how they predict held-out windows."""
+        from estexp_jax.report.explain_figures import figure_ranking
+
+        return Picture(figure_ranking(self.diagnosis))
+
+    def write(self, out: str | Path, *, force: bool = False) -> Path:
+        """Write all results into a folder, as the command does; gives the report's path.
+
+        Raises:
+            InputError: the folder holds results and `force` is not set.
+        """
+        from estexp_jax.api.explain_files import write_results
+        from estexp_jax.runs import open_run
+
+        return write_results(open_run(out, force=force), self.diagnosis, self.findings)
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        from estexp_jax.report.explain_text import html_table
+
+        return html_table(self.findings)
+
+
+def explain(
+    model: str | Path,
+    recordings: Sequence[str | Path] = (),
+    *,
+    test: Sequence[str | Path] = (),
+    map: Iterable[str] = (),  # noqa: A002 (the command's word)
+    window: float = 2.0,
+    most: int = 3,
+    effects: Sequence[str] | None = None,
+    seed: int = 0,
+    progress: Callable[[Step], None] | None = None,
+) -> Explanation:
+    """Find the physics that a simulator lacks, from recordings of the robot.
+
+    Args:
+        model: the nominal MJCF; or a `recordings.toml` that names model, recordings and columns.
+        recordings: logs to learn from, one file each.
+        test: logs to prove it on. Without any, the last recording is kept back; of a single one, its last 30 %.
+        map: `ours=theirs` for logs with other column names.
+        window: length of the windows compared, s; infinite for whole recordings.
+        most: largest number of effects in an explanation.
+        effects: names of the effects to consider; None: all that it can.
+        seed: of the resampling behind probabilities and intervals.
+        progress: called with each step of the work.
+
+    Raises:
+        InputError: a file is wrong or the model cannot be simulated.
+    """
+    inputs = read_inputs([str(model), *map_str(recordings)], test=map_str(test), maps=list(map))
+    config = config_of(window, most, effects, seed)
+    return run_explanation(inputs, config, {}, progress or _ignore)
+
+
+def map_str(paths: Sequence[str | Path]) -> list[str]:
+    """Paths as text."""
+    return [str(path) for path in paths]
+
+
+def config_of(window: float, most: int, effects: Sequence[str] | None, seed: int) -> ExplainConfig:
+    """The configuration of these choices.
+
+    Raises:
+        InputError: an unknown effect, or a window or number that makes no sense.
+    """
+    from estexp_jax.errors import InputError, known
+
+    if not window > 0.0:
+        raise InputError(f"a window of {window} s is no window", where="--window", right="a length in s, or 'full'")
+    if most < 1:
+        raise InputError(f"{most} effects explain nothing", where="--most", right="1 or more")
+    chosen = ExplainConfig.effects if effects is None else tuple(effects)
+    for name in chosen:
+        if name not in ExplainConfig.effects:
+            raise InputError(
+                f"'{name}' is not an effect to explain with", where="--effects", right=known(ExplainConfig.effects)
+            )
+    return ExplainConfig(window=window, most=most, effects=chosen, seed=seed)
+
+
+def case_of(inputs: Inputs) -> Case:
+    """Recordings with their roles, and the nominal robot under each one's settings.
+
+    Raises:
+        InputError: no recording is left to learn from, or names clash.
+    """
+    recordings = tuple(assign_roles(inputs.recordings))
+    robots = tuple(apply_settings(inputs.robot, r.settings, where=r.name) for r in recordings)
+    return Case(inputs.robot, recordings, robots)
+
+
+def run_explanation(
+    inputs: Inputs, config: ExplainConfig, memory: dict[str, Any], report: Callable[[Step], None]
+) -> Explanation:
+    """Explain, timing it.
+
+    Args:
+        inputs: what was read.
+        config: how to explain.
+        memory: state of an interrupted explanation; filled as this one goes on.
+        report: called after each step, when `memory` is up to date.
+    """
+    enable_compilation_cache()
+    begin = perf_counter()
+    with count_compilations() as compiled:
+        steps = _explain(case_of(inputs), config, memory)
+        while True:
+            try:
+                report(next(steps))
+            except StopIteration as end:
+                diagnosis: Diagnosis = end.value
+                break
+    cost = {**diagnosis.findings["cost"], "wall_s": perf_counter() - begin, "compile_s": compiled.seconds}
+    return Explanation(diagnosis, {**diagnosis.findings, "cost": cost, "versions": versions()})
+
+
+def _ignore(_: Step) -> None:
+    pass

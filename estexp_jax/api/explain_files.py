@@ -1,0 +1,49 @@
+"""The files that `explain` leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
+from estexp_jax.discovery.explain import FINER
+from estexp_jax.discovery.export import explained_spec, explained_xml
+from estexp_jax.recordings.write import write_csv
+from estexp_jax.runs import RunFolder, write_json
+
+EFFECTS_SCHEMA = "estexp.effects/1"
+"""Format of `effects.json`."""
+
+
+def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any]) -> Path:
+    """Write findings, report, both models, effects and predictions; gives the report's path."""
+    from estexp_jax.report.explain_page import page
+
+    write_json(folder.file("findings.json"), findings)
+    left_out = diagnosis.left_out
+    explained = explained_xml(diagnosis.case.robot, diagnosis.mjcf_changes, left_out, FINER)
+    folder.file("model_explained.xml").write_text(explained, encoding="utf-8")
+    nominal = explained_spec(diagnosis.case.robot, ()).to_xml()
+    folder.file("nominal.xml").write_text(nominal, encoding="utf-8")
+    changes = [change.to_json() for change in diagnosis.changes]
+    effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": FINER, "changes": changes}
+    write_json(folder.file("effects.json"), effects)
+    for prediction in diagnosis.predictions:
+        name = f"predictions/{Path(prediction.recording).stem}.csv"
+        write_csv(folder.file(name), _columns(prediction))
+    report = folder.file("report.html")
+    report.write_text(page(diagnosis, findings), encoding="utf-8")
+    return report
+
+
+def _columns(prediction: Prediction) -> dict[str, np.ndarray]:
+    columns = {"time": prediction.time, "window": prediction.window}
+    for i, channel in enumerate(prediction.channels):
+        sampled = np.isfinite(prediction.recorded[:, i])
+        columns[f"{channel}.recorded"] = prediction.recorded[:, i]
+        columns[f"{channel}.nominal"] = np.where(sampled, prediction.nominal[:, i], np.nan)
+        columns[f"{channel}.explained"] = np.where(sampled, prediction.explained[:, i], np.nan)
+    return columns

@@ -1,0 +1,118 @@
+"""Recordings of a simulated robot that differs from its model in a chosen way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import mujoco
+import numpy as np
+
+from estexp_jax.api.simulator import Simulator, Traces
+from estexp_jax.discovery.export import explained_spec
+from estexp_jax.errors import InputError
+from estexp_jax.inference.excitation import multisine, steps
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.base import ControllerFault
+from estexp_jax.physics.registry import effect
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recordings.write import write_csv
+from estexp_jax.runs import RunFolder, write_json
+
+_FINER = 5
+"""The robot is simulated at this fraction of its model's step: a real one has none."""
+
+
+@final
+@dataclass(frozen=True)
+class RecordConfig:
+    """How to record.
+
+    Attributes:
+        duration: of each recording, s.
+        rate: rows a second.
+        bits: resolution of the encoders over a turn (slides: over a metre).
+        noise: deviation of the noise on positions, rad or m.
+        seed: of motions and noise.
+    """
+
+    duration: float = 8.0
+    rate: float = 200.0
+    bits: int = 14
+    noise: float = 2e-4
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, least in (("duration", 0.1), ("rate", 1.0), ("bits", 1), ("noise", 0.0)):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= least):
+                raise InputError(f"{value} makes no sense", where=f"--{name}", right=f"{least} or more")
+
+
+def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder: RunFolder) -> Path:
+    """Simulate a robot with changes, and write what it would have logged; gives the manifest's path.
+
+    Writes nominal.xml, train_0.csv, train_1.csv, test_0.csv (a larger motion), recordings.toml and truth.json.
+
+    Raises:
+        InputError: an effect acts in the controller, where a replay of commands does not see it.
+    """
+    for change in changes:
+        if isinstance(effect(change.effect), ControllerFault):
+            raise InputError(
+                f"'{change.effect}' acts in a controller, and commands are replayed here", where="--effect"
+            )
+    nominal = explained_spec(robot, ())
+    folder.file("nominal.xml").write_text(nominal.to_xml(), encoding="utf-8")
+    real = Simulator(robot, tuple(changes), _FINER)
+    time = np.arange(int(round(config.duration * config.rate))) / config.rate
+    motions = (
+        ("train_0.csv", multisine(robot, time, 0.6, config.seed)),
+        ("train_1.csv", steps(robot, time, 0.6, config.seed + 1)),
+        ("test_0.csv", multisine(robot, time, 0.9, config.seed + 2)),
+    )
+    for i, (name, commands) in enumerate(motions):
+        traces = real.rollout(commands, period=1.0 / config.rate)
+        write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))
+    folder.file("recordings.toml").write_text(_manifest([name for name, _ in motions]), encoding="utf-8")
+    write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
+    return folder.path / "recordings.toml"
+
+
+def _log(robot: Robot, commands: np.ndarray, traces: Traces, config: RecordConfig, seed: int) -> dict[str, np.ndarray]:
+    """Columns of a log: commands, sensors; joint coordinates where the model has no sensor at all."""
+    draw = np.random.default_rng(seed)
+    columns = {"time": traces.time}
+    columns |= {f"ctrl.{name}": commands[:, a] for a, name in enumerate(robot.names("actuator"))}
+    names = robot.sensor_columns()
+    if names:
+        for i, name in enumerate(names):
+            columns[f"sensor.{name}"] = _measured(traces.sensors[:, i], _is_position(robot, i), config, draw)
+    else:
+        for joint in robot.scalar_joints:
+            position = traces.qpos[:, robot.model.jnt_qposadr[joint]]
+            columns[f"qpos.{robot.names('joint')[joint]}"] = _measured(position, True, config, draw)
+    return columns
+
+
+def _measured(true: np.ndarray, position: bool, config: RecordConfig, draw: np.random.Generator) -> np.ndarray:
+    """A reading: positions noisy and in encoder steps; others with noise of the same share of their size."""
+    if position:
+        step = 2.0 * np.pi / 2**config.bits
+        return np.round((true + draw.normal(0.0, config.noise, true.shape)) / step) * step
+    size = float(np.std(true)) or 1.0
+    return true + draw.normal(0.0, config.noise, true.shape) * size
+
+
+def _is_position(robot: Robot, column: int) -> bool:
+    sensor = int(np.searchsorted(robot.model.sensor_adr, column, side="right")) - 1
+    return int(robot.model.sensor_type[sensor]) == int(mujoco.mjtSensor.mjSENS_JOINTPOS)
+
+
+def _manifest(files: Sequence[str]) -> str:
+    entries = [
+        f'[[recording]]\nfile = "{name}"\nrole = "{"test" if name.startswith("test") else "train"}"\n' for name in files
+    ]
+    return "\n".join(['model = "nominal.xml"\n', *entries])

@@ -1,0 +1,102 @@
+"""The simulator that an explanation gives back: the nominal one with what it lacked, also what MJCF cannot say."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, final
+
+import numpy as np
+
+from estexp_jax.api.explain_files import EFFECTS_SCHEMA
+from estexp_jax.errors import InputError
+from estexp_jax.physics.changes import Change, encode, stack
+from estexp_jax.physics.engines.mjx_replay import replayer
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.segment import Start, segment
+from estexp_jax.runs import enable_compilation_cache
+
+
+class Traces(NamedTuple):
+    """What a simulated robot did; rows as commanded."""
+
+    time: np.ndarray  #: (rows,) s
+    sensors: np.ndarray  #: (rows, nsensordata) readings, taken before the row's command acts
+    qpos: np.ndarray  #: (rows, nq)
+    qvel: np.ndarray  #: (rows, nv)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Simulator:
+    """A robot's simulator with changes in it.
+
+    Attributes:
+        robot: the nominal robot.
+        changes: how the real one differs.
+        finer: part of the robot's own step at which it is simulated.
+    """
+
+    robot: Robot
+    changes: tuple[Change, ...]
+    finer: int = 1
+
+    def rollout(
+        self,
+        commands: np.ndarray,
+        *,
+        period: float = 0.01,
+        enable: np.ndarray | None = None,
+        start: Start | None = None,
+    ) -> Traces:
+        """Simulate commands.
+
+        Args:
+            commands: (rows, nu), each held for one period.
+            period: s.
+            enable: (rows, nu) 1.0 where the motor is on; None: always.
+            start: state to start from; None: home, at rest.
+
+        Raises:
+            InputError: `commands` has not one column for each actuator, or fewer than two rows.
+        """
+        model = self.robot.model
+        commands = np.asarray(commands, float)
+        if commands.ndim != 2 or commands.shape[1] != model.nu or len(commands) < 2:
+            raise InputError(f"commands are {commands.shape}", where="rollout", right=f"give (rows >= 2, {model.nu})")
+        rows = len(commands)
+        time = period * np.arange(rows)
+        sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
+        switched = np.ones((rows, model.nu)) if enable is None else np.asarray(enable, float)
+        recording = Recording("rollout", time, commands, switched, sensor, qpos, qvel)
+        begin = Start(self.robot.home(), np.zeros(model.nv)) if start is None else start
+        stretch = segment([recording], 0, (0, rows - 1), float(model.opt.timestep) / self.finer, begin)
+        enable_compilation_cache()
+        effects = catalogue(dict.fromkeys(change.effect for change in self.changes))
+        if not effects:
+            effects = catalogue(["viscous_friction"])  # a catalogue needs one; it stays neutral
+        values = stack([encode(self.robot, effects, self.changes)])
+        replay = replayer(self.robot, effects, [self.robot], width=1).replay(values, [stretch], np.array([0]))
+        return Traces(time, replay.sensors[0], replay.qpos[0], replay.qvel[0])
+
+
+def load_explained(folder: str | Path) -> Simulator:
+    """The simulator that `estexp explain` left in a folder.
+
+    Raises:
+        InputError: the folder holds no explanation.
+    """
+    path = Path(folder) / "effects.json"
+    try:
+        kept = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"cannot be read: {error}", where=str(path), right="give the --out of `estexp explain`"
+        ) from None
+    if not isinstance(kept, dict) or kept.get("schema") != EFFECTS_SCHEMA:
+        raise InputError("is not a list of effects", where=str(path), right=f"its schema is {EFFECTS_SCHEMA}")
+    robot = Robot.from_xml(Path(folder) / kept["nominal"])
+    return Simulator(robot, tuple(Change.from_json(entry) for entry in kept["changes"]), kept["finer"])

@@ -1,0 +1,96 @@
+"""`estexp experiment`: run a folder of experiments as its own process."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from estexp_jax.errors import InputError, known
+
+EXPERIMENTS = Path("experiments")
+"""Where experiments are looked for, from the current folder."""
+
+_INTERRUPTED = 3
+
+
+@dataclass(frozen=True)
+class Options:
+    """Run an experiment: all its runs, its figures, its numbers.
+
+    An experiment is a folder with a `run.py`, in ./experiments or anywhere; it runs as its own process, whose exit code
+    becomes this one's.
+
+    Example:
+        estexp experiment stuck_knee --quick
+    """
+
+    name: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="NAME")]
+    """A folder of ./experiments, or the path of one."""
+    quick: bool = False
+    """Few and short runs: shows that everything works, proves nothing."""
+    resume: bool = False
+    """Go on with an interrupted experiment."""
+    workers: int | None = None
+    """How many runs at a time; the experiment chooses where this is not given."""
+
+
+def run(options: Options) -> int:
+    """Run the experiment's `run.py` and wait for it.
+
+    Returns:
+        Its exit code; 3 where it was ended by Ctrl-C, 1 where another signal killed it.
+
+    Raises:
+        InputError: there is no such experiment; lists those that exist. Or `workers` is less than one.
+    """
+    if options.workers is not None and options.workers < 1:
+        raise InputError(f"is {options.workers}", where="--workers", right="at least 1")
+    script = find(options.name, EXPERIMENTS) / "run.py"
+    return _exit_code(_wait(subprocess.Popen([sys.executable, str(script), *_arguments(options)])))
+
+
+def find(name: str, experiments: Path) -> Path:
+    """The folder of an experiment.
+
+    Args:
+        name: of a folder of `experiments`, or a path.
+        experiments: where they are.
+
+    Raises:
+        InputError: neither has a `run.py`.
+    """
+    for folder in (experiments / name, Path(name)):
+        if (folder / "run.py").is_file():
+            return folder
+    names = sorted(script.parent.name for script in experiments.glob("*/run.py"))
+    right = f"a path, or a folder of {experiments.resolve()} with a run.py; {known(names)}"
+    raise InputError(f"there is no experiment '{name}'", right=right)
+
+
+def _arguments(options: Options) -> list[str]:
+    flags = [f"--{name}" for name in ("quick", "resume") if getattr(options, name)]
+    return flags if options.workers is None else [*flags, "--workers", str(options.workers)]
+
+
+def _wait(process: subprocess.Popen[bytes]) -> int:
+    """The process's return code. Ctrl-C reaches it as well as us, so we only wait for it to come to its end."""
+    while True:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:
+            continue
+
+
+def _exit_code(code: int) -> int:
+    if code >= 0:
+        return code
+    if code == -signal.SIGINT:
+        return _INTERRUPTED
+    print(f"estexp: the experiment was killed by {signal.Signals(-code).name}", file=sys.stderr)
+    return 1

@@ -1,0 +1,168 @@
+"""`estexp recover`: walk, get damaged, diagnose from the sensors, walk again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+
+from estexp_jax.errors import InputError
+
+if TYPE_CHECKING:
+    from estexp_jax.recovery.config import Settings
+    from estexp_jax.recovery.cycle import Job
+    from estexp_jax.recovery.state import RunState
+    from estexp_jax.runs import Progress, RunFolder
+
+_CHECKPOINT = "checkpoint.npz"
+
+
+@dataclass(frozen=True)
+class Options:
+    """Recover a robot from damage: it walks, gets damaged, finds out what broke from its sensors alone, walks again.
+
+    One run of the estimation-exploration algorithm of Bongard and Lipson (2004), on the quadruped or a robot of yours.
+
+    Example:
+        estexp recover --situation 3 --seed 0 --quick --out out/leg_lost
+        estexp recover my_robot.xml --damage "motor_weakness@knee_f loss=0.5" --out out/weak_knee
+    """
+
+    model: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="[MODEL.xml]")] = None
+    """An MJCF with position or motor actuators, and touch or jointpos sensors. Default: the quadruped."""
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("out/recover")
+    """Where to write report.html, run.json, history.parquet and traces.npz."""
+    situation: int | None = None
+    """What happens to the robot: 1 to 13 as in the paper's Table 1, at places drawn with the seed. Default: 3."""
+    damage: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="EFFECT@NAME VALUE")] = ()
+    """What happens instead of a situation, such as "motor_weakness@knee_f loss=0.5"; may be repeated."""
+    seed: int = 0
+    """Of all random numbers; same seed, same run."""
+    quick: bool = False
+    """A small setting: minutes on two cores."""
+    paper: bool = False
+    """Diagnose with the paper's genetic algorithm instead of the set search."""
+    metric: Literal["rolling-mean", "distance"] = "rolling-mean"
+    """What a diagnosis is judged by: the first sensor readings, or the distance."""
+    robot: Literal["same", "foreign"] = "same"
+    """The robot in the world: the same simulator with the damage in it, or another engine with errors of its own."""
+    passes: int | None = None
+    """Estimations, and hardware trials after them; exploration runs once more. Default: 4."""
+    population: int | None = None
+    """Genomes in a generation. Default: 200."""
+    generations: int | None = None
+    """Generations of a phase. Default: 40."""
+    steps: int | None = None
+    """Control steps of a trial. Default: 1000."""
+    control_step: float | None = None
+    """Time between two commands, s. Default: 0.01."""
+    settle_steps: int | None = None
+    """Control steps with all motors at home before every trial. Default: 50."""
+    axis: Literal["x", "-x", "y", "-y"] = "x"
+    """Direction in which distance counts."""
+    header: int | None = None
+    """Control steps of a trial that the rolling mean compares. Default: 20."""
+    window: int | None = None
+    """Width of the rolling mean, control steps. Default: 10."""
+    mutation: float | None = None
+    """Chance of each value of a copied genome to be drawn anew. Default: 0.01."""
+    gain: float | None = None
+    """Of the neurons' tanh. Default: 3."""
+    engine: Literal["auto", "mjx"] = "auto"
+    """What simulates."""
+    force: bool = False
+    """Replace the results in DIR."""
+    resume: bool = False
+    """Go on with the interrupted run in DIR."""
+
+
+_SMALLER = ("passes", "population", "generations", "steps", "control_step", "settle_steps")
+_NUMBERS = (*_SMALLER, "header", "window", "mutation", "gain")
+
+
+def settings_of(options: Options) -> Settings:
+    """The run's settings: the defaults or the quick ones, and over them what was given.
+
+    Raises:
+        InputError: they are not possible.
+    """
+    from estexp_jax.recovery.config import Settings, quick
+
+    if options.damage and options.situation is not None:
+        raise InputError("--situation and --damage together", right="--damage takes the place of a situation: give one")
+    situation = None if options.damage else 3 if options.situation is None else options.situation
+    settings = Settings(
+        situation=situation,
+        damage=options.damage,
+        seed=options.seed,
+        metric=options.metric,
+        robot=options.robot,
+        axis=options.axis,
+        paper=options.paper,
+    )
+    given = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
+    return replace(quick(settings) if options.quick else settings, **given)
+
+
+def run(options: Options) -> int:
+    """Run to the end, or from where an earlier run was interrupted.
+
+    Raises:
+        InputError: the robot, the damage, the settings or DIR cannot be used.
+    """
+    from estexp_jax.cli.recover_story import Story
+    from estexp_jax.package_data import model_path
+    from estexp_jax.physics.robot import Robot
+    from estexp_jax.recovery.cycle import job_of
+    from estexp_jax.recovery.state import RunState
+    from estexp_jax.runs import Progress, enable_compilation_cache, load_checkpoint, open_run
+
+    settings = settings_of(options)
+    model = options.model or model_path("quadruped")
+    robot = Robot.from_xml(model)
+    job = job_of(robot, settings)
+    config = {"model": model.name, **settings.to_json(), "engine": "mjx"}
+    marker = {"command": "recover", "config": config}
+    folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
+    enable_compilation_cache()
+    saved = load_checkpoint(folder.file(_CHECKPOINT))
+    state = RunState() if saved is None else RunState.from_tree(saved)
+    with Progress() as progress:
+        story = Story(progress, job)
+        story.begin(model.name, state)
+        state = _run(job, state, folder, story)
+        story.end(state)
+        _write(folder, job, state, config, progress)
+    return 0
+
+
+def _run(job: Job, state: RunState, folder: RunFolder, story: Any) -> RunState:
+    """Each state saved before it is told, so that what was told is never lost."""
+    from estexp_jax.recovery.cycle import run as run_cycle
+    from estexp_jax.runs import save_checkpoint
+
+    for reached in run_cycle(job, state):
+        save_checkpoint(folder.file(_CHECKPOINT), reached.to_tree())
+        story.tell(state, reached)
+        state = reached
+    return state
+
+
+def _write(folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: Progress) -> None:
+    from estexp_jax.report.recover_files import record, write_history, write_traces
+    from estexp_jax.report.recover_page import page
+    from estexp_jax.runs import versions, write_json
+    from estexp_jax.runs.files import replacing
+
+    axis, simulator = job.settings.axis, job.simulator
+    with replacing(folder.file("history.parquet")) as stream:
+        write_history(stream, state)
+    with replacing(folder.file("traces.npz")) as stream:
+        write_traces(stream, state, simulator.robot, simulator.walker.interface)
+    write_json(folder.file("run.json"), {**record(state, axis, job.planted, config), "versions": versions()})
+    title = f"{config['model']}: recovery, seed {job.settings.seed}"
+    with replacing(folder.file("report.html")) as stream:
+        stream.write(page(title, job.planted, state, axis, config).encode())
+    progress.say(f"Report: {folder.path / 'report.html'}")

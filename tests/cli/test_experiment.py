@@ -1,0 +1,74 @@
+"""estexp experiment: finds the folder, runs it, and ends as it ends."""
+
+import json
+
+import pytest
+
+from estexp_jax.cli.main import main
+
+RUN = """
+import json, os, signal, sys
+json.dump([sys.argv[1:], sys.executable], open("seen.json", "w"))
+{end}
+"""
+
+
+@pytest.fixture
+def experiments(tmp_path, monkeypatch):
+    """Write experiments into the current folder, each with an end of its own."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(name, end="", folder="experiments"):
+        (tmp_path / folder / name).mkdir(parents=True)
+        (tmp_path / folder / name / "run.py").write_text(RUN.format(end=end))
+        return tmp_path / folder / name
+
+    (tmp_path / "experiments" / "notebooks").mkdir(parents=True)
+    return write
+
+
+def _seen(tmp_path):
+    return json.loads((tmp_path / "seen.json").read_text())[0]
+
+
+def test_it_runs_with_what_was_asked_for(experiments, tmp_path):
+    experiments("knee")
+    assert main(["experiment", "knee"]) == 0
+    assert _seen(tmp_path) == []
+    assert main(["experiment", "knee", "--quick", "--resume", "--workers", "2"]) == 0
+    assert _seen(tmp_path) == ["--quick", "--resume", "--workers", "2"]
+
+
+def test_a_path_will_do(experiments, tmp_path):
+    folder = experiments("mine", folder="elsewhere")
+    assert main(["experiment", str(folder)]) == 0 and _seen(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("end", "code"),
+    [
+        ("sys.exit(2)", 2),
+        ("sys.exit(3)", 3),
+        ("raise ValueError", 1),
+        ("signal.signal(signal.SIGINT, signal.SIG_DFL); os.kill(os.getpid(), signal.SIGINT)", 3),
+        ("os.kill(os.getpid(), signal.SIGKILL)", 1),
+    ],
+)
+def test_its_exit_code_is_ours(experiments, capfd, end, code):
+    experiments("knee", end)
+    assert main(["experiment", "knee"]) == code
+    assert ("killed by SIGKILL" in capfd.readouterr().err) == ("SIGKILL" in end)
+
+
+def test_an_unknown_one_is_told_with_those_that_exist(experiments, capsys):
+    experiments("knee")
+    experiments("ankle")
+    assert main(["experiment", "hip"]) == 2
+    assert "no experiment 'hip'" in (told := capsys.readouterr().err) and "known are: ankle, knee" in told
+    assert main(["experiment", "notebooks"]) == 2
+
+
+def test_workers_are_at_least_one(experiments, capsys):
+    experiments("knee")
+    assert main(["experiment", "knee", "--workers", "0"]) == 2
+    assert "--workers" in capsys.readouterr().err

@@ -1,0 +1,190 @@
+"""`estexp record`, `estexp explain` and `load_explained`: from a concealed effect to its simulator."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import jsonschema
+import mujoco
+import numpy as np
+import pytest
+
+import estexp_jax as ee
+from estexp_jax.cli.main import main
+from estexp_jax.package_data import schema_path
+from estexp_jax.recordings.table import read_csv
+
+PENDULUM = """
+<mujoco model="pendulum">
+  <option timestep="0.005" integrator="implicitfast"/>
+  <worldbody>
+    <body name="arm" pos="0 0 1">
+      <joint name="elbow" axis="0 1 0" damping="0.02"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02" mass="0.5"/>
+    </body>
+  </worldbody>
+  <actuator><position name="servo" joint="elbow" kp="8" forcerange="-3 3" ctrlrange="-1.5 1.5"/></actuator>
+  <sensor><jointpos name="angle" joint="elbow"/></sensor>
+</mujoco>
+"""
+EFFECT = "coulomb_friction@elbow T=0.35"
+SMALL = ("--most", "1", "--effects", "coulomb_friction", "viscous_friction", "command_delay", "--window", "1")
+
+
+def run(*arguments: str) -> int:
+    return main([str(a) for a in arguments])
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory):
+    """Recordings of a pendulum that rubs, as `estexp record` writes them."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "pendulum.xml").write_text(PENDULUM)
+    out = folder / "logs"
+    sizes = ("--duration", "4", "--rate", "100", "--seed", "31")
+    assert run("record", folder / "pendulum.xml", "--effect", EFFECT, "--out", out, *sizes) == 0
+    return out
+
+
+@pytest.fixture(scope="session")
+def explained(recorded, tmp_path_factory):
+    out = tmp_path_factory.mktemp("explained") / "out"
+    assert run("explain", recorded / "recordings.toml", "--out", out, *SMALL) == 0
+    return out
+
+
+def test_a_recording_holds_what_was_promised(recorded):
+    written = {path.name for path in recorded.iterdir()}
+    promised = {"nominal.xml", "train_0.csv", "train_1.csv", "test_0.csv", "recordings.toml", "truth.json"}
+    assert promised <= written
+    truth = json.loads((recorded / "truth.json").read_text())
+    assert truth["effects"] == [
+        {"effect": "coulomb_friction", "kind": "joint", "name": "elbow", "parameters": {"T": 0.35}}
+    ]
+    assert read_csv(recorded / "train_0.csv").names == ("time", "ctrl.servo", "sensor.angle")
+
+
+def test_the_concealed_friction_is_named_with_its_size(explained):
+    findings = json.loads((explained / "findings.json").read_text())
+    jsonschema.validate(findings, json.loads(schema_path("findings").read_text()))
+    assert findings["verdict"] == "missing_physics"
+    [found] = findings["what"]
+    assert (found["effect"], found["name"]) == ("coulomb_friction", "elbow")
+    assert found["parameters"]["T"]["value"] == pytest.approx(0.35, rel=0.05)
+    assert findings["where"][0]["name"] == "elbow"
+    assert findings["fit"]["gain"]["value"] > 0.9
+
+
+def test_predictions_stand_beside_what_was_recorded(explained, recorded):
+    for name in ("train_0", "train_1", "test_0"):
+        table = read_csv(explained / "predictions" / f"{name}.csv")
+        assert table.names == ("time", "window", "angle.recorded", "angle.nominal", "angle.explained")
+        log = read_csv(recorded / f"{name}.csv")
+        np.testing.assert_array_equal(table.column("time"), log.column("time"))
+        np.testing.assert_array_equal(table.column("angle.recorded"), log.column("sensor.angle"))
+        np.testing.assert_array_equal(np.unique(table.column("window")), [0, 1, 2, 3])
+        error = {m: table.column(f"angle.{m}") - table.column("angle.recorded") for m in ("nominal", "explained")}
+        assert np.std(error["explained"]) < 0.3 * np.std(error["nominal"])
+
+
+def test_the_explained_model_loads_and_holds_the_friction(explained):
+    model = mujoco.MjModel.from_xml_path(str(explained / "model_explained.xml"))
+    found = json.loads((explained / "findings.json").read_text())["what"][0]["parameters"]["T"]["value"]
+    assert model.dof_frictionloss[0] == pytest.approx(found, rel=1e-3)
+    assert model.opt.timestep == pytest.approx(0.005 / 4)
+
+
+def test_the_simulator_comes_back(explained, recorded):
+    simulator = ee.load_explained(explained)
+    log = read_csv(recorded / "test_0.csv")
+    traces = simulator.rollout(log.column("ctrl.servo")[:, None], period=0.01)
+    assert traces.sensors.shape == (400, 1)
+    assert np.sqrt(np.mean((traces.sensors[:, 0] - log.column("sensor.angle")) ** 2)) < 0.01
+
+
+def test_the_report_needs_no_network(explained):
+    page = (explained / "report.html").read_text()
+    assert "coulomb" in page.lower() and "elbow" in page
+    assert 'src="http' not in page and "<script src" not in page and '<link rel="stylesheet"' not in page
+
+
+def test_results_are_not_overwritten_unasked(explained, recorded, capsys):
+    before = (explained / "findings.json").read_bytes()
+    assert run("explain", recorded / "recordings.toml", "--out", explained, *SMALL) == 2
+    assert "--force" in capsys.readouterr().err
+    assert (explained / "findings.json").read_bytes() == before
+
+
+def test_killed_and_resumed_it_finds_the_same(explained, recorded, tmp_path):
+    out = tmp_path / "killed"
+    command = [sys.executable, "-m", "estexp_jax.cli.main", "explain", str(recorded / "recordings.toml")]
+    process = subprocess.Popen([*command, "--out", str(out), *SMALL], stdout=subprocess.DEVNULL)
+    while not (out / "checkpoint.npz.previous").exists():
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert not (out / "findings.json").exists()
+    assert run("explain", recorded / "recordings.toml", "--out", out, *SMALL, "--resume") == 0
+    one, other = (json.loads((folder / "findings.json").read_text()) for folder in (explained, out))
+    assert all(one[key] == other[key] for key in ("verdict", "where", "what", "alternatives", "fit"))
+
+
+def _broken(name: str, recorded, tmp_path) -> tuple[str, ...]:
+    """The command on a copy of the first log, changed."""
+    lines = (recorded / "train_0.csv").read_text().splitlines()
+    edits = {
+        "column": lambda: [",".join(c for c in line.split(",")[::2]) for line in lines],
+        "clock": lambda: [*lines[:5], lines[3], *lines[5:]],
+        "actuator": lambda: [lines[0].replace("ctrl.servo", "ctrl.servo,ctrl.motor"), *(f"0,{x}" for x in lines[1:])],
+        "text": lambda: [*lines[:5], lines[5].rpartition(",")[0] + ",oops", *lines[6:]],
+    }
+    model = recorded / "nominal.xml"
+    if name == "model":
+        model = tmp_path / "broken.xml"
+        model.write_text(PENDULUM.replace('joint="elbow"', 'joint="shoulder"'))
+    log = tmp_path / "log.csv"
+    log.write_text("\n".join(edits[name]() if name in edits else lines) + "\n")
+    return "explain", str(model), str(log), "--out", str(tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("column", ("log.csv", "ctrl.servo")),
+        ("clock", ("log.csv", "row 6", "time")),
+        ("actuator", ("log.csv", "ctrl.motor", "servo")),
+        ("text", ("log.csv", "row 6", "sensor.angle", "oops")),
+        ("model", ("broken.xml", "shoulder")),
+    ],
+)
+def test_wrong_input_is_told_with_file_and_place(name, told, recorded, tmp_path, capsys):
+    assert main(list(_broken(name, recorded, tmp_path))) == 2
+    error = capsys.readouterr().err.strip()
+    assert error.startswith("estexp: error: ") and "\n" not in error and "Traceback" not in error
+    for words in told:
+        assert words in error
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--window", "long"), "long"),
+        (("--window", "-1"), "-1"),
+        (("--most", "0"), "--most"),
+        (("--effects", "magic"), "magic"),
+    ],
+)
+def test_wrong_options_are_told(arguments, told, recorded, tmp_path, capsys):
+    assert run("explain", recorded / "recordings.toml", "--out", tmp_path / "out", *arguments) == 2
+    assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("effect", ["magic@elbow T=1", "coulomb_friction@knee T=1", "coulomb_friction@elbow K=1"])
+def test_an_effect_that_cannot_be_planted_is_told(effect, recorded, tmp_path, capsys):
+    assert run("record", recorded / "nominal.xml", "--effect", effect, "--out", tmp_path / "out") == 2
+    assert "known are" in capsys.readouterr().err
