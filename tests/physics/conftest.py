@@ -14,6 +14,7 @@ from mujoco import mjx
 from estexp_jax.physics.changes import Values
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
+from estexp_jax.physics.engines.mjx_terms import Now
 from estexp_jax.physics.engines.mjx_walk import Walker, walker
 from estexp_jax.physics.registry import ALL, PAPER, catalogue
 from tests.physics.reference import TRAJECTORY, States
@@ -44,14 +45,17 @@ def _run_one(self: Lab, values: Values, qpos, qvel, ctrl, warmstart) -> dict[str
     model = on.edited(on.model, values)
     enable = jnp.ones(on.robot.model.nu)
 
+    def now(data: Any) -> Now:
+        return Now(data.qpos, data.qvel, ctrl, enable, model.opt.timestep)
+
     def step(k, carry):  # noqa: ANN001, ANN202
-        data, first = carry
-        now = on.acted(model, values, data.qpos, data.qvel, ctrl, enable)
-        data = mjx.step(now, data)
-        return data, jnp.where(k == 0, data.qvel, first)
+        data, hidden, first = carry
+        does = on.acted(model, values, hidden, now(data))
+        data = mjx.step(does.model, data.replace(ctrl=does.ctrl, qfrc_applied=does.force, xfrc_applied=does.pull))
+        return data, does.hidden, jnp.where(k == 0, data.qvel, first)
 
     data = on.data.replace(qpos=qpos, qvel=qvel, ctrl=ctrl, qacc_warmstart=warmstart)
-    data, first = jax.lax.fori_loop(0, TRAJECTORY, step, (data, qvel))
+    data, _, first = jax.lax.fori_loop(0, TRAJECTORY, step, (data, on.rested(model, values, now(data)), qvel))
     constants = ("body_subtreemass", "dof_invweight0", "body_invweight0")
     return {"next_qvel": first, "final_qpos": data.qpos} | {name: getattr(model, name) for name in constants}
 

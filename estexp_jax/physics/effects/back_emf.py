@@ -3,13 +3,9 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-import jax
-import numpy as np
-from mujoco import mjx
-
 from estexp_jax.physics import scales
-from estexp_jax.physics.effects.base import Moment, Parameter, Term
-from estexp_jax.physics.effects.sites import actuator_dofs, actuator_sites, driven_actuators
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.robot import Robot
 
 
@@ -36,6 +32,6 @@ class BackEmf(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site}, while it is on, brakes with {values['k']:.3g} N m for each rad/s of speed"
 
-    def act(self, robot: Robot, model: mjx.Model, moment: Moment, values: jax.Array) -> mjx.Model:
-        braking = values[:, 0] * moment.enable[np.array(driven_actuators(robot), dtype=int)]
-        return model.replace(dof_damping=model.dof_damping.at[actuator_dofs(robot)].add(braking))
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (k,) = p
+        return JointForce(damping=k * moment.on), state

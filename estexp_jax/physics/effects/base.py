@@ -1,4 +1,4 @@
-"""What a hypothesis about reality is made of: effects, each acting at one of four moments.
+"""What a hypothesis about reality is made of: effects, each acting at its own moment of a simulation.
 
 An effect knows where it can act on a robot (its sites) and how strongly (its parameters). Its values on one robot are
 an array (n_sites, n_parameters); at `neutral` everywhere, the simulation is the nominal one. Populations are batches of
@@ -8,15 +8,24 @@ such arrays: every subclass is written for one robot and batched outside with `j
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, final
 
 import jax
+import jax.numpy as jnp
 import mujoco
+import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.robot import Robot
+
+Array = Any
+"""An array over sites, or a number."""
+Arrays = tuple[Array, ...]
+
+NEVER = 1e6
+"""Neutral value of limits and the like: no robot gets there."""
 
 
 @final
@@ -57,6 +66,8 @@ class Effect(abc.ABC):
     equation: ClassVar[str]
     in_mjcf: ClassVar[bool] = False
     source: ClassVar[str] = ""
+    #: Parts of the model that must be there when MJX compiles it, or later values of them do nothing; see `mjx_model`.
+    arms: ClassVar[tuple[str, ...]] = ()
 
     @abc.abstractmethod
     def sites(self, robot: Robot) -> tuple[str, ...]:
@@ -69,6 +80,10 @@ class Effect(abc.ABC):
     @abc.abstractmethod
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         """What it says about the robot, in plain words with numbers."""
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Put the effect into a description, where MJCF has a place for it; `values` holds every parameter."""
+        raise NotImplementedError(f"{self.name} has no place in MJCF")
 
 
 class Edit(Effect):
@@ -84,42 +99,107 @@ class Edit(Effect):
             values: (n_sites, n_parameters).
         """
 
-    #: Model fields that must be non-zero when MJX compiles the model, or their later edits do nothing.
-    arms: ClassVar[tuple[str, ...]] = ()
     #: Whether masses or inertias change, so that constants derived from them become stale.
     stales_inertia: ClassVar[bool] = False
 
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Put the effect into a description, where MJCF has a place for it."""
-        raise NotImplementedError(f"{self.name} has no place in MJCF")
+
+class JointMoment(NamedTuple):
+    """What a term sees of its sites' joints at the beginning of a physics step.
+
+    At a site of kind actuator, "the motor" is that actuator alone; at a joint, all that drive it, taken together.
+    """
+
+    q: Array  #: position, rad or m
+    w: Array  #: speed
+    torque: Array  #: of the motor on the joint, N m or N, after what terms before made of it
+    on: Array  #: 1.0 where the motor is on
+    dt: Array  #: length of this step, s
+    limit: Array  #: largest torque that the motor can give, N m or N
+    armature: Array  #: rotor inertia at the joint, kg m2 or kg
+    torque_at: Callable[[Array, Array], Array]  #: (q, w) -> torque of the motor if it sat at q and turned at w
+    torque_of: Callable[[Array], Array]  #: 1 + index of a joint -> motor torque at that joint; 0 for no joint
 
 
-class Moment(NamedTuple):
-    """What a term sees at the beginning of a physics step of one robot."""
+class JointForce(NamedTuple):
+    """What a term adds to a joint for one step. A field left at its default is no array, so engines can skip it."""
 
-    qpos: jax.Array  #: (nq,)
-    qvel: jax.Array  #: (nv,)
-    ctrl: jax.Array  #: (nu,) command in force
-    enable: jax.Array  #: (nu,) 1.0 where the motor is on
-    motor: jax.Array  #: (nv,) motor torque at the joints, N m or N
+    force: Array = 0.0  #: N m or N, explicit
+    damping: Array = 0.0  #: on top of the joint's own: -damping * (speed at the end of the step)
+    friction: Array = 0.0  #: on top of the joint's friction loss, MuJoCo's constraint
+    motor: Array = 1.0  #: factor on the motor's force: its gain, bias and force range
 
 
 class Term(Effect):
-    """Acts during each step, as the state's own parameters: (state, command) -> model of this step.
+    """Acts during each step, elementwise over its sites.
 
-    Friction and damping enter where MuJoCo integrates them implicitly, not as an external force, which would differ
-    from the native law by several milliradians at common step sizes.
+    A law is written once for arrays of any one shape: (n_sites,) for one robot on MJX, (n_sites, robots) in an engine
+    that keeps the batch last. So it may use arithmetic and `jnp.where`, but no indices and no sums; engines gather what
+    it sees and scatter what it gives. Friction and damping enter where MuJoCo integrates them implicitly: as explicit
+    forces they would chatter, and differ from the native laws by milliradians at common step sizes.
     """
 
-    arms: ClassVar[tuple[str, ...]] = ()
+    #: Hidden variables of its own at each site.
+    n_states: ClassVar[int] = 0
 
     @abc.abstractmethod
-    def act(self, robot: Robot, model: mjx.Model, moment: Moment, values: jax.Array) -> mjx.Model:
-        """The model of this one step."""
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        """What happens in one step.
 
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Put the effect into a description, where MJCF has a place for it."""
-        raise NotImplementedError(f"{self.name} has no place in MJCF")
+        Args:
+            p: the parameters, one array each, in the order of `parameters`.
+            moment: the joints.
+            state: the hidden variables, one array each.
+
+        Returns:
+            The force, and the hidden variables after the step.
+        """
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        """The hidden variables of a robot that has been at a position for long."""
+        return (jnp.zeros_like(q),) * self.n_states
+
+    def dofs(self, robot: Robot) -> np.ndarray:
+        """Velocity address of the joint at each site, (n_sites,): the joint itself, or the one an actuator drives."""
+        index = [robot.index(self.kind, site) for site in self.sites(robot)]
+        joints = [robot.joint_of_actuator(i) for i in index] if self.kind == "actuator" else index
+        return robot.model.jnt_dofadr[np.array(joints, dtype=int)]
+
+
+class BodyPull(Effect):
+    """Acts during each step, elementwise over bodies: where a body is -> a force on it."""
+
+    @abc.abstractmethod
+    def pull(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        """Force at the centre of mass, N, from the position of the centre of mass, m, both in world axes."""
+
+
+class CommandLaw(Effect):
+    """Acts between the command and the motor in each step, elementwise over actuators, like a `Term` over joints."""
+
+    side: ClassVar[str] = "command"
+    #: Hidden variables of its own at each site.
+    n_states: ClassVar[int] = 0
+
+    @abc.abstractmethod
+    def act(self, p: Arrays, command: Array, idle: Array, dt: Array, state: Arrays) -> tuple[Array, Arrays]:
+        """The command that the motor obeys, and the hidden variables after the step.
+
+        Args:
+            p: the parameters, one array each.
+            command: what is commanded, within the actuator's control range.
+            idle: the command at which the motor would give no torque now: for a position servo where it is, for a
+                velocity servo its speed, for others 0.
+            dt: length of the step, s.
+            state: the hidden variables, one array each.
+        """
+
+    def initial(self, p: Arrays, command: Array) -> Arrays:
+        """The hidden variables where a command has been in force for long."""
+        return (command,) * self.n_states
+
+    def actuators(self, robot: Robot) -> np.ndarray:
+        """Index of the actuator at each site, (n_sites,)."""
+        return np.array([robot.index("actuator", site) for site in self.sites(robot)], dtype=int)
 
 
 class CommandShift(Effect):
@@ -157,10 +237,3 @@ class ControllerFault(Effect):
 def neutral_values(effect: Effect, n_sites: int) -> list[list[float]]:
     """Values (n_sites, n_parameters) at which an effect does nothing."""
     return [[p.neutral for p in effect.parameters] for _ in range(n_sites)]
-
-
-def scatter(values: jax.Array, indices: Sequence[int], like: jax.Array) -> jax.Array:
-    """Values of the sites (n_sites,) laid out over all elements of `like`'s first axis, zero elsewhere."""
-    import jax.numpy as jnp
-
-    return jnp.zeros(like.shape[0], like.dtype).at[jnp.asarray(indices, dtype=int)].set(values)

@@ -3,12 +3,10 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-import jax
 import jax.numpy as jnp
-from mujoco import mjx
 
-from estexp_jax.physics.effects.base import Moment, Parameter, Term
-from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.robot import Robot
 
 
@@ -24,9 +22,7 @@ class LoadDependentFriction(Term):
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        driven = {robot.joint_of_actuator(a) for a in range(robot.model.nu)}
-        names = robot.names("joint")
-        return tuple(name for name in scalar_joint_sites(robot) if names.index(name) in driven)
+        return driven_joint_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((0.0, 0.95),)
@@ -34,9 +30,6 @@ class LoadDependentFriction(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} resists motion with {100 * values['mu']:.3g} % of the torque its motor carries"
 
-    def act(self, robot: Robot, model: mjx.Model, moment: Moment, values: jax.Array) -> mjx.Model:
-        names = scalar_joint_sites(robot)
-        rows = [names.index(site) for site in self.sites(robot)]
-        dofs = joint_dofs(robot)[rows]
-        friction = values[:, 0] * jnp.abs(moment.motor[dofs])
-        return model.replace(dof_frictionloss=model.dof_frictionloss.at[dofs].add(friction))
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (mu,) = p
+        return JointForce(friction=mu * jnp.abs(moment.torque)), state

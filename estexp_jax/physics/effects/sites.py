@@ -19,6 +19,12 @@ def joint_dofs(robot: Robot) -> np.ndarray:
     return robot.model.jnt_dofadr[list(robot.scalar_joints)]
 
 
+def driven_joint_sites(robot: Robot) -> tuple[str, ...]:
+    """Names of the hinge and slide joints that an actuator drives directly."""
+    names, driven = robot.names("joint"), {robot.joint_of_actuator(a) for a in range(robot.model.nu)}
+    return tuple(names[j] for j in robot.scalar_joints if j in driven)
+
+
 def driven_actuators(robot: Robot) -> tuple[int, ...]:
     """Indices of the actuators that drive a hinge or slide joint directly."""
     return tuple(a for a in range(robot.model.nu) if robot.joint_of_actuator(a) in robot.scalar_joints)

@@ -14,8 +14,9 @@ from mujoco import mjx
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Values
 from estexp_jax.physics.constants import refresh
-from estexp_jax.physics.effects.base import Edit, Moment, Term
-from estexp_jax.physics.motors import motor_torques
+from estexp_jax.physics.effects.base import NEVER, Edit
+from estexp_jax.physics.effects.sites import driven_actuators, joint_dofs
+from estexp_jax.physics.engines.mjx_terms import Acted, Hidden, Now, acted, resting
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 
@@ -50,16 +51,13 @@ class MjxModel:
             model = effect.edit(self.robot, model, values[effect.name])
         return refresh(self.robot, model) if any(e.stales_inertia for e in edits) else model
 
-    def acted(self, model: mjx.Model, values: Values, qpos, qvel, ctrl, enable) -> mjx.Model:  # noqa: ANN001
-        """The model of one step: motors switched, terms applied."""
-        terms = [e for e in self.catalogue if isinstance(e, Term)]
-        if not terms:
-            return model
-        motor = motor_torques(self.robot, model, qpos, qvel, ctrl)
-        moment = Moment(qpos, qvel, ctrl, enable, motor)
-        for effect in terms:
-            model = effect.act(self.robot, model, moment, values[effect.name])
-        return model
+    def rested(self, model: mjx.Model, values: Values, now: Now) -> Hidden:
+        """Hidden variables of a robot that has been where it is for long."""
+        return resting(self.robot, self.catalogue, values, now, model)
+
+    def acted(self, model: mjx.Model, values: Values, hidden: Hidden, now: Now) -> Acted:
+        """What one step is taken with, from an edited model whose motors are switched."""
+        return acted(self.robot, self.catalogue, model, values, hidden, now)
 
 
 def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
@@ -70,8 +68,13 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
     """
     model = copy.deepcopy(robot.model)
     model.opt.iterations, model.opt.ls_iterations = NEWTON_ITERATIONS, LINE_SEARCH_ITERATIONS
-    if any("dof_frictionloss" in e.arms for e in catalogue if isinstance(e, (Edit, Term))):
+    arms = {part for e in catalogue for part in e.arms}
+    if "dof_frictionloss" in arms:
         _arm(robot, model)
+    if "jnt_range" in arms:
+        _arm_limits(robot, model)
+    if "actuator_forcerange" in arms:
+        _arm_forces(robot, model)
     try:
         if np.any(model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)) and not _rows(model):
             _arm(robot, model)  # without any row, MJX's forward pass ends before the sensors of accelerations
@@ -81,8 +84,20 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
 
 
 def _arm(robot: Robot, model: mujoco.MjModel) -> None:
-    dofs = model.jnt_dofadr[list(robot.scalar_joints)]
+    dofs = joint_dofs(robot)
     model.dof_frictionloss[dofs] = np.maximum(model.dof_frictionloss[dofs], _ARMED)
+
+
+def _arm_limits(robot: Robot, model: mujoco.MjModel) -> None:
+    for joint in robot.scalar_joints:
+        if not model.jnt_limited[joint]:
+            model.jnt_limited[joint], model.jnt_range[joint] = 1, (-NEVER, NEVER)
+
+
+def _arm_forces(robot: Robot, model: mujoco.MjModel) -> None:
+    for actuator in driven_actuators(robot):
+        if not model.actuator_forcelimited[actuator]:
+            model.actuator_forcelimited[actuator], model.actuator_forcerange[actuator] = 1, (-NEVER, NEVER)
 
 
 def _rows(model: mujoco.MjModel) -> int:
@@ -96,11 +111,13 @@ def switched(model: mjx.Model, enable) -> mjx.Model:  # noqa: ANN001
     return model.replace(actuator_gainprm=model.actuator_gainprm * on, actuator_biasprm=model.actuator_biasprm * on)
 
 
-def stepped(model: mjx.Model, data: mjx.Data) -> mjx.Data:
+def stepped(does: Acted, data: mjx.Data) -> mjx.Data:
     """One physics step, with the readings of the state it begins with.
 
     With RK4, MJX leaves those of the last of its four stages; the C engine, those of the first.
     """
+    model = does.model
+    data = data.replace(ctrl=does.ctrl, qfrc_applied=does.force, xfrc_applied=does.pull)
     after = mjx.step(model, data)
     if model.opt.integrator == mjx.IntegratorType.RK4:
         after = after.replace(sensordata=mjx.forward(model, data).sensordata)

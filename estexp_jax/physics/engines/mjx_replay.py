@@ -23,6 +23,7 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.effects.base import CommandShift, Distortion
 from estexp_jax.physics.engines.batching import cores
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model, stepped, switched
+from estexp_jax.physics.engines.mjx_terms import Hidden, Now, stateful
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
@@ -37,6 +38,7 @@ class _State(NamedTuple):
     act: _Array
     warmstart: _Array
     sensordata: _Array  # of the step before
+    hidden: Hidden
 
 
 class _Drive(NamedTuple):
@@ -130,7 +132,9 @@ class Replayer:
             np.zeros((len(segments), model.na), np.float32),
             np.zeros((len(segments), model.nv), np.float32),
             np.broadcast_to(np.asarray(template.sensordata), (len(segments), model.nsensordata)),
+            {},
         )
+        state = state._replace(hidden=self._hidden(values, overrides, state, drive))
         seen = []
         for b in range(blocks):
             part = jax.tree.map(lambda x, b=b: x[:, b * self.block : (b + 1) * self.block], drive)
@@ -141,6 +145,10 @@ class Replayer:
         return Replay(
             *(np.stack([_rows(x[i], s.steps.sample, rows) for i, s in enumerate(segments[:n])]) for x in whole)
         )
+
+    def _hidden(self, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Hidden:
+        """Hidden variables (lanes, n_sites) at the lanes' starts."""
+        return _rested(self, values, overrides, state, drive) if stateful(self.catalogue) else {}
 
     def _starts(self, values: Values, segments: list[Segment]) -> tuple[np.ndarray, np.ndarray]:
         """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
@@ -222,22 +230,27 @@ def _block(self: Replayer, values: Values, overrides: tuple, state: _State, driv
     return jax.vmap(partial(_block_one, self))(values, overrides, state, drive)
 
 
-def _block_one(self: Replayer, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Any:
-    """One lane's block: its state after it, and (sensors, qpos, qvel) at the beginning of each step."""
+def _model(self: Replayer, values: Values, overrides: tuple) -> mjx.Model:
+    """One lane's model: with its recording's settings, and its edits."""
     leaves, tree = jax.tree.flatten(self.on_mjx.model)
     for position, leaf in zip(self.differing, overrides, strict=True):
         leaves[position] = leaf
-    model = self.on_mjx.edited(jax.tree.unflatten(tree, leaves), values)
+    return self.on_mjx.edited(jax.tree.unflatten(tree, leaves), values)
+
+
+def _block_one(self: Replayer, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Any:
+    """One lane's block: its state after it, and (sensors, qpos, qvel) at the beginning of each step."""
+    model = _model(self, values, overrides)
     # Position and velocity sensors read the state a step begins with; force and acceleration sensors what acted before.
     before = jnp.asarray(np.repeat(_is_acceleration(self.robot), self.robot.model.sensor_dim))
 
     def step(state: _State, now: _Drive):  # noqa: ANN202
-        data = _step(self, model, values, state, now)
+        data, hidden = _step(self, model, values, state, now)
         sensors: Any = jnp.where(before, state.sensordata, data.sensordata)
         for effect in self.catalogue:
             if isinstance(effect, Distortion):
                 sensors = effect.distort(self.robot, sensors, values[effect.name])
-        after = _State(data.qpos, data.qvel, data.act, data.qacc_warmstart, data.sensordata)
+        after = _State(data.qpos, data.qvel, data.act, data.qacc_warmstart, data.sensordata, hidden)
         return after, (sensors, state.qpos, state.qvel)
 
     return jax.lax.scan(step, state, drive)
@@ -247,10 +260,18 @@ def _is_acceleration(robot: Robot) -> np.ndarray:
     return robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
 
 
-def _step(self: Replayer, model: mjx.Model, values: Values, state: _State, now: _Drive) -> mjx.Data:
-    model = switched(model.replace(opt=model.opt.replace(timestep=now.length)), now.enable)
-    model = self.on_mjx.acted(model, values, state.qpos, state.qvel, now.ctrl, now.enable)
-    data = self.on_mjx.data.replace(
-        qpos=state.qpos, qvel=state.qvel, act=state.act, qacc_warmstart=state.warmstart, ctrl=now.ctrl
-    )
-    return stepped(model, data)
+def _step(self: Replayer, model: mjx.Model, values: Values, state: _State, drive: _Drive) -> tuple[mjx.Data, Hidden]:
+    model = switched(model.replace(opt=model.opt.replace(timestep=drive.length)), drive.enable)
+    now = Now(state.qpos, state.qvel, drive.ctrl, drive.enable, drive.length)
+    does = self.on_mjx.acted(model, values, state.hidden, now)
+    data = self.on_mjx.data.replace(qpos=state.qpos, qvel=state.qvel, act=state.act, qacc_warmstart=state.warmstart)
+    return stepped(does, data), does.hidden
+
+
+@partial(jax.jit, static_argnums=0)
+def _rested(self: Replayer, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Hidden:
+    def one(values: Values, overrides: tuple, state: _State, drive: _Drive) -> Hidden:
+        now = Now(state.qpos, state.qvel, drive.ctrl[0], drive.enable[0], drive.length[0])
+        return self.on_mjx.rested(_model(self, values, overrides), values, now)
+
+    return jax.vmap(one)(values, overrides, state, drive)

@@ -17,6 +17,7 @@ from estexp_jax.physics.controllers import HIDDEN, Network, decode, respond
 from estexp_jax.physics.effects.base import CommandShift, ControllerFault, Distortion
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
+from estexp_jax.physics.engines.mjx_terms import Hidden, Now
 from estexp_jax.physics.interface import Interface, interface_of
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
@@ -30,6 +31,7 @@ class BodyState(NamedTuple):
     qvel: Any  #: (nv,)
     warmstart: Any  #: (nv,) the solver's last solution
     sensordata: Any  #: (nsensordata,) of the last physics step
+    hidden: Hidden  #: variables of effects that have some
 
 
 class Walk(NamedTuple):
@@ -82,13 +84,17 @@ class Walker:
         """The effects that `values` have an entry for."""
         return self.on_mjx.catalogue
 
-    def home(self) -> BodyState:
-        """The state of one robot in its home posture, at rest."""
-        model = self.robot.model
+    def home(self, values: Values) -> BodyState:
+        """The states of robots in their home posture, at rest, for values (robots, n_sites, n_parameters)."""
+        model, n = self.robot.model, _size(values)
         zeros = partial(np.zeros, dtype=np.float32)
-        return BodyState(
-            self.robot.home().astype(np.float32), zeros(model.nv), zeros(model.nv), zeros(model.nsensordata)
-        )
+        qpos = self.robot.home().astype(np.float32)
+        centre = self.interface.ctrl_centre.astype(np.float32)
+        now = Now(qpos, zeros(model.nv), centre, np.ones(model.nu), model.opt.timestep)
+        hidden = jax.vmap(lambda v: self.on_mjx.rested(self.on_mjx.model, v, jax.tree.map(jnp.asarray, now)))(values)
+        one = (qpos, zeros(model.nv), zeros(model.nv), zeros(model.nsensordata))
+        place, speed, warmstart, sensordata = (np.broadcast_to(x, (n, *x.shape)) for x in one)
+        return BodyState(place, speed, warmstart, sensordata, hidden)
 
     def settle(self, values: Values, steps: int) -> BodyState:
         """Let robots come to rest with all motors at home: the state a trial starts from.
@@ -98,7 +104,7 @@ class Walker:
             steps: control steps.
         """
         n = _size(values)
-        start = jax.tree.map(lambda x: np.broadcast_to(x, (n, *x.shape)), self.home())
+        start = self.home(values)
         weights = np.zeros((n, self._n_weights), np.float32)
         return self._run(values, weights, start, steps, active=False).final
 
@@ -223,8 +229,11 @@ def _readings(self: Walker, values: Values, body: BodyState) -> jax.Array:
 
 
 def _physics_step(self: Walker, model: mjx.Model, values: Values, body: BodyState, ctrl: jax.Array) -> BodyState:
-    enable = jnp.ones(self.interface.n_outputs)
-    now = self.on_mjx.acted(model, values, body.qpos, body.qvel, ctrl, enable)
-    data = self.on_mjx.data.replace(qpos=body.qpos, qvel=body.qvel, qacc_warmstart=body.warmstart, ctrl=ctrl)
-    data = mjx.step(now, data)
-    return BodyState(data.qpos, data.qvel, data.qacc_warmstart, data.sensordata)
+    does = self.on_mjx.acted(model, values, body.hidden, _now(self, model, body, ctrl))
+    data = self.on_mjx.data.replace(qpos=body.qpos, qvel=body.qvel, qacc_warmstart=body.warmstart)
+    data = mjx.step(does.model, data.replace(ctrl=does.ctrl, qfrc_applied=does.force, xfrc_applied=does.pull))
+    return BodyState(data.qpos, data.qvel, data.qacc_warmstart, data.sensordata, does.hidden)
+
+
+def _now(self: Walker, model: mjx.Model, body: BodyState, ctrl: jax.Array) -> Now:
+    return Now(body.qpos, body.qvel, ctrl, jnp.ones(self.interface.n_outputs), model.opt.timestep)

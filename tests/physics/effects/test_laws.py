@@ -16,7 +16,8 @@ from estexp_jax.physics.effects.base import (
     Distortion,
     Edit,
     Effect,
-    Moment,
+    JointForce,
+    JointMoment,
     Term,
     neutral_values,
 )
@@ -130,10 +131,10 @@ def _unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bool) -> 
             before: Any = mjx.put_model(model)
             after: Any = e.edit(subject, before, values)
         case Term():
-            before = mjx.put_model(model)
-            ones = jnp.ones(model.nu)
-            moment = Moment(jnp.asarray(subject.home()), jnp.ones(model.nv), ones, ones, jnp.ones(model.nv))
-            after = e.act(subject, before, moment, values)
+            p, moment = tuple(values.T), _moment(len(values))
+            before = JointForce(0.0, 0.0, 0.0, 1.0)
+            after, _ = e.act(p, moment, e.initial(p, moment.q, moment.w))
+            before, after = jax.tree.map(lambda x: jnp.broadcast_to(x, len(values)), (before, after))
         case Distortion():
             before = jnp.arange(2.0 * model.nsensordata).reshape(2, -1)
             after = e.distort(subject, before, values)
@@ -147,6 +148,20 @@ def _unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bool) -> 
     assert jax.tree.structure(before) == jax.tree.structure(after)
     for x, y in zip(jax.tree.leaves(before), jax.tree.leaves(after), strict=True):
         np.testing.assert_allclose(np.asarray(y), np.asarray(x), rtol=0.0 if exact else 1e-6)
+
+
+def _moment(n: int) -> JointMoment:
+    """Joints that move, pulled by springs as motors."""
+    ones, q = jnp.ones(n), jnp.linspace(-1.0, 1.0, n)
+    return JointMoment(q, 2.0 * ones, 3.0 - q, ones, 0.002, 5.0 * ones, 0.01 * ones, _spring, _other)
+
+
+def _spring(q: jax.Array, w: jax.Array) -> jax.Array:
+    return 3.0 - q - 0.1 * w
+
+
+def _other(number: jax.Array) -> jax.Array:
+    return 0.5 * number
 
 
 @pytest.mark.parametrize("e", [e for e in ALL if isinstance(e, Distortion)], ids=lambda e: e.name)
