@@ -36,11 +36,13 @@ class MjxModel:
     Attributes:
         robot: the nominal robot.
         catalogue: the effects whose values a simulation takes.
-        model, data: MJX's; templates, never changed.
+        armed: the compiled model with the parts that the catalogue's effects need.
+        model, data: the same as MJX's; templates, never changed.
     """
 
     robot: Robot
     catalogue: Catalogue
+    armed: mujoco.MjModel
     model: mjx.Model
     data: mjx.Data
 
@@ -78,7 +80,7 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
     try:
         if np.any(model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)) and not _rows(model):
             _arm(robot, model)  # without any row, MJX's forward pass ends before the sensors of accelerations
-        return MjxModel(robot, catalogue, mjx.put_model(model), mjx.make_data(model))
+        return MjxModel(robot, catalogue, model, mjx.put_model(model), mjx.make_data(model))
     except NotImplementedError as error:
         raise InputError(f"MJX cannot simulate this model: {error}", where=robot.source) from None
 

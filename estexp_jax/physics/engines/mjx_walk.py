@@ -1,10 +1,10 @@
-"""Closed loop on MJX: robots with damage, each driven by its own network."""
+"""Closed loop on MJX: one vmapped, jitted batch."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import jax
 import jax.numpy as jnp
@@ -13,164 +13,66 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.controllers import HIDDEN, Network, decode, respond
-from estexp_jax.physics.effects.base import CommandShift, ControllerFault, Distortion
+from estexp_jax.physics.controllers import HIDDEN, respond
+from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import in_chunks
-from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
-from estexp_jax.physics.engines.mjx_terms import Hidden, Now
-from estexp_jax.physics.interface import Interface, interface_of
-from estexp_jax.physics.registry import Catalogue
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.mjx_terms import Now
+from estexp_jax.physics.engines.walking import BodyState, Lane, Walk, Walker
 from estexp_jax.physics.travel import travel_of
 
-
-class BodyState(NamedTuple):
-    """Where one robot is; batched, every array has a leading axis."""
-
-    qpos: Any  #: (nq,)
-    qvel: Any  #: (nv,)
-    warmstart: Any  #: (nv,) the solver's last solution
-    sensordata: Any  #: (nsensordata,) of the last physics step
-    hidden: Hidden  #: variables of effects that have some
-
-
-class Walk(NamedTuple):
-    """What robots did; every array has the robots as first axis.
-
-    Rows are control steps; only the first `steps` of them are filled.
-    """
-
-    readings: Any  #: (robots, rows, n_inputs) raw readings before the row's command acts; touch as +1/-1
-    commands: Any  #: (robots, rows, nu)
-    position: Any  #: (robots, rows, 3) of the root, m
-    final: BodyState
-    failed: Any  #: (robots,) bool: the simulation blew up
-
-
-class _Lane(NamedTuple):
-    values: Values
-    weights: Any
-    start: BodyState
+_WIDTHS = (16, 56)
+"""Narrowest and widest chunk: below, a chunk's fixed costs dominate; above, nothing is gained."""
+_VECTOR = 8
+"""Robots in a chunk are a multiple of this, and one filler."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Walker:
-    """Simulates populations of one robot in closed loop, all with one executable.
+class MjxWalker(Walker):
+    """A walker on MJX."""
 
-    Attributes:
-        on_mjx: the robot and its catalogue of effects.
-        interface: what controllers see and move.
-        rows: longest walk, control steps.
-        substeps: physics steps a control step.
-        gain: of the neurons' tanh.
-        width: robots in a chunk.
+    def _run(self, lanes: Lane, steps: int, *, active: bool) -> Walk:
+        spread, real = _spread(len(lanes.weights), self.width)
+        walk = in_chunks(lambda part: _walk_batch(self, part, steps, active), _taken(lanes, spread), self.width)
+        return _taken(walk, real)
+
+
+def mjx_width(population: int) -> int:
+    """A quarter of the population, so that its new half still fills two chunks, one a core; and the filler."""
+    quarter = -(-population // 4)
+    return int(np.clip(-(-quarter // _VECTOR) * _VECTOR, *_WIDTHS)) + 1
+
+
+def _spread(n: int, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Which robot goes where, so that a robot's walk does not depend on its place in the batch.
+
+    XLA steps through a chunk by vectors of robots, but always leaves at least one over for other, scalar code, in which
+    a robot walks differently in the last bits; some hundred steps later, by decimetres. With a filler in the last place
+    of each chunk every robot takes the vector code, and a diagnosis that is exact foretells the trial exactly.
+
+    Returns:
+        The robot in each place (n + fillers,), and the places of the robots (n,).
     """
-
-    on_mjx: MjxModel
-    interface: Interface
-    rows: int
-    substeps: int
-    gain: float
-    width: int
-
-    @property
-    def robot(self) -> Robot:
-        """The nominal robot."""
-        return self.on_mjx.robot
-
-    @property
-    def catalogue(self) -> Catalogue:
-        """The effects that `values` have an entry for."""
-        return self.on_mjx.catalogue
-
-    def home(self, values: Values) -> BodyState:
-        """The states of robots in their home posture, at rest, for values (robots, n_sites, n_parameters)."""
-        model, n = self.robot.model, _size(values)
-        zeros = partial(np.zeros, dtype=np.float32)
-        qpos = self.robot.home().astype(np.float32)
-        centre = self.interface.ctrl_centre.astype(np.float32)
-        now = Now(qpos, zeros(model.nv), centre, np.ones(model.nu), model.opt.timestep)
-        hidden = jax.vmap(lambda v: self.on_mjx.rested(self.on_mjx.model, v, jax.tree.map(jnp.asarray, now)))(values)
-        one = (qpos, zeros(model.nv), zeros(model.nv), zeros(model.nsensordata))
-        place, speed, warmstart, sensordata = (np.broadcast_to(x, (n, *x.shape)) for x in one)
-        return BodyState(place, speed, warmstart, sensordata, hidden)
-
-    def settle(self, values: Values, steps: int) -> BodyState:
-        """Let robots come to rest with all motors at home: the state a trial starts from.
-
-        Args:
-            values: (robots, n_sites, n_parameters) for each effect.
-            steps: control steps.
-        """
-        n = _size(values)
-        start = self.home(values)
-        weights = np.zeros((n, self._n_weights), np.float32)
-        return self._run(values, weights, start, steps, active=False).final
-
-    def walk(self, values: Values, weights: np.ndarray, start: BodyState, steps: int) -> Walk:
-        """Drive robots by their networks.
-
-        Args:
-            values: (robots, n_sites, n_parameters) for each effect.
-            weights: (robots, n_weights).
-            start: batched states, as `settle` gives them.
-            steps: control steps, at most `rows`.
-        """
-        return self._run(values, weights, start, steps, active=True)
-
-    @property
-    def _n_weights(self) -> int:
-        i, o = self.interface.n_inputs, self.interface.n_outputs
-        return HIDDEN * (i + 1 + HIDDEN) + o * (HIDDEN + 1)
-
-    def _run(self, values: Values, weights: np.ndarray, start: BodyState, steps: int, *, active: bool) -> Walk:
-        if not 0 < steps <= self.rows:
-            raise ValueError(f"{steps} steps do not fit into 1..{self.rows}")
-        lanes = _Lane(values, np.asarray(weights, np.float32), start)
-        walk = in_chunks(lambda part: _walk_batch(self, part, steps, active), lanes, self.width)
-        return walk._replace(**{k: getattr(walk, k)[:, :steps] for k in ("readings", "commands", "position")})
+    robots = np.arange(n)
+    places = robots + robots // max(width - 1, 1)
+    spread = np.zeros(places[-1] + 1, dtype=int)
+    spread[places] = robots
+    return spread, places
 
 
-def walker(
-    robot: Robot,
-    catalogue: Catalogue,
-    *,
-    rows: int,
-    control_step: float,
-    gain: float = 3.0,
-    width: int = 50,
-) -> Walker:
-    """Compile-ready simulator of a robot in closed loop.
-
-    Args:
-        robot: the nominal robot.
-        catalogue: effects that may be planted; none of them a `CommandShift`.
-        rows: longest walk, control steps.
-        control_step: s; rounded to whole physics steps.
-        gain: of the neurons' tanh.
-        width: robots in a chunk.
-    """
-    late = [e.name for e in catalogue if isinstance(e, CommandShift)]
-    if late:
-        raise ValueError(f"not simulated in closed loop: {', '.join(late)}")
-    substeps = max(1, round(control_step / robot.model.opt.timestep))
-    return Walker(mjx_model(robot, catalogue), interface_of(robot), rows, substeps, gain, width)
-
-
-def _size(values: Values) -> int:
-    return next(iter(values.values())).shape[0]
+def _taken(tree: Any, places: np.ndarray) -> Any:
+    return jax.tree.map(lambda x: np.asarray(x)[places], tree)
 
 
 @partial(jax.jit, static_argnums=0)
-def _walk_batch(self: Walker, lanes: _Lane, steps: int, active: bool) -> Walk:
+def _walk_batch(self: MjxWalker, lanes: Lane, steps: int, active: bool) -> Walk:
     return jax.vmap(lambda lane: _walk_one(self, lane, steps, active))(lanes)
 
 
-def _walk_one(self: Walker, lane: _Lane, steps: int, active: bool) -> Walk:
+def _walk_one(self: MjxWalker, lane: Lane, steps: int, active: bool) -> Walk:
     """One robot's walk; `steps` and `active` are traced, so that every trial and settling share one executable."""
     model = self.on_mjx.edited(self.on_mjx.model, lane.values)
-    network = _network(self, lane)
+    network = self.network(lane)
     travel = travel_of(self.robot)
     rows, face = self.rows, self.interface
     walk = Walk(
@@ -206,15 +108,7 @@ def _sound(x: jax.Array) -> jax.Array:
     return jnp.all(jnp.abs(x) < mujoco.mjMAXVAL)  # false for NaN
 
 
-def _network(self: Walker, lane: _Lane) -> Network:
-    network = decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
-    for effect in self.catalogue:
-        if isinstance(effect, ControllerFault):
-            network = effect.damage(self.robot, network, lane.values[effect.name])
-    return network
-
-
-def _readings(self: Walker, values: Values, body: BodyState) -> jax.Array:
+def _readings(self: MjxWalker, values: Values, body: BodyState) -> jax.Array:
     """Readings (n_inputs,) as the controller gets them: those of lost parts at rest, faults applied."""
     face = self.interface
     true = face.readings(body.qpos, body.sensordata)
@@ -228,12 +122,12 @@ def _readings(self: Walker, values: Values, body: BodyState) -> jax.Array:
     return whole[face.columns]
 
 
-def _physics_step(self: Walker, model: mjx.Model, values: Values, body: BodyState, ctrl: jax.Array) -> BodyState:
+def _physics_step(self: MjxWalker, model: mjx.Model, values: Values, body: BodyState, ctrl: jax.Array) -> BodyState:
     does = self.on_mjx.acted(model, values, body.hidden, _now(self, model, body, ctrl))
     data = self.on_mjx.data.replace(qpos=body.qpos, qvel=body.qvel, qacc_warmstart=body.warmstart)
     data = mjx.step(does.model, data.replace(ctrl=does.ctrl, qfrc_applied=does.force, xfrc_applied=does.pull))
     return BodyState(data.qpos, data.qvel, data.qacc_warmstart, data.sensordata, does.hidden)
 
 
-def _now(self: Walker, model: mjx.Model, body: BodyState, ctrl: jax.Array) -> Now:
+def _now(self: MjxWalker, model: mjx.Model, body: BodyState, ctrl: jax.Array) -> Now:
     return Now(body.qpos, body.qvel, ctrl, jnp.ones(self.interface.n_outputs), model.opt.timestep)

@@ -1,0 +1,84 @@
+"""Which engine simulates a robot: lanes where they can, MJX for any other MJCF."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from estexp_jax.errors import InputError, known
+from estexp_jax.physics.effects.base import CommandShift
+from estexp_jax.physics.engines.lanes.model import lanes_refusal
+from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
+from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
+from estexp_jax.physics.engines.mjx_walk import MjxWalker, mjx_width
+from estexp_jax.physics.engines.walking import Walker
+from estexp_jax.physics.interface import interface_of
+from estexp_jax.physics.registry import Catalogue
+from estexp_jax.physics.robot import Robot
+
+Engine = Literal["auto", "lanes", "mjx"]
+ENGINES: Sequence[Engine] = ("auto", "lanes", "mjx")
+
+
+class Choice(NamedTuple):
+    """An engine, and why it."""
+
+    engine: Engine
+    reason: str
+
+
+def chosen(engine: str, on_mjx: MjxModel) -> Choice:
+    """The engine for a robot.
+
+    Args:
+        engine: what the user wants: auto, lanes or mjx.
+        on_mjx: the robot and the effects it is to carry.
+
+    Raises:
+        InputError: there is no such engine, or lanes are wanted and cannot simulate the robot.
+    """
+    if engine not in ENGINES:
+        raise InputError(f"there is no engine '{engine}'", where="--engine", right=known(ENGINES))
+    if engine == "mjx":
+        return Choice("mjx", "as asked for")
+    refused = lanes_refusal(on_mjx)
+    if refused is None:
+        return Choice("lanes", "as asked for" if engine == "lanes" else "the fastest that can simulate this robot")
+    if engine == "lanes":
+        raise InputError(f"{refused} by the lanes engine", where=on_mjx.robot.source, right="use --engine mjx")
+    return Choice("mjx", f"{refused} by the lanes engine")
+
+
+def walker(
+    robot: Robot,
+    catalogue: Catalogue,
+    *,
+    rows: int,
+    control_step: float,
+    gain: float = 3.0,
+    population: int = 200,
+    engine: str = "auto",
+) -> Walker:
+    """Compile-ready simulator of a robot in closed loop.
+
+    Args:
+        robot: the nominal robot.
+        catalogue: effects that may be planted; none of them a `CommandShift`.
+        rows: longest walk, control steps.
+        control_step: s; rounded to whole physics steps.
+        gain: of the neurons' tanh.
+        population: robots that will be simulated at once, or twice as many as are new each time.
+        engine: auto, lanes or mjx.
+
+    Raises:
+        InputError: no engine can simulate the robot, or not the one that is wanted.
+    """
+    late = [e.name for e in catalogue if isinstance(e, CommandShift)]
+    if late:
+        raise ValueError(f"not simulated in closed loop: {', '.join(late)}")
+    on_mjx = mjx_model(robot, catalogue)
+    substeps = max(1, int(np.round(control_step / robot.model.opt.timestep)))
+    kind, width = {"lanes": (LanesWalker, lanes_width), "mjx": (MjxWalker, mjx_width)}[chosen(engine, on_mjx).engine]
+    return kind(on_mjx, interface_of(robot), rows, substeps, gain, width(population))

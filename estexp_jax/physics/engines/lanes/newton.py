@@ -1,0 +1,120 @@
+"""The constrained accelerations: Newton's method on MuJoCo's convex problem, with a line search.
+
+    minimise over a:  1/2 (a - a_smooth)^T M (a - a_smooth) + sum of the rows' costs at J a - a_ref
+
+The cost is piecewise quadratic, so that few steps end at the minimum. All robots of a chunk iterate until the last has
+converged.
+
+Source: MuJoCo documentation, "Computation": "Newton solver"; Todorov 2014.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from estexp_jax.physics.engines.lanes.algebra import Scalar, mul, neg, sub
+from estexp_jax.physics.engines.lanes.plan import Dof
+from estexp_jax.physics.engines.lanes.rows import Residual, Rows
+from estexp_jax.physics.engines.lanes.sparse import Entries, Factor, Pending, robot_sum, times
+
+LINE_SEARCH = 3
+
+
+class Solution(NamedTuple):
+    """Accelerations under constraints.
+
+    Attributes:
+        acceleration: per degree of freedom.
+        force: constraint force there.
+        residuals: of each rows, for reading contact forces off.
+    """
+
+    acceleration: list[Scalar]
+    force: list[Scalar]
+    residuals: list[Residual]
+
+
+class _Guess(NamedTuple):
+    x: tuple[Any, ...]
+    momentum: tuple[Any, ...]  # M x
+    residuals: tuple[Residual, ...]
+
+
+def solve(
+    dofs: Sequence[Dof],
+    matrix: Entries,
+    smooth: Sequence[Scalar],
+    rows: Sequence[Rows],
+    start: Sequence[Scalar],
+    iterations: int,
+    tolerance: float,
+) -> Solution:
+    """Solve.
+
+    Args:
+        dofs, matrix: M.
+        smooth: forces without constraints.
+        rows: constraints; none: one linear solve.
+        start: accelerations of the step before.
+        iterations: at most.
+        tolerance: squared change of the accelerations, relative to one plus their squares, that counts as none.
+    """
+    if not rows:
+        return Solution(Factor(dofs, matrix).solve(smooth), [0] * len(dofs), [])
+
+    def residuals(x: Sequence[Scalar]) -> tuple[Residual, ...]:
+        return tuple(tuple(j - a for j, a in zip(row.jacobian(dofs, x), row.reference(), strict=True)) for row in rows)
+
+    def step(guess: _Guess) -> _Guess:
+        pulled, curved = Pending(), Pending()
+        for row, r in zip(rows, guess.residuals, strict=True):
+            row.pull(r, pulled)
+            row.curve(r, curved)
+        gap = [sub(m, f) for m, f in zip(guess.momentum, smooth, strict=True)]
+        slope = [sub(g, pulled.get(d.index, d.k)) for g, d in zip(gap, dofs, strict=True)]
+        way = [neg(s) for s in Factor(dofs, matrix, curved).solve(slope)]
+        far = times(dofs, matrix, way)
+        along = tuple(row.jacobian(dofs, way) for row in rows)
+        first = robot_sum([(d.k, mul(w, g)) for d, w, g in zip(dofs, way, gap, strict=True)])
+        second = robot_sum([(d.k, mul(w, f)) for d, w, f in zip(dofs, way, far, strict=True)])
+
+        def narrow(_: Any, length: Scalar) -> Scalar:
+            ones, twos = [], []
+            for row, r, s in zip(rows, guess.residuals, along, strict=True):
+                at = tuple(x + length * y for x, y in zip(r, s, strict=True))
+                one, two = row.line(at, s)
+                ones.append((row.k, one))
+                twos.append((row.k, two))
+            curvature = second + robot_sum(twos)
+            return length - (first + length * second + robot_sum(ones)) / jnp.maximum(curvature, 1e-20)
+
+        length = jax.lax.fori_loop(0, LINE_SEARCH, narrow, jnp.ones_like(first))
+        ahead = lambda xs, ys: tuple(x + length * y for x, y in zip(xs, ys, strict=True))  # noqa: E731
+        return _Guess(
+            ahead(guess.x, way),
+            ahead(guess.momentum, far),
+            tuple(ahead(r, s) for r, s in zip(guess.residuals, along, strict=True)),
+        )
+
+    def unfinished(carry: tuple[Any, Any, _Guess]) -> Any:
+        count, moving, _ = carry
+        return (count < iterations) & moving
+
+    def again(carry: tuple[Any, Any, _Guess]) -> tuple[Any, Any, _Guess]:
+        count, _, guess = carry
+        after = step(guess)
+        moved = robot_sum([(d.k, (a - b) ** 2) for d, a, b in zip(dofs, after.x, guess.x, strict=True)])
+        size = robot_sum([(d.k, a**2) for d, a in zip(dofs, after.x, strict=True)])
+        return count + 1, jnp.any(moved > tolerance * (1.0 + size)), after
+
+    begin = _Guess(tuple(start), tuple(times(dofs, matrix, start)), residuals(start))
+    _, _, end = jax.lax.while_loop(unfinished, again, (0, True, begin))
+    pulled = Pending()
+    for row, r in zip(rows, end.residuals, strict=True):
+        row.pull(r, pulled)
+    force = [pulled.get(d.index, d.k) for d in dofs]
+    return Solution(list(end.x), force, list(end.residuals))

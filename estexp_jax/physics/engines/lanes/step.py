@@ -1,0 +1,211 @@
+"""One physics step of all robots of a chunk: forces, constraints, acceleration, integration.
+
+Source: MuJoCo documentation, "Computation": "Numerical integration".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, final
+
+import jax
+import jax.numpy as jnp
+import mujoco
+
+from estexp_jax.physics.engines.lanes.algebra import Scalar, add, apply, dot, is_number, mul, sub, transposed
+from estexp_jax.physics.engines.lanes.contacts import Contact, contacts
+from estexp_jax.physics.engines.lanes.dynamics import Inertias, mass_and_bias
+from estexp_jax.physics.engines.lanes.forces import Drive, Pull, pull
+from estexp_jax.physics.engines.lanes.kinematics import Motion, motion
+from estexp_jax.physics.engines.lanes.newton import Solution, solve
+from estexp_jax.physics.engines.lanes.numbers import Numbers
+from estexp_jax.physics.engines.lanes.plan import Joint, Plan
+from estexp_jax.physics.engines.lanes.rows import Push, Rows, Rub, Softness, regularised
+from estexp_jax.physics.engines.lanes.sparse import Factor
+
+_INTEGRATOR, _OFF = mujoco.mjtIntegrator, mujoco.mjtDisableBit
+
+ITERATIONS = 10
+"""Most Newton steps; a robot that has not converged by then keeps what it has, as in MuJoCo."""
+
+
+class LaneState(NamedTuple):
+    """Robots at the beginning of a step.
+
+    Attributes:
+        qpos: per joint, its coordinates: seven (N,) of a floating base, else one (k, N).
+        qvel: per degree of freedom, (N,) or (k, N).
+        warmstart: accelerations of the step before, a floating base's spin in world axes.
+    """
+
+    qpos: tuple[tuple[Any, ...], ...]
+    qvel: tuple[Any, ...]
+    warmstart: tuple[Any, ...]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Instant:
+    """Everything about one state, for its sensors.
+
+    Attributes:
+        state: the state.
+        moving: poses and velocities.
+        pulled: forces of motors, springs, dampers.
+        touched: contacts, and the residual of each one's rows.
+        solution: accelerations and constraint forces.
+    """
+
+    state: LaneState
+    moving: Motion
+    pulled: Pull
+    touched: tuple[tuple[Contact, Any], ...]
+    solution: Solution
+
+
+@final
+class Stepper:
+    """Steps the robots of one set of numbers; made once in a rollout, outside its loop."""
+
+    def __init__(self, plan: Plan, numbers: Numbers, tolerance: float) -> None:
+        """For robots of these numbers; `tolerance` as in `newton.solve`."""
+        self.plan, self.numbers, self.tolerance = plan, numbers, tolerance
+        self.inertias = Inertias(plan, numbers)
+
+    def step(self, state: LaneState, drive: Drive, dt: Scalar) -> tuple[LaneState, Instant]:
+        """The next state, and all about this one.
+
+        Args:
+            state: of the robots.
+            drive: what the motors are told.
+            dt: length of the step, s: a number or (N,).
+        """
+        if self.plan.model.opt.integrator == _INTEGRATOR.mjINT_RK4:
+            return self._runge_kutta(state, drive, dt)
+        now, matrix = self._instant(state, drive, dt)
+        rate = self._implicit(now, matrix, dt)
+        speed = tuple(v + dt * a for v, a in zip(state.qvel, rate, strict=True))
+        return LaneState(self._moved(state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
+
+    def _instant(self, state: LaneState, drive: Drive, dt: Scalar) -> tuple[Instant, Any]:
+        plan, numbers = self.plan, self.numbers
+        moving = motion(plan, numbers, state.qpos, state.qvel)
+        matrix, bias = mass_and_bias(plan, numbers, self.inertias, moving)
+        pulled = pull(plan, numbers, state.qpos, moving.speed, drive)
+        smooth = [sub(f, b) for f, b in zip(pulled.force, bias, strict=True)]
+        touched = contacts(plan, numbers, moving, dt)
+        rows: list[Rows] = [c.rows for c in touched]
+        rows += self._stops(state, dt)
+        rows += self._rubs(moving.speed, dt)
+        start = state.warmstart
+        solution = solve(plan.dofs, matrix, smooth, rows, start, ITERATIONS, self.tolerance)
+        whole = [jnp.broadcast_to(a, s.shape) for a, s in zip(solution.acceleration, start, strict=True)]
+        solution = solution._replace(acceleration=whole)
+        pairs = tuple(zip(touched, solution.residuals[: len(touched)], strict=True))
+        total = [add(s, f) for s, f in zip(smooth, solution.force, strict=True)]
+        return Instant(state, moving, pulled, pairs, solution), (matrix, total)
+
+    def _implicit(self, now: Instant, matrix: Any, dt: Scalar) -> list[Scalar]:
+        """Accelerations with the damping taken at the end of the step; a floating base's spin in its own axes."""
+        (matrix, force), model = matrix, self.plan.model
+        fast = model.opt.integrator == _INTEGRATOR.mjINT_IMPLICITFAST
+        euler = model.opt.integrator == _INTEGRATOR.mjINT_EULER and not (
+            model.opt.disableflags & (_OFF.mjDSBL_EULERDAMP | _OFF.mjDSBL_DAMPER)
+        )
+        damping = now.pulled.damping if fast else now.pulled.braking
+        rate = now.solution.acceleration
+        if (fast or euler) and not all(is_number(d, 0) for d in damping):
+            implicit = dict(matrix)
+            for dof, d in zip(self.plan.dofs, damping, strict=True):
+                implicit[dof.index, dof.index] = add(matrix[dof.index, dof.index], mul(dt, d))
+            rate = Factor(self.plan.dofs, implicit).solve(force)
+        return self._own_axes(rate, now.moving)
+
+    def _own_axes(self, rate: Sequence[Scalar], moving: Motion) -> list[Scalar]:
+        turned = list(rate)
+        for first, rotation in moving.base.items():
+            turned[first + 3 : first + 6] = apply(transposed(rotation), rate[first + 3 : first + 6])
+        return turned
+
+    def _moved(self, qpos: Any, speed: Sequence[Scalar], dt: Scalar) -> tuple[tuple[Any, ...], ...]:
+        return tuple(
+            _floated(q, speed[j.dofs[0] : j.dofs[0] + 6], dt) if j.free else (q[0] + dt * speed[j.dofs[0]],)
+            for j, q in zip(self.plan.joints, qpos, strict=True)
+        )
+
+    def _runge_kutta(self, state: LaneState, drive: Drive, dt: Scalar) -> tuple[LaneState, Instant]:
+        """Fourth order, as MuJoCo's: the stages' states all start from this one."""
+        first, _ = self._instant(state, drive, dt)
+        speeds, rates = [state.qvel], [tuple(self._own_axes(first.solution.acceleration, first.moving))]
+        warm = tuple(first.solution.acceleration)
+        for share in (0.5, 0.5, 1.0):
+            there = tuple(v + share * dt * a for v, a in zip(state.qvel, rates[-1], strict=True))
+            stage = LaneState(self._moved(state.qpos, speeds[-1], share * dt), there, warm)
+            now, _ = self._instant(stage, drive, dt)
+            speeds.append(there)
+            rates.append(tuple(self._own_axes(now.solution.acceleration, now.moving)))
+            warm = tuple(now.solution.acceleration)
+        mean = [
+            tuple((a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(*stages, strict=True))
+            for stages in (speeds, rates)
+        ]
+        speed = tuple(v + dt * a for v, a in zip(state.qvel, mean[1], strict=True))
+        return LaneState(self._moved(state.qpos, mean[0], dt), speed, warm), first
+
+    def _stops(self, state: LaneState, dt: Scalar) -> list[Rows]:
+        model, rows = self.plan.model, []
+        if model.opt.disableflags & (_OFF.mjDSBL_LIMIT | _OFF.mjDSBL_CONSTRAINT):
+            return rows
+        for joint, q in zip(self.plan.joints, state.qpos, strict=True):
+            if joint.limited and not joint.free:
+                rows.append(self._stop(joint, q[0], state.qvel[joint.dofs[0]], dt))
+        return rows
+
+    def _stop(self, joint: Joint, q: Scalar, speed: Scalar, dt: Scalar) -> Rows:
+        numbers, ids, dof = self.numbers, list(joint.ids), self.plan.dofs[joint.dofs[0]]
+        low, high = (sub(q, numbers.get("jnt_range", ids, 0)), sub(numbers.get("jnt_range", ids, 1), q))
+        sign = jnp.where(low < high, 1.0, -1.0).astype(q.dtype)
+        violation = sub(jnp.minimum(low, high), numbers.get("jnt_margin", ids))
+        soft = Softness.of(numbers, numbers.model.jnt_solref[ids], numbers.model.jnt_solimp[ids])
+        impedance = soft.impedance(violation)
+        spring, damper = soft.spring(dt, safe=self._safe)
+        weight = numbers.get("dof_invweight0", dof.addresses)
+        stiffness = jnp.where(violation < 0, regularised(weight, impedance), 0.0)
+        return Push(dof.k, (dof.index,), (sign,), stiffness, -damper * sign * speed - spring * impedance * violation)
+
+    def _rubs(self, speed: Sequence[Scalar], dt: Scalar) -> list[Rows]:
+        model, numbers, rows = self.plan.model, self.numbers, []
+        if model.opt.disableflags & (_OFF.mjDSBL_FRICTIONLOSS | _OFF.mjDSBL_CONSTRAINT):
+            return rows
+        for dof in self.plan.dofs:
+            if dof.rubs:
+                at = list(dof.addresses)
+                soft = Softness.of(numbers, model.dof_solref[at], model.dof_solimp[at])
+                _, damper = soft.spring(dt, safe=self._safe)
+                impedance = soft.impedance(jnp.zeros_like(speed[dof.index]))
+                stiffness = regularised(numbers.get("dof_invweight0", at), impedance)
+                bound = numbers.get("dof_frictionloss", at)
+                rows.append(Rub(dof.k, dof.index, stiffness, bound, -damper * speed[dof.index]))
+        return rows
+
+    @property
+    def _safe(self) -> bool:
+        return not self.plan.model.opt.disableflags & _OFF.mjDSBL_REFSAFE
+
+
+def _floated(q: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
+    """A floating base after `dt` at this speed, its spin in its own axes."""
+    w, x, y, z = q[3:]
+    spin = jnp.sqrt(dot(speed[3:], speed[3:]) + 1e-30)
+    half = 0.5 * dt * spin
+    c, s = jnp.cos(half), jnp.sin(half) / spin
+    a, b, d = (s * v for v in speed[3:])
+    turned = (
+        w * c - x * a - y * b - z * d,
+        w * a + x * c + y * d - z * b,
+        w * b - x * d + y * c + z * a,
+        w * d + x * b - y * a + z * c,
+    )
+    size = jax.lax.rsqrt(dot(turned, turned))
+    return tuple(p + dt * v for p, v in zip(q[:3], speed[:3], strict=True)) + tuple(t * size for t in turned)
