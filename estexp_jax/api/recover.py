@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.physics.engines.mjx_walk import Walk
+from estexp_jax.physics.engines.walking import Walk
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery import front
 from estexp_jax.recovery.target import Target

@@ -70,8 +70,8 @@ class Options:
     """Chance of each value of a copied genome to be drawn anew. Default: 0.01."""
     gain: float | None = None
     """Of the neurons' tanh. Default: 3."""
-    engine: Literal["auto", "mjx"] = "auto"
-    """What simulates."""
+    engine: Literal["auto", "lanes", "mjx"] = "auto"
+    """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
     force: bool = False
     """Replace the results in DIR."""
     resume: bool = False
@@ -101,6 +101,7 @@ def settings_of(options: Options) -> Settings:
         robot=options.robot,
         axis=options.axis,
         paper=options.paper,
+        engine=options.engine,
     )
     given = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
     return replace(quick(settings) if options.quick else settings, **given)
@@ -123,7 +124,7 @@ def run(options: Options) -> int:
     model = options.model or model_path("quadruped")
     robot = Robot.from_xml(model)
     job = job_of(robot, settings)
-    config = {"model": model.name, **settings.to_json(), "engine": "mjx"}
+    config = {"model": model.name, **settings.to_json(), "engine": job.simulator.walker.choice.engine}
     marker = {"command": "recover", "config": config}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     enable_compilation_cache()

@@ -28,6 +28,8 @@ class Story:
         settings = self._job.settings
         what = TABLE[settings.situation] if settings.situation is not None else "damage of your choice"
         self._progress.say(f"{model}, seed {settings.seed}: {what}")
+        engine, reason = self._job.simulator.walker.choice
+        self._progress.say(f"  engine: {engine}, {reason}")
         for change in self._job.planted:
             self._progress.say(f"  planted: {change.sentence()}")
         if state.history:

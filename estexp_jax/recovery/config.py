@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, final
 
 from estexp_jax.errors import InputError
+from estexp_jax.physics.engines.choice import Engine
 
 Metric = Literal["rolling-mean", "distance"]
 Axis = Literal["x", "-x", "y", "-y"]
@@ -50,6 +51,8 @@ class Settings:
     """The robot in the world: the same simulator with the damage in it, or another engine with errors of its own."""
     paper: bool = False
     """Diagnose with the paper's genetic algorithm instead of the set search."""
+    engine: Engine = "auto"
+    """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
 
     def __post_init__(self) -> None:
         _check(self.situation is None or 1 <= self.situation <= 13, "--situation", self.situation, "1 to 13")

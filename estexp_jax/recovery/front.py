@@ -8,7 +8,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, parse_change
-from estexp_jax.physics.engines.mjx_walk import Walk
+from estexp_jax.physics.engines.walking import Walk
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.simulator import simulator

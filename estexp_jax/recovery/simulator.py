@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar, final
+from typing import final
 
 import jax
 import numpy as np
@@ -13,18 +13,12 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, Values, encode, stack
 from estexp_jax.physics.controllers import n_weights
 from estexp_jax.physics.effects.base import CommandShift
-from estexp_jax.physics.engines.mjx_walk import BodyState, Walk, Walker, walker
+from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.walking import BodyState, Walk, Walker
 from estexp_jax.physics.registry import PAPER, catalogue, effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.trial import Controller, Trial
-
-_Tree = TypeVar("_Tree")
-
-_WIDTHS = (16, 56)
-"""Narrowest and widest chunk: below, a chunk's fixed costs dominate; above, nothing is gained."""
-_LANES = 8
-"""Robots in a chunk are a multiple of this, and one filler."""
 
 
 @final
@@ -59,10 +53,7 @@ class Simulator:
 
     def settled(self, sets: Sequence[Sequence[Change]]) -> BodyState:
         """Where robots with these changes come to rest: what each trial of theirs starts from, (sets, ...)."""
-        values = stack(self._values(sets))
-        spread, real = _spread(len(sets), self.walker.width)
-        body = self.walker.settle(_taken(values, spread), self.settle_steps)
-        return _taken(body, real)
+        return self.walker.settle(stack(self._values(sets)), self.settle_steps)
 
     def walks(self, changes: Sequence[Change], start: BodyState, weights: np.ndarray, steps: int) -> Walk:
         """One damaged robot under many controllers.
@@ -75,7 +66,7 @@ class Simulator:
         """
         n = len(weights)
         starts = jax.tree.map(lambda x: np.broadcast_to(x[0], (n, *x.shape[1:])), start)
-        return self._walk(stack(self._values([changes]) * n), weights, starts, steps)
+        return self.walker.walk(stack(self._values([changes]) * n), weights, starts, steps)
 
     def trials(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
         """Many damaged robots, each under the same few controllers.
@@ -91,7 +82,7 @@ class Simulator:
         c, values = len(weights), self._values(sets)
         starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), self.settled(sets))
         many = {name: np.repeat(array, c, axis=0) for name, array in stack(values).items()}
-        walk = self._walk(many, np.tile(weights, (len(sets), 1)), starts, steps)
+        walk = self.walker.walk(many, np.tile(weights, (len(sets), 1)), starts, steps)
         return jax.tree.map(lambda x: x.reshape(len(sets), c, *x.shape[1:]), walk)
 
     def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
@@ -102,18 +93,13 @@ class Simulator:
             weights: (len(sets), n_weights).
             steps: control steps.
         """
-        return self._walk(stack(self._values(sets)), weights, self.settled(sets), steps)
+        return self.walker.walk(stack(self._values(sets)), weights, self.settled(sets), steps)
 
     def trial(self, changes: Sequence[Change], weights: np.ndarray, steps: int) -> Trial:
         """One trial of one damaged robot."""
         walk = self.walks(changes, self.settled([changes]), weights[None], steps)
         time = self.control_step * np.arange(steps)
         return Trial(time, walk.readings[0], walk.commands[0], walk.position[0])
-
-    def _walk(self, values: Values, weights: np.ndarray, start: BodyState, steps: int) -> Walk:
-        spread, real = _spread(len(weights), self.walker.width)
-        walk = self.walker.walk(_taken(values, spread), weights[spread], _taken(start, spread), steps)
-        return _taken(walk, real)
 
     def _values(self, sets: Sequence[Sequence[Change]]) -> list[dict[str, np.ndarray]]:
         return [encode(self.robot, self.walker.catalogue, changes) for changes in sets]
@@ -137,33 +123,7 @@ def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) 
         rows=max(settings.steps, settings.settle_steps, settings.samples),
         control_step=settings.control_step,
         gain=settings.gain,
-        width=_width(settings.population),
+        population=settings.population,
+        engine=settings.engine,
     )
     return Simulator(engine, settings.settle_steps, settings.control_step)
-
-
-def _width(population: int) -> int:
-    """A quarter of the population, so that its new half still fills two chunks, one a core; and the filler."""
-    quarter = -(-population // 4)
-    return int(np.clip(-(-quarter // _LANES) * _LANES, *_WIDTHS)) + 1
-
-
-def _spread(n: int, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Which robot goes where, so that a robot's walk does not depend on its place in the batch.
-
-    XLA steps through a chunk by vectors of robots, but always leaves at least one over for other, scalar code, in which
-    a robot walks differently in the last bits; some hundred steps later, by decimetres. With a filler in the last place
-    of each chunk every robot takes the vector code, and a diagnosis that is exact foretells the trial exactly.
-
-    Returns:
-        The robot in each place (n + fillers,), and the places of the robots (n,).
-    """
-    robots = np.arange(n)
-    places = robots + robots // (width - 1)
-    spread = np.zeros(places[-1] + 1, dtype=int)
-    spread[places] = robots
-    return spread, places
-
-
-def _taken(tree: _Tree, places: np.ndarray) -> _Tree:
-    return jax.tree.map(lambda x: np.asarray(x)[places], tree)

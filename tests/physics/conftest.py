@@ -15,7 +15,8 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx_terms import Now
-from estexp_jax.physics.engines.mjx_walk import Walker, walker
+from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.walking import Walker
 from estexp_jax.physics.registry import ALL, PAPER, catalogue
 from tests.physics.reference import TRAJECTORY, States
 from tests.physics.robots import robot
@@ -69,8 +70,8 @@ def lab() -> Callable[[str], Lab]:
 WALKER_ROWS = 60
 
 
-@pytest.fixture(scope="session")
-def walkers() -> Walker:
-    """The quadruped in closed loop with all that the paper breaks."""
+@pytest.fixture(scope="session", params=["mjx", "lanes"])
+def walkers(request: pytest.FixtureRequest) -> Walker:
+    """The quadruped in closed loop with all that the paper breaks, in each engine."""
     effects = catalogue([*PAPER, "neuron_fault", "tied_outputs"])
-    return walker(robot("quadruped"), effects, rows=WALKER_ROWS, control_step=0.01)
+    return walker(robot("quadruped"), effects, rows=WALKER_ROWS, control_step=0.01, engine=request.param)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -13,20 +13,13 @@ from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx_walk import MjxWalker, mjx_width
-from estexp_jax.physics.engines.walking import Walker
+from estexp_jax.physics.engines.walking import Choice, Walker
 from estexp_jax.physics.interface import interface_of
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 
 Engine = Literal["auto", "lanes", "mjx"]
 ENGINES: Sequence[Engine] = ("auto", "lanes", "mjx")
-
-
-class Choice(NamedTuple):
-    """An engine, and why it."""
-
-    engine: Engine
-    reason: str
 
 
 def chosen(engine: str, on_mjx: MjxModel) -> Choice:
@@ -80,5 +73,6 @@ def walker(
         raise ValueError(f"not simulated in closed loop: {', '.join(late)}")
     on_mjx = mjx_model(robot, catalogue)
     substeps = max(1, int(np.round(control_step / robot.model.opt.timestep)))
-    kind, width = {"lanes": (LanesWalker, lanes_width), "mjx": (MjxWalker, mjx_width)}[chosen(engine, on_mjx).engine]
-    return kind(on_mjx, interface_of(robot), rows, substeps, gain, width(population))
+    choice = chosen(engine, on_mjx)
+    kind, width = {"lanes": (LanesWalker, lanes_width), "mjx": (MjxWalker, mjx_width)}[choice.engine]
+    return kind(on_mjx, interface_of(robot), rows, substeps, gain, width(population), choice)

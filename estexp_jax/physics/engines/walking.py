@@ -44,6 +44,13 @@ class Walk(NamedTuple):
     failed: Any  #: (robots,) bool: the simulation blew up
 
 
+class Choice(NamedTuple):
+    """An engine, and why it."""
+
+    engine: str
+    reason: str
+
+
 class Lane(NamedTuple):
     """One robot to simulate; batched, every array has a leading axis."""
 
@@ -63,6 +70,7 @@ class Walker(abc.ABC):
         substeps: physics steps a control step.
         gain: of the neurons' tanh.
         width: robots in a chunk.
+        choice: which engine it is, and why.
     """
 
     on_mjx: MjxModel
@@ -71,6 +79,7 @@ class Walker(abc.ABC):
     substeps: int
     gain: float
     width: int
+    choice: Choice
 
     @abc.abstractmethod
     def _run(self, lanes: Lane, steps: int, *, active: bool) -> Walk:

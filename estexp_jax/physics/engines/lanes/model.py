@@ -106,5 +106,3 @@ def fields_of(model: mjx.Model) -> dict[str, jax.Array]:
 
 def _field(model: mjx.Model, name: str) -> jax.Array:
     return getattr(model.opt, name.removeprefix("opt.")) if name.startswith("opt.") else getattr(model, name)
-
-

@@ -21,7 +21,8 @@ from estexp_jax.physics.engines.lanes.plan import Dof
 from estexp_jax.physics.engines.lanes.rows import Residual, Rows
 from estexp_jax.physics.engines.lanes.sparse import Entries, Factor, Pending, robot_sum, times
 
-LINE_SEARCH = 3
+_PATIENT = 5
+"""Newton steps with a short line search, which is enough for nearly all; those after search longer."""
 
 
 class Solution(NamedTuple):
@@ -56,12 +57,14 @@ def solve(
     """Solve.
 
     Args:
-        dofs, matrix: M.
+        dofs: structure.
+        matrix: M.
         smooth: forces without constraints.
         rows: constraints; none: one linear solve.
         start: accelerations of the step before.
         iterations: at most.
-        tolerance: squared change of the accelerations, relative to one plus their squares, that counts as none.
+        tolerance: squared change of the accelerations, relative to one plus their squares, that counts as none; a robot
+            has also converged when a step ends in the same quadratic piece that it began in.
     """
     if not rows:
         return Solution(Factor(dofs, matrix).solve(smooth), [0] * len(dofs), [])
@@ -69,7 +72,7 @@ def solve(
     def residuals(x: Sequence[Scalar]) -> tuple[Residual, ...]:
         return tuple(tuple(j - a for j, a in zip(row.jacobian(dofs, x), row.reference(), strict=True)) for row in rows)
 
-    def step(guess: _Guess) -> _Guess:
+    def step(count: Any, settled: Any, guess: _Guess) -> _Guess:
         pulled, curved = Pending(), Pending()
         for row, r in zip(rows, guess.residuals, strict=True):
             row.pull(r, pulled)
@@ -92,7 +95,9 @@ def solve(
             curvature = second + robot_sum(twos)
             return length - (first + length * second + robot_sum(ones)) / jnp.maximum(curvature, 1e-20)
 
-        length = jax.lax.fori_loop(0, LINE_SEARCH, narrow, jnp.ones_like(first))
+        tries = jnp.where(count < _PATIENT, 1, 4)
+        length = jax.lax.fori_loop(0, tries, narrow, jnp.ones_like(first))
+        length = jnp.where(settled, 0.0, length)  # so that a robot's motion does not depend on who is in its chunk
         ahead = lambda xs, ys: tuple(x + length * y for x, y in zip(xs, ys, strict=True))  # noqa: E731
         return _Guess(
             ahead(guess.x, way),
@@ -101,18 +106,22 @@ def solve(
         )
 
     def unfinished(carry: tuple[Any, Any, _Guess]) -> Any:
-        count, moving, _ = carry
-        return (count < iterations) & moving
+        count, settled, _ = carry
+        return (count < iterations) & ~jnp.all(settled)
 
     def again(carry: tuple[Any, Any, _Guess]) -> tuple[Any, Any, _Guess]:
-        count, _, guess = carry
-        after = step(guess)
+        count, settled, guess = carry
+        after = step(count, settled, guess)
         moved = robot_sum([(d.k, (a - b) ** 2) for d, a, b in zip(dofs, after.x, guess.x, strict=True)])
         size = robot_sum([(d.k, a**2) for d, a in zip(dofs, after.x, strict=True)])
-        return count + 1, jnp.any(moved > tolerance * (1.0 + size)), after
+        pairs = zip(rows, guess.residuals, after.residuals, strict=True)
+        bends = robot_sum([(row.k, row.bends(r, s).astype(moved.dtype)) for row, r, s in pairs])
+        on = (bends > 0) & (moved > tolerance * (1.0 + size))  # false for a robot that blew up
+        return count + 1, settled | ~on, after
 
     begin = _Guess(tuple(start), tuple(times(dofs, matrix, start)), residuals(start))
-    _, _, end = jax.lax.while_loop(unfinished, again, (0, True, begin))
+    nobody = jnp.zeros(start[0].shape[-1], bool)
+    _, _, end = jax.lax.while_loop(unfinished, again, (0, nobody, begin))
     pulled = Pending()
     for row, r in zip(rows, end.residuals, strict=True):
         row.pull(r, pulled)

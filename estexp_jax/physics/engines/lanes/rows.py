@@ -1,7 +1,7 @@
 """Constraints as MuJoCo writes them: soft rows J a = a_ref, each with a stiffness D and a range of forces.
 
 Three kinds, each a convex function of the residual r = J a - a_ref: contacts (pushing only, with a friction pyramid),
-stops (pushing only), friction losses (bounded). Each adds its cost, its pull on the joints, its curvature.
+stops (pushing only), friction losses (bounded). Each adds its pull on the joints and its curvature.
 
 Source: MuJoCo documentation, "Computation": "Constraint model", "Parameters", "Friction cones".
 """
@@ -51,8 +51,8 @@ class Rows(abc.ABC):
         """a_ref."""
 
     @abc.abstractmethod
-    def cost(self, r: Residual) -> Scalar:
-        """(k, N)."""
+    def bends(self, r: Residual, s: Residual) -> Scalar:
+        """(k, N) whether the cost is another quadratic function at s than at r."""
 
     @abc.abstractmethod
     def line(self, r: Residual, d: Residual) -> tuple[Scalar, Scalar]:
@@ -97,8 +97,9 @@ class Pyramid(Rows):
     def reference(self) -> Residual:
         return self.aref
 
-    def cost(self, r: Residual) -> Scalar:
-        return 0.5 * self.stiffness * total(jnp.minimum(x, 0.0) ** 2 for x in r)
+    def bends(self, r: Residual, s: Residual) -> Scalar:
+        crossed = [(x < 0) != (y < 0) for x, y in zip(r, s, strict=True)]
+        return (crossed[0] | crossed[1] | crossed[2] | crossed[3]) & (self.stiffness > 0)
 
     def line(self, r: Residual, d: Residual) -> tuple[Scalar, Scalar]:
         active = [jnp.where(x < 0, self.stiffness * s, 0.0) for x, s in zip(r, d, strict=True)]
@@ -155,8 +156,8 @@ class Push(Rows):
     def reference(self) -> Residual:
         return (self.aref,)
 
-    def cost(self, r: Residual) -> Scalar:
-        return 0.5 * self.stiffness * jnp.minimum(r[0], 0.0) ** 2
+    def bends(self, r: Residual, s: Residual) -> Scalar:
+        return ((r[0] < 0) != (s[0] < 0)) & (self.stiffness > 0)
 
     def line(self, r: Residual, d: Residual) -> tuple[Scalar, Scalar]:
         active = jnp.where(r[0] < 0, self.stiffness * d[0], 0.0)
@@ -204,9 +205,9 @@ class Rub(Rows):
     def reference(self) -> Residual:
         return (self.aref,)
 
-    def cost(self, r: Residual) -> Scalar:
-        inside = clip(self.stiffness * r[0], -self.bound, self.bound)
-        return inside * (r[0] - 0.5 * inside / self.stiffness)
+    def bends(self, r: Residual, s: Residual) -> Scalar:
+        edge = self.bound / self.stiffness
+        return ((jnp.abs(r[0]) < edge) != (jnp.abs(s[0]) < edge)) | ((r[0] < 0) != (s[0] < 0)) & (edge > 0)
 
     def line(self, r: Residual, d: Residual) -> tuple[Scalar, Scalar]:
         force = self.stiffness * r[0]

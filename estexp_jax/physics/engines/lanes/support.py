@@ -73,7 +73,9 @@ def _options(model: mujoco.MjModel) -> Iterator[str]:
     allowed = (kinds.mjINT_EULER, kinds.mjINT_RK4, kinds.mjINT_IMPLICITFAST)
     if option.integrator not in allowed:
         yield f"integrator {kinds(option.integrator).name.removeprefix('mjINT_').lower()} is not supported"
-    if option.integrator == kinds.mjINT_RK4 and any(int(model.geom_type[a]) == _GEOM.mjGEOM_PLANE for a, _ in _pairs(model)):
+    if option.integrator == kinds.mjINT_RK4 and any(
+        int(model.geom_type[a]) == _GEOM.mjGEOM_PLANE for a, _ in _pairs(model)
+    ):
         yield "RK4 with contacts is not supported"
     if option.density or option.viscosity or np.any(option.wind):
         yield "a surrounding fluid is not supported"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, final
@@ -96,8 +97,10 @@ class LanesWalker(Walker):
                 prepare = jax.jit(jax.vmap(self._prepared, out_axes=-1)).lower(lanes)
                 batch = prepare.out_info
                 walk = jax.jit(self._walked).lower(batch, np.int32(0), np.bool_(True))
-                self._programs["prepare"] = prepare.compile()
-                self._programs["walk"], self._programs["fast"] = compiled(walk)
+                with ThreadPoolExecutor(1) as other:
+                    preparing = other.submit(prepare.compile)
+                    self._programs["walk"], self._programs["fast"] = compiled(walk)
+                    self._programs["prepare"] = preparing.result()
         return self._programs["prepare"], self._programs["walk"]
 
     def _prepared(self, lane: Lane) -> _Batch:
@@ -197,9 +200,7 @@ def _respond(network: Network, hidden: tuple[Any, ...], inputs: Any, gain: float
         return drive + sum(weights[i] * x for i, x in enumerate(xs))
 
     xs = [inputs[i] for i in range(n_inputs)]
-    drives = [
-        neuron(network.w_hidden[h], xs) + neuron(network.w_recurrent[h], list(hidden)) for h in range(HIDDEN)
-    ]
+    drives = [neuron(network.w_hidden[h], xs) + neuron(network.w_recurrent[h], list(hidden)) for h in range(HIDDEN)]
     hidden_now = [jnp.tanh(gain * d) * network.hidden_gain[h] for h, d in enumerate(drives)]
     outputs = [jnp.tanh(gain * neuron(w, hidden_now)) for w in network.w_output]
     return hidden_now, outputs

@@ -1,4 +1,4 @@
-"""Closed loops on MJX against the same loop in numpy over the C engine; batches, failures, compilations."""
+"""Closed loops of each engine against the same loop in numpy over the C engine; batches, failures, compilations."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,9 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, Values, encode, neutral, parse_change, stack
 from estexp_jax.physics.effects.base import Edit
-from estexp_jax.physics.engines.mjx_walk import BodyState, Walker, _walk_batch, walker
+from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.walking import BodyState, Walker
+from estexp_jax.runs import count_compilations
 from estexp_jax.physics.registry import PAPER, catalogue, effect
 from tests.physics.conftest import WALKER_ROWS
 from tests.physics.controller_twin import N_WEIGHTS, Body, Twin
@@ -160,24 +162,18 @@ def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: Walker)
     assert np.isfinite(walk.final.qpos[others]).all() and not np.isfinite(walk.final.qpos[bad]).all()
 
 
-def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(request: pytest.FixtureRequest) -> None:
-    here = walker(robot("cartpole"), catalogue(["body_mass", "motor_weakness"]), rows=12, control_step=0.01, width=4)
-    compiled: list[str] = []
-    weights = np.zeros((11, 3 * 3 + 9 + 2 * 4), np.float32)
-    before = _walk_batch._cache_size()
-
-    def listen(event: str, duration_secs: float, **kwargs: str | int) -> None:
-        compiled.append(event)
-
-    jax.monitoring.register_event_duration_secs_listener(listen)
-    request.addfinalizer(lambda: jax.monitoring.unregister_event_duration_listener(listen))
-    for n, steps in ((11, 12), (3, 5), (4, 1)):
-        values = stack([neutral(here.robot, here.catalogue)] * n)
-        start = here.settle(values, 10)
-        walk = here.walk(values, weights[:n], start, steps)
-        assert walk.readings.shape == (n, steps, 2)
-    assert _walk_batch._cache_size() - before == 1
-    assert sum(name.endswith("backend_compile_duration") for name in compiled) == 1
+@pytest.mark.parametrize(("engine", "programs"), [("mjx", 1), ("lanes", 2)])  # lanes: the edits, and the walk
+def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine: str, programs: int) -> None:
+    effects = catalogue(["body_mass", "motor_weakness"])
+    here = walker(robot("cartpole"), effects, rows=12, control_step=0.01, population=4, engine=engine)
+    weights = np.zeros((200, 3 * 3 + 9 + 2 * 4), np.float32)
+    with count_compilations() as seen:
+        for n, steps in ((200, 12), (3, 5), (4, 1)):
+            values = stack([neutral(here.robot, here.catalogue)] * n)
+            start = here.settle(values, 10)
+            walk = here.walk(values, weights[:n], start, steps)
+            assert walk.readings.shape == (n, steps, 2)
+    assert seen.count == programs
 
 
 def test_what_it_refuses(walkers: Walker) -> None:
