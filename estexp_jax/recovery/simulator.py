@@ -10,8 +10,7 @@ import jax
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.changes import Change, Values, encode, stack
-from estexp_jax.physics.controllers import n_weights
+from estexp_jax.physics.changes import Change, encode, stack
 from estexp_jax.physics.effects.base import CommandShift
 from estexp_jax.physics.engines.choice import walker
 from estexp_jax.physics.engines.walking import BodyState, Walk, Walker
@@ -44,8 +43,7 @@ class Simulator:
     @property
     def n_weights(self) -> int:
         """Length of a controller's genome."""
-        face = self.walker.interface
-        return n_weights(face.n_inputs, face.n_outputs)
+        return self.walker.n_weights
 
     def controller(self, weights: np.ndarray, steps: int) -> Controller:
         """A controller (n_weights,) as a robot in the world runs it."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import jax
@@ -11,17 +11,25 @@ import numpy as np
 import pytest
 from mujoco import mjx
 
-from estexp_jax.physics.changes import Values
+from estexp_jax.physics.changes import Values, neutral
 from estexp_jax.physics.engines.batching import in_chunks
+from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.lanes.model import lanes_model, lanes_refusal
+from estexp_jax.physics.engines.lanes.numbers import Numbers
+from estexp_jax.physics.engines.lanes.plan import Plan
+from estexp_jax.physics.engines.lanes.states import packed, unpacked
+from estexp_jax.physics.engines.lanes.step import Stepper
+from estexp_jax.physics.engines.lanes.terms import Acting
+from estexp_jax.physics.engines.lanes.xla import compiled
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx_terms import Now
-from estexp_jax.physics.engines.choice import walker
 from estexp_jax.physics.engines.walking import Walker
 from estexp_jax.physics.registry import ALL, PAPER, catalogue
 from tests.physics.reference import TRAJECTORY, States
 from tests.physics.robots import robot
 
-WIDTH = 128
+WIDTH = 120
+CONSTANTS = ("body_subtreemass", "dof_invweight0", "body_invweight0")
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +65,82 @@ def _run_one(self: Lab, values: Values, qpos, qvel, ctrl, warmstart) -> dict[str
 
     data = on.data.replace(qpos=qpos, qvel=qvel, ctrl=ctrl, qacc_warmstart=warmstart)
     data, _, first = jax.lax.fori_loop(0, TRAJECTORY, step, (data, on.rested(model, values, now(data)), qvel))
-    constants = ("body_subtreemass", "dof_invweight0", "body_invweight0")
-    return {"next_qvel": first, "final_qpos": data.qpos} | {name: getattr(model, name) for name in constants}
+    return {"next_qvel": first, "final_qpos": data.qpos} | {name: getattr(model, name) for name in CONSTANTS}
 
 
-@pytest.fixture(scope="session")
-def lab() -> Callable[[str], Lab]:
-    """The lab of a robot, by the robot's name."""
-    return cache(lambda name: Lab(mjx_model(robot(name), ALL)))
+@dataclass(frozen=True, eq=False)
+class LanesLab(Lab):
+    """The same in lanes."""
+
+    def run(self, values: Values, states: States) -> dict[str, np.ndarray]:
+        n = len(states.qpos)
+        chosen = np.resize(np.arange(n), WIDTH * -(-n // WIDTH))
+        batch = jax.tree.map(lambda x: np.asarray(x, np.float32)[chosen], (values, *states[:4]))
+        parts = [jax.tree.map(lambda x, i=i: x[i : i + WIDTH], batch) for i in range(0, len(chosen), WIDTH)]
+        found = [self._program(part) for part in parts]
+        return jax.tree.map(lambda *xs: np.concatenate(xs)[:n], *found)
+
+    def _program(self, batch: Any) -> dict[str, np.ndarray]:
+        prepare, step, _ = self.programs
+        values, qpos, qvel, ctrl, warmstart = batch
+        prepared = prepare(values, qpos, qvel, ctrl)
+        found = step(prepared, *(np.ascontiguousarray(x.T) for x in (qpos, qvel, ctrl, warmstart)))
+        return {k: np.moveaxis(np.asarray(x), -1, 0) for k, x in found.items()}
+
+    @cached_property
+    def programs(self) -> tuple[Any, Any, bool]:
+        """What edits the models, what steps them, and whether that is the fast program."""
+        model, lanes, on = self.on_mjx.robot.model, lanes_model(self.on_mjx), self.on_mjx
+
+        def prepared(values: Values, qpos: Any, qvel: Any, ctrl: Any) -> Any:
+            edited = on.edited(on.model, values)
+            now = Now(qpos, qvel, ctrl, jnp.ones(model.nu), model.opt.timestep)
+            constants = {k: getattr(edited, k) for k in CONSTANTS}
+            return lanes.fields(on.model, values), values, on.rested(edited, values, now), constants
+
+        shapes = [(n,) for n in (model.nq, model.nv, model.nu, model.nv)]
+        values = jax.tree.map(lambda x: np.zeros((WIDTH, *x.shape), np.float32), neutral(on.robot, on.catalogue))
+        first = jax.jit(jax.vmap(prepared, out_axes=-1)).lower(
+            values, *(np.zeros((WIDTH, *s), np.float32) for s in shapes[:3])
+        )
+        step = jax.jit(partial(_lanes_run, self, lanes.plan)).lower(
+            first.out_info, *(np.zeros((*s, WIDTH), np.float32) for s in shapes)
+        )
+        return (first.compile(), *compiled(step))
+
+
+def _lanes_run(self: LanesLab, plan: Plan, prepared: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
+    fields, values, hidden, constants = prepared
+    numbers, dt = Numbers(plan.model, fields, np.float32), float(plan.model.opt.timestep)
+    stepper = Stepper(plan, numbers, 1e-9)
+    acting = Acting(self.on_mjx.robot, self.on_mjx.catalogue, plan, numbers, values)
+
+    def step(k: Any, carry: Any) -> Any:
+        state, hidden, first = carry
+        drive, added, hidden = acting.act(state, ctrl, jnp.ones_like(ctrl), dt, hidden)
+        state, _ = stepper.step(state, drive, dt, added)
+        return state, hidden, jnp.where(k == 0, unpacked(plan, state)[1], first)
+
+    carry = (packed(plan, qpos, qvel, warmstart), hidden, qvel)
+    state, _, first = jax.lax.fori_loop(0, TRAJECTORY, step, carry)
+    return {"next_qvel": first, "final_qpos": unpacked(plan, state)[0]} | constants
+
+
+@pytest.fixture(scope="session", params=["mjx", "lanes"])
+def lab(request: pytest.FixtureRequest) -> Callable[[str], Lab]:
+    """The lab of a robot, by the robot's name, in each engine."""
+
+    @cache
+    def one(name: str) -> Lab:
+        on = mjx_model(robot(name), ALL)
+        if request.param == "mjx":
+            return Lab(on)
+        refused = lanes_refusal(on)
+        if refused is not None:
+            pytest.skip(f"{name}: {refused} by the lanes engine")
+        return LanesLab(on)
+
+    return one
 
 
 WALKER_ROWS = 60

@@ -9,6 +9,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.base import CommandShift
+from estexp_jax.physics.engines.lanes.check import TOLERANCE, disagreement
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
@@ -73,6 +74,19 @@ def walker(
         raise ValueError(f"not simulated in closed loop: {', '.join(late)}")
     on_mjx = mjx_model(robot, catalogue)
     substeps = max(1, int(np.round(control_step / robot.model.opt.timestep)))
-    choice = chosen(engine, on_mjx)
-    kind, width = {"lanes": (LanesWalker, lanes_width), "mjx": (MjxWalker, mjx_width)}[choice.engine]
-    return kind(on_mjx, interface_of(robot), rows, substeps, gain, width(population), choice)
+    choice, face = chosen(engine, on_mjx), interface_of(robot)
+    if choice.engine == "lanes":
+        fast = LanesWalker(on_mjx, face, rows, substeps, gain, lanes_width(population), choice)
+        off = disagreement(fast)
+        if off < TOLERANCE:
+            return fast
+        choice = _distrusted(engine, off, robot)
+    return MjxWalker(on_mjx, face, rows, substeps, gain, mjx_width(population), choice)
+
+
+def _distrusted(engine: str, off: float, robot: Robot) -> Choice:
+    """MJX instead of lanes that do not move a robot as they should."""
+    what = f"the lanes engine, as compiled here, differs from MuJoCo by {100 * off:.2g} % of a speed"
+    if engine == "lanes":
+        raise InputError(what, where=robot.source, right="use --engine mjx")
+    return Choice("mjx", what)

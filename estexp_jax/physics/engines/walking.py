@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.controllers import HIDDEN, Network, decode
+from estexp_jax.physics.controllers import Network, decode, n_weights
 from estexp_jax.physics.effects.base import ControllerFault
 from estexp_jax.physics.engines.mjx_model import MjxModel
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now
@@ -114,7 +114,7 @@ class Walker(abc.ABC):
             values: (robots, n_sites, n_parameters) for each effect.
             steps: control steps.
         """
-        weights = np.zeros((_size(values), self._n_weights), np.float32)
+        weights = np.zeros((_size(values), self.n_weights), np.float32)
         return self._walk(values, weights, self.home(values), steps, active=False).final
 
     def walk(self, values: Values, weights: np.ndarray, start: BodyState, steps: int) -> Walk:
@@ -137,9 +137,9 @@ class Walker(abc.ABC):
         return network
 
     @property
-    def _n_weights(self) -> int:
-        i, o = self.interface.n_inputs, self.interface.n_outputs
-        return HIDDEN * (i + 1 + HIDDEN) + o * (HIDDEN + 1)
+    def n_weights(self) -> int:
+        """Length of a controller's genome."""
+        return n_weights(self.interface.n_inputs, self.interface.n_outputs)
 
     def _walk(self, values: Values, weights: np.ndarray, start: BodyState, steps: int, *, active: bool) -> Walk:
         if not 0 < steps <= self.rows:

@@ -11,8 +11,8 @@ from estexp_jax.physics.changes import Change, Values, encode, neutral, parse_ch
 from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.engines.choice import walker
 from estexp_jax.physics.engines.walking import BodyState, Walker
-from estexp_jax.runs import count_compilations
 from estexp_jax.physics.registry import PAPER, catalogue, effect
+from estexp_jax.runs import count_compilations
 from tests.physics.conftest import WALKER_ROWS
 from tests.physics.controller_twin import N_WEIGHTS, Body, Twin
 from tests.physics.reference import recompiled

@@ -28,7 +28,7 @@ def is_number(a: Scalar, value: float) -> bool:
 
 
 def mul(a: Scalar, b: Scalar) -> Scalar:
-    """a b."""
+    """Product."""
     if is_number(a, 0) or is_number(b, 0):
         return 0
     if is_number(a, 1):
@@ -48,14 +48,14 @@ def neg(a: Scalar) -> Scalar:
 
 
 def add(a: Scalar, b: Scalar) -> Scalar:
-    """a + b."""
+    """Sum of two."""
     if is_number(a, 0):
         return b
     return a if is_number(b, 0) else a + b
 
 
 def sub(a: Scalar, b: Scalar) -> Scalar:
-    """a - b."""
+    """Difference."""
     if is_number(b, 0):
         return a
     return neg(b) if is_number(a, 0) else a - b
@@ -94,22 +94,22 @@ def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
 
 
 def vadd(a: Vector, b: Vector) -> Vector:
-    """a + b."""
+    """Sum of two vectors."""
     return tuple(add(x, y) for x, y in zip(a, b, strict=True))
 
 
 def vsub(a: Vector, b: Vector) -> Vector:
-    """a - b."""
+    """Difference of two vectors."""
     return tuple(sub(x, y) for x, y in zip(a, b, strict=True))
 
 
 def scale(s: Scalar, a: Vector) -> Vector:
-    """s a."""
+    """Multiple of a vector."""
     return tuple(mul(s, x) for x in a)
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """a x b."""
+    """Vector product."""
     return (
         sub(mul(a[1], b[2]), mul(a[2], b[1])),
         sub(mul(a[2], b[0]), mul(a[0], b[2])),

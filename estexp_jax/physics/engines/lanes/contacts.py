@@ -133,7 +133,7 @@ def _plane(model: mujoco.MjModel, numbers: Numbers, plane: int) -> tuple[Vector,
 def _point(
     numbers: Numbers, moving: Motion, group: Group, candidate: Candidate, normal: Vector
 ) -> tuple[Vector, Scalar, Vector | None, Scalar | None]:
-    """The point about the origin, the radius around it, a capsule's axis, how far a corner is above its box's centre."""
+    """The point, the radius around it, a capsule's axis, how far a corner is above its box's centre."""
     pose, k, geoms = moving.poses[group.index], candidate.k, candidate.geoms
     rotation = [spread_all(row, group.k, k) for row in pose.rotation]
     centre = vadd(spread_all(pose.position, group.k, k), apply(rotation, numbers.vector("geom_pos", geoms)))

@@ -48,10 +48,12 @@ class Drive:
     Attributes:
         command: (k, N) for each slot.
         enable: (k, N), 1 where a motor is on; None where all are.
+        share: (k, N) factors on their forces, limits included; None for none.
     """
 
     command: dict[tuple[int, ...], Scalar]
     enable: dict[tuple[int, ...], Scalar] | None = None
+    share: dict[tuple[int, ...], Scalar] | None = None
 
 
 def pull(
@@ -139,4 +141,6 @@ def motor_force(
         if not is_number(slope, 0):
             slope = jnp.where((force <= low) | (force >= high), 0.0, slope)
         force = clip(force, low, high)
+    if drive.share is not None:
+        force, slope = mul(force, drive.share[ids]), mul(slope, drive.share[ids])
     return force, slope

@@ -75,7 +75,6 @@ def lanes_model(on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> L
 
 def written(on_mjx: MjxModel) -> set[str]:
     """Names of the fields of a model that depend on the values of its edits."""
-
     names: list[str] = []
 
     def edited(values: Values) -> list[jax.Array]:

@@ -257,7 +257,7 @@ class Softness:
         return start + jnp.where(x <= middle, below, above) * (end - start)
 
     def spring(self, dt: Scalar, *, safe: bool) -> tuple[Scalar, Scalar]:
-        """k and b of a_ref = -b v - k d r; `ref` is either (time constant, damping ratio) or minus (k, b) themselves."""
+        """The k and b of a_ref = -b v - k d r; `ref` is a time constant and a damping ratio, or minus k and b."""
         end, small = self.imp[1], mujoco.mjMINVAL
         time = maximum(self.ref[0], 2.0 * dt) if safe else self.ref[0]
         soft = maximum(end * end * time * time * self.ref[1] * self.ref[1], small)

@@ -6,14 +6,28 @@ Source: MuJoCo documentation, "Computation": "Numerical integration".
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, final
 
 import jax
 import jax.numpy as jnp
 import mujoco
 
-from estexp_jax.physics.engines.lanes.algebra import Scalar, add, apply, dot, is_number, mul, sub, transposed
+from estexp_jax.physics.engines.lanes.algebra import (
+    Scalar,
+    Vector,
+    add,
+    apply,
+    cross,
+    dot,
+    gathered,
+    is_number,
+    mul,
+    spread_all,
+    sub,
+    transposed,
+    vadd,
+)
 from estexp_jax.physics.engines.lanes.contacts import Contact, contacts
 from estexp_jax.physics.engines.lanes.dynamics import Inertias, mass_and_bias
 from estexp_jax.physics.engines.lanes.forces import Drive, Pull, pull
@@ -46,6 +60,32 @@ class LaneState(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)
+class Added:
+    """What effects add during one step; numbers 0 where nothing is added.
+
+    Attributes:
+        force: per degree of freedom, N m or N.
+        damping: on top of the joints' own, likewise.
+        friction: on top of the friction losses.
+        inertia: on top of the armature.
+        pull: force on the centres of mass of a group's bodies, N, world axes.
+    """
+
+    force: Sequence[Scalar]
+    damping: Sequence[Scalar]
+    friction: Sequence[Scalar]
+    inertia: Sequence[Scalar]
+    pull: dict[int, Vector] = field(default_factory=dict)
+
+    @classmethod
+    def nothing(cls, n_dofs: int) -> Added:
+        """No effect acts."""
+        zeros = (0,) * n_dofs
+        return cls(zeros, zeros, zeros, zeros)
+
+
+@final
+@dataclass(frozen=True, eq=False)
 class Instant:
     """Everything about one state, for its sensors.
 
@@ -73,31 +113,36 @@ class Stepper:
         self.plan, self.numbers, self.tolerance = plan, numbers, tolerance
         self.inertias = Inertias(plan, numbers)
 
-    def step(self, state: LaneState, drive: Drive, dt: Scalar) -> tuple[LaneState, Instant]:
+    def step(self, state: LaneState, drive: Drive, dt: Scalar, added: Added | None = None) -> tuple[LaneState, Instant]:
         """The next state, and all about this one.
 
         Args:
             state: of the robots.
             drive: what the motors are told.
             dt: length of the step, s: a number or (N,).
+            added: by effects.
         """
+        added = added or Added.nothing(len(self.plan.dofs))
         if self.plan.model.opt.integrator == _INTEGRATOR.mjINT_RK4:
-            return self._runge_kutta(state, drive, dt)
-        now, matrix = self._instant(state, drive, dt)
+            return self._runge_kutta(state, drive, dt, added)
+        now, matrix = self._instant(state, drive, dt, added)
         rate = self._implicit(now, matrix, dt)
         speed = tuple(v + dt * a for v, a in zip(state.qvel, rate, strict=True))
         return LaneState(self._moved(state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
 
-    def _instant(self, state: LaneState, drive: Drive, dt: Scalar) -> tuple[Instant, Any]:
+    def _instant(self, state: LaneState, drive: Drive, dt: Scalar, added: Added) -> tuple[Instant, Any]:
         plan, numbers = self.plan, self.numbers
         moving = motion(plan, numbers, state.qpos, state.qvel)
         matrix, bias = mass_and_bias(plan, numbers, self.inertias, moving)
+        for i, inertia in enumerate(added.inertia):
+            matrix[i, i] = add(matrix[i, i], inertia)
         pulled = pull(plan, numbers, state.qpos, moving.speed, drive)
+        self._take(pulled, moving, added)
         smooth = [sub(f, b) for f, b in zip(pulled.force, bias, strict=True)]
         touched = contacts(plan, numbers, moving, dt)
         rows: list[Rows] = [c.rows for c in touched]
         rows += self._stops(state, dt)
-        rows += self._rubs(moving.speed, dt)
+        rows += self._rubs(moving.speed, dt, added)
         start = state.warmstart
         solution = solve(plan.dofs, matrix, smooth, rows, start, ITERATIONS, self.tolerance)
         whole = [jnp.broadcast_to(a, s.shape) for a, s in zip(solution.acceleration, start, strict=True)]
@@ -105,6 +150,21 @@ class Stepper:
         pairs = tuple(zip(touched, solution.residuals[: len(touched)], strict=True))
         total = [add(s, f) for s, f in zip(smooth, solution.force, strict=True)]
         return Instant(state, moving, pulled, pairs, solution), (matrix, total)
+
+    def _take(self, pulled: Pull, moving: Motion, added: Added) -> None:
+        """Add what effects add to the forces."""
+        for i, (force, damping) in enumerate(zip(added.force, added.damping, strict=True)):
+            pulled.force[i] = add(pulled.force[i], sub(force, mul(damping, moving.speed[i])))
+            pulled.damping[i], pulled.braking[i] = (add(x[i], damping) for x in (pulled.damping, pulled.braking))
+        for index, force in added.pull.items():
+            group, pose = self.plan.groups[index], moving.poses[index]
+            centre = vadd(pose.position, apply(pose.rotation, self.inertias.centre[index]))
+            moment = cross(centre, force)
+            for i in group.chain:
+                k = self.plan.dofs[i].k
+                linear, angular = (spread_all(m[i], k, group.k) for m in (moving.linear, moving.angular))
+                push = gathered(add(dot(linear, force), dot(angular, moment)), group.k, k)
+                pulled.force[i] = add(pulled.force[i], push)
 
     def _implicit(self, now: Instant, matrix: Any, dt: Scalar) -> list[Scalar]:
         """Accelerations with the damping taken at the end of the step; a floating base's spin in its own axes."""
@@ -134,15 +194,15 @@ class Stepper:
             for j, q in zip(self.plan.joints, qpos, strict=True)
         )
 
-    def _runge_kutta(self, state: LaneState, drive: Drive, dt: Scalar) -> tuple[LaneState, Instant]:
+    def _runge_kutta(self, state: LaneState, drive: Drive, dt: Scalar, added: Added) -> tuple[LaneState, Instant]:
         """Fourth order, as MuJoCo's: the stages' states all start from this one."""
-        first, _ = self._instant(state, drive, dt)
+        first, _ = self._instant(state, drive, dt, added)
         speeds, rates = [state.qvel], [tuple(self._own_axes(first.solution.acceleration, first.moving))]
         warm = tuple(first.solution.acceleration)
         for share in (0.5, 0.5, 1.0):
             there = tuple(v + share * dt * a for v, a in zip(state.qvel, rates[-1], strict=True))
             stage = LaneState(self._moved(state.qpos, speeds[-1], share * dt), there, warm)
-            now, _ = self._instant(stage, drive, dt)
+            now, _ = self._instant(stage, drive, dt, added)
             speeds.append(there)
             rates.append(tuple(self._own_axes(now.solution.acceleration, now.moving)))
             warm = tuple(now.solution.acceleration)
@@ -174,7 +234,7 @@ class Stepper:
         stiffness = jnp.where(violation < 0, regularised(weight, impedance), 0.0)
         return Push(dof.k, (dof.index,), (sign,), stiffness, -damper * sign * speed - spring * impedance * violation)
 
-    def _rubs(self, speed: Sequence[Scalar], dt: Scalar) -> list[Rows]:
+    def _rubs(self, speed: Sequence[Scalar], dt: Scalar, added: Added) -> list[Rows]:
         model, numbers, rows = self.plan.model, self.numbers, []
         if model.opt.disableflags & (_OFF.mjDSBL_FRICTIONLOSS | _OFF.mjDSBL_CONSTRAINT):
             return rows
@@ -185,7 +245,7 @@ class Stepper:
                 _, damper = soft.spring(dt, safe=self._safe)
                 impedance = soft.impedance(jnp.zeros_like(speed[dof.index]))
                 stiffness = regularised(numbers.get("dof_invweight0", at), impedance)
-                bound = numbers.get("dof_frictionloss", at)
+                bound = add(numbers.get("dof_frictionloss", at), added.friction[dof.index])
                 rows.append(Rub(dof.k, dof.index, stiffness, bound, -damper * speed[dof.index]))
         return rows
 

@@ -104,7 +104,8 @@ def _joints(model: mujoco.MjModel) -> Iterator[str]:
         if model.body_weldid[body] != 0 and model.body_jntnum[body] > 1:
             first = int(model.body_jntadr[body])
             if int(model.jnt_type[first]) == _JOINT.mjJNT_FREE:
-                yield f"a free joint with others on body '{_name(model, mujoco.mjtObj.mjOBJ_BODY, body)}' is not supported"
+                name = _name(model, mujoco.mjtObj.mjOBJ_BODY, body)
+                yield f"a free joint beside others on body '{name}' is not supported"
     springy = getattr(model, "jnt_springyield", np.zeros(0))
     if np.any(np.isfinite(springy) & (springy > 0)):
         yield "yielding springs are not supported"

@@ -23,7 +23,9 @@ from estexp_jax.physics.engines.lanes.numbers import Numbers
 from estexp_jax.physics.engines.lanes.sensors import Reader
 from estexp_jax.physics.engines.lanes.states import packed, unpacked
 from estexp_jax.physics.engines.lanes.step import LaneState, Stepper
+from estexp_jax.physics.engines.lanes.terms import Acting
 from estexp_jax.physics.engines.lanes.xla import compiled
+from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.engines.walking import BodyState, Lane, Walk, Walker
 from estexp_jax.physics.travel import travel_map
 
@@ -57,6 +59,7 @@ class _Batch(NamedTuple):
 class _Carry(NamedTuple):
     state: LaneState
     felt: Any  # (nsensordata, N)
+    hidden: Hidden
     neurons: tuple[Any, ...]
     readings: Any
     commands: Any
@@ -118,6 +121,8 @@ class LanesWalker(Walker):
         numbers = Numbers(plan.model, batch.fields, start.qpos.dtype)
         stepper = Stepper(plan, numbers, TOLERANCE[np.dtype(start.qpos.dtype)])
         reader = Reader(plan, numbers, stepper.inertias)
+        acting = Acting(self.robot, self.catalogue, plan, numbers, batch.values)
+        acts, dt = acting.acts, float(plan.model.opt.timestep)
         touches = [s for s in range(plan.model.nsensor) if plan.model.sensor_type[s] == mujoco.mjtSensor.mjSENS_TOUCH]
         matrix, offset = travel_map(self.robot)
         n = start.qpos.shape[1]
@@ -135,33 +140,39 @@ class LanesWalker(Walker):
                 )
             ]
             drive = Drive({m.ids: _stacked(commands, m.ids) for j in plan.joints for m in j.motors})
+            commands = jnp.stack(commands)
+            on = jnp.ones_like(commands)
 
-            def physics_step(_: Any, inner: tuple[LaneState, Any]) -> tuple[LaneState, Any]:
-                state, now = stepper.step(inner[0], drive, float(plan.model.opt.timestep))
-                felt = inner[1]
+            def physics_step(_: Any, inner: tuple[LaneState, Any, Hidden]) -> tuple[LaneState, Any, Hidden]:
+                state, felt, hidden = inner
+                told, added, hidden = acting.act(state, commands, on, dt, hidden) if acts else (drive, None, hidden)
+                state, now = stepper.step(state, told, dt, added)
                 for address, x in reader.read(now, touches).items():
                     felt = felt.at[address].set(x)
-                return state, felt
+                return state, felt, hidden
 
-            state, felt = jax.lax.fori_loop(0, self.substeps, physics_step, (carry.state, carry.felt))
+            inner = (carry.state, carry.felt, carry.hidden)
+            state, felt, hidden = jax.lax.fori_loop(0, self.substeps, physics_step, inner)
             place = jnp.asarray(matrix, qpos.dtype) @ qpos + jnp.asarray(offset, qpos.dtype)[:, None]
             return _Carry(
                 state,
                 felt,
+                hidden,
                 tuple(neurons),
                 carry.readings.at[row].set(readings),
-                carry.commands.at[row].set(jnp.stack(commands)),
+                carry.commands.at[row].set(commands),
                 carry.position.at[row].set(place),
             )
 
         carry = _Carry(
             packed(plan, start.qpos, start.qvel, start.warmstart),
             start.sensordata,
+            start.hidden,
             tuple(jnp.zeros(n, start.qpos.dtype) for _ in range(HIDDEN)),
             *(jnp.zeros((self.rows, k, n), start.qpos.dtype) for k in (face.n_inputs, face.n_outputs, 3)),
         )
         carry = jax.lax.fori_loop(0, steps, control_step, carry)
-        final = BodyState(*unpacked(plan, carry.state), carry.felt, start.hidden)
+        final = BodyState(*unpacked(plan, carry.state), carry.felt, carry.hidden)
         sound = jnp.all(jnp.abs(final.qpos) < mujoco.mjMAXVAL, axis=0)  # false for NaN
         sound &= jnp.all(jnp.abs(final.qvel) < mujoco.mjMAXVAL, axis=0)
         return Walk(carry.readings, carry.commands, carry.position, final, ~sound)

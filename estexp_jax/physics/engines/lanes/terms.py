@@ -1,0 +1,268 @@
+"""Terms, command laws and pulls at work in one step, in lanes.
+
+The laws are elementwise over their sites; here each site is a row of an array (n_sites, N).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, final
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.changes import Values
+from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, JointForce, JointMoment, Term
+from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.lanes.algebra import Scalar, Vector, apply, vadd
+from estexp_jax.physics.engines.lanes.forces import Drive
+from estexp_jax.physics.engines.lanes.kinematics import motion
+from estexp_jax.physics.engines.lanes.numbers import Numbers
+from estexp_jax.physics.engines.lanes.plan import Dof, Plan
+from estexp_jax.physics.engines.lanes.step import Added, LaneState
+from estexp_jax.physics.engines.mjx_terms import Hidden
+from estexp_jax.physics.motors import drives
+from estexp_jax.physics.registry import Catalogue
+from estexp_jax.physics.robot import Robot
+
+_AFFINE_GAIN, _AFFINE_BIAS = int(mujoco.mjtGain.mjGAIN_AFFINE), int(mujoco.mjtBias.mjBIAS_AFFINE)
+
+
+@final
+@dataclass
+class _Sums:
+    """What the terms so far add: rows (N,) by address, and factors on the motors by their index."""
+
+    rows: dict[str, dict[int, Scalar]] = field(default_factory=dict)
+    share: dict[int, Scalar] = field(default_factory=dict)
+
+    def add(self, what: str, addresses: Sequence[int], x: Any) -> None:
+        """Add rows (n_sites, N); a Python number is a default, which adds nothing."""
+        if isinstance(x, float):
+            return
+        table = self.rows.setdefault(what, {})
+        for i, address in enumerate(addresses):
+            table[address] = table[address] + x[i] if address in table else x[i]
+
+
+@final
+class Acting:
+    """The effects of a catalogue that act during a step, on robots of these numbers."""
+
+    def __init__(self, robot: Robot, catalogue: Catalogue, plan: Plan, numbers: Numbers, values: Values) -> None:
+        """With values (n_sites, n_parameters, N) of each effect."""
+        self._robot, self._plan, self._numbers, self._values = robot, plan, numbers, values
+        self._terms = [e for e in catalogue if isinstance(e, Term) and e.sites(robot)]
+        self._laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
+        self._pulls = [e for e in catalogue if isinstance(e, BodyPull) and e.sites(robot)]
+
+    @property
+    def acts(self) -> bool:
+        """Whether there are any."""
+        return bool(self._terms or self._laws or self._pulls)
+
+    def act(self, state: LaneState, commands: Any, enable: Any, dt: Any, hidden: Hidden) -> tuple[Drive, Added, Hidden]:
+        """What the motors are told, what is added to the joints, the hidden variables after the step.
+
+        Args:
+            state: at the beginning of the step.
+            commands: (nu, N) in force.
+            enable: (nu, N) 1.0 where a motor is on.
+            dt: (N,) s, or a number.
+            hidden: (n_sites, N) of each effect that has some.
+        """
+        hidden, rows = dict(hidden), [commands[a] for a in range(commands.shape[0])]
+        position, speed = self._coordinates(state)
+        if self._laws or self._terms:
+            rows = [self._limited(a, row) for a, row in enumerate(rows)]
+        for law in self._laws:
+            ids = law.actuators(self._robot)
+            idle = jnp.stack([self._idle(int(a), position, speed) for a in ids])
+            told = jnp.stack([rows[a] for a in ids])
+            there, after = law.act(self._parameters(law.name), told, idle, dt, hidden.get(law.name, ()))
+            hidden |= {law.name: after} if law.n_states else {}
+            for i, a in enumerate(ids):
+                rows[a] = there[i]
+        sums = _Sums()
+        for term in self._terms:
+            dofs = term.dofs(self._robot)
+            moment = self._moment(term, dofs, sums, (position, speed, rows, enable, dt))
+            does, after = term.act(self._parameters(term.name), moment, hidden.get(term.name, ()))
+            hidden |= {term.name: after} if term.n_states else {}
+            self._gather(term, dofs, does, sums)
+        on = self._slots([enable[a] for a in range(enable.shape[0])])
+        share = self._slots([sums.share.get(a, jnp.ones_like(row)) for a, row in enumerate(rows)])
+        return Drive(self._slots(rows), on, share if sums.share else None), self._added(state, sums), hidden
+
+    def _parameters(self, name: str) -> Arrays:
+        values = self._values[name]
+        return tuple(values[:, i] for i in range(values.shape[1]))
+
+    def _coordinates(self, state: LaneState) -> tuple[dict[int, Any], dict[int, Any]]:
+        """Position and speed (N,) of each hinge and slide, by velocity address."""
+        position, speed = {}, {}
+        for joint, q in zip(self._plan.joints, state.qpos, strict=True):
+            if not joint.free:
+                for i, address in enumerate(joint.dof):
+                    position[address], speed[address] = (_row(x, i) for x in (q[0], state.qvel[joint.dofs[0]]))
+        return position, speed
+
+    def _number(self, name: str, element: int, column: int | None = None) -> Scalar:
+        return self._numbers.get(name, [element], column)
+
+    def _limited(self, a: int, command: Any) -> Any:
+        if not self._plan.model.actuator_ctrllimited[a]:
+            return command
+        return jnp.clip(command, *(self._number("actuator_ctrlrange", a, i) for i in range(2)))
+
+    def _address(self, a: int) -> int:
+        joint = self._robot.joint_of_actuator(a)
+        assert joint is not None
+        return int(self._plan.model.jnt_dofadr[joint])
+
+    def _idle(self, a: int, position: dict[int, Any], speed: dict[int, Any]) -> Any:
+        """As `motors.idle_commands`."""
+        address, model = self._address(a), self._plan.model
+        zero = jnp.zeros_like(position[address])
+        if model.actuator_biastype[a] != _AFFINE_BIAS:
+            return zero
+        gear, gain = self._number("actuator_gear", a, 0), self._number("actuator_gainprm", a, 0)
+        b = [self._number("actuator_biasprm", a, i) for i in range(3)]
+        at_rest = b[0] + b[1] * gear * position[address]
+        moving = b[0] + b[2] * gear * speed[address]
+        bias = jnp.where(jnp.asarray(b[1]) != 0.0, at_rest, moving)
+        known = jnp.asarray(gain) != 0.0
+        return jnp.where(known, -bias / jnp.where(known, gain, 1.0), 0.0) + zero
+
+    def _moment(self, term: Term, dofs: np.ndarray, sums: _Sums, now: tuple) -> JointMoment:
+        position, speed, rows, enable, dt = now
+        motors = None
+        if term.kind == "actuator":
+            motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)
+        there = drives(self._robot, dofs, motors)
+        at = [[int(a) for a, t in zip(*pair, strict=True) if t] for pair in zip(there.motors, there.there, strict=True)]
+        q, w = (jnp.stack([table[int(d)] for d in dofs]) for table in (position, speed))
+
+        def torque_at(q: Any, w: Any) -> Any:
+            return jnp.stack(
+                [self._torque(site, q[i], w[i], rows, enable, sums, whole=there.whole) for i, site in enumerate(at)]
+            )
+
+        def torque_of(number: Any) -> Any:
+            total = jnp.zeros_like(q)
+            for address in position:
+                joint = int(self._plan.model.dof_jntid[address])
+                site = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
+                one = self._torque(site, position[address], speed[address], rows, enable, sums, whole=True)
+                total = total + jnp.where(jnp.round(number) == joint + 1, one, 0.0)
+            return total
+
+        def switched(site: list[int]) -> Any:
+            on = jnp.zeros_like(q[0])
+            for a in site:
+                on = jnp.maximum(on, enable[a])
+            return on
+
+        return JointMoment(
+            q=q,
+            w=w,
+            torque=torque_at(q, w),
+            on=jnp.stack([switched(site) for site in at]),
+            dt=dt,
+            limit=jnp.asarray(there.limit(), q.dtype)[:, None],
+            armature=jnp.stack([self._number("dof_armature", int(d)) + jnp.zeros_like(q[0]) for d in dofs]),
+            torque_at=torque_at,
+            torque_of=torque_of,
+        )
+
+    def _torque(self, site: list[int], q: Any, w: Any, rows: list, enable: Any, sums: _Sums, *, whole: bool) -> Any:
+        """Torque of the motors at a site, as scaled so far."""
+        model, total = self._plan.model, jnp.zeros_like(q)
+        for a in site:
+            gear = self._number("actuator_gear", a, 0)
+            length, rate = gear * q, gear * w
+            gain = self._number("actuator_gainprm", a, 0)
+            if model.actuator_gaintype[a] == _AFFINE_GAIN:
+                gain = gain + sum(self._number("actuator_gainprm", a, i) * x for i, x in ((1, length), (2, rate)))
+            force = gain * rows[a]
+            if model.actuator_biastype[a] == _AFFINE_BIAS:
+                b = [self._number("actuator_biasprm", a, i) for i in range(3)]
+                force = force + b[0] + b[1] * length + b[2] * rate
+            force = force * enable[a]
+            if model.actuator_forcelimited[a]:
+                force = jnp.clip(force, *(self._number("actuator_forcerange", a, i) for i in range(2)))
+            total = total + gear * force * sums.share.get(a, 1.0)
+        joint = self._robot.joint_of_actuator(site[0]) if site and whole else None
+        if joint is not None and model.jnt_actfrclimited[joint]:
+            total = jnp.clip(total, *(self._number("jnt_actfrcrange", joint, i) for i in range(2)))
+        return total
+
+    def _gather(self, term: Term, dofs: np.ndarray, does: JointForce, sums: _Sums) -> None:
+        addresses = [int(d) for d in dofs]
+        for what in ("force", "damping", "friction", "inertia"):
+            sums.add(what, addresses, getattr(does, what, 0.0))
+        if isinstance(does.motor, float):
+            return
+        for i, site in enumerate(term.sites(self._robot)):
+            if term.kind == "actuator":
+                moved = [self._robot.index("actuator", site)]
+            else:
+                joint = int(self._plan.model.dof_jntid[addresses[i]])
+                moved = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
+            for a in moved:
+                sums.share[a] = sums.share.get(a, 1.0) * does.motor[i]
+
+    def _slots(self, rows: list[Any]) -> dict[tuple[int, ...], Any]:
+        return {
+            motor.ids: rows[motor.ids[0]] if len(motor.ids) == 1 else jnp.stack([rows[a] for a in motor.ids])
+            for joint in self._plan.joints
+            for motor in joint.motors
+        }
+
+    def _added(self, state: LaneState, sums: _Sums) -> Added:
+        per_dof = {what: [_collected(dof, table) for dof in self._plan.dofs] for what, table in sums.rows.items()}
+        return Added(
+            *(per_dof.get(what, [0] * len(self._plan.dofs)) for what in ("force", "damping", "friction", "inertia")),
+            pull=self._pulled(state) if self._pulls else {},
+        )
+
+    def _pulled(self, state: LaneState) -> dict[int, Vector]:
+        """Force on the centre of mass of each group's bodies, N, world axes."""
+        plan, numbers, found = self._plan, self._numbers, {}
+        moving = motion(plan, numbers, state.qpos, state.qvel)
+        for effect in self._pulls:
+            sites = [self._robot.index("body", site) for site in effect.sites(self._robot)]
+            values = self._parameters(effect.name)
+            for group in plan.groups:
+                if not set(group.bodies) & set(sites):
+                    continue
+                pose = moving.poses[group.index]
+                arm = apply(pose.rotation, numbers.vector("body_ipos", group.bodies))
+                centre = vadd(vadd(pose.position, arm), moving.origin[group.index])
+                mine = tuple(_members(group.bodies, sites, v) for v in values)
+                force = effect.pull(mine, tuple(centre))
+                before = found.get(group.index)
+                found[group.index] = force if before is None else vadd(before, force)
+        return found
+
+
+def _row(x: jax.Array, i: int) -> jax.Array:
+    return x[i] if x.ndim == 2 else x
+
+
+def _collected(dof: Dof, table: dict[int, Scalar]) -> Scalar:
+    """Rows (N,) of a group's members as one scalar; 0 where there is none."""
+    rows = [table.get(address) for address in dof.addresses]
+    there = [row for row in rows if row is not None]
+    if not there:
+        return 0
+    whole = [jnp.zeros_like(there[0]) if row is None else row for row in rows]
+    return whole[0] if len(whole) == 1 else jnp.stack(whole)
+
+
+def _members(bodies: Sequence[int], sites: list[int], values: Any) -> Any:
+    rows = [values[sites.index(b)] if b in sites else jnp.zeros_like(values[0]) for b in bodies]
+    return rows[0] if len(rows) == 1 else jnp.stack(rows)
