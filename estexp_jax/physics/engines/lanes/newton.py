@@ -10,7 +10,7 @@ Source: MuJoCo documentation, "Computation": "Newton solver"; Todorov 2014.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -21,8 +21,10 @@ from estexp_jax.physics.engines.lanes.plan import Dof
 from estexp_jax.physics.engines.lanes.rows import Residual, Rows
 from estexp_jax.physics.engines.lanes.sparse import Entries, Factor, Pending, robot_sum, times
 
-_PATIENT = 5
-"""Newton steps with a short line search, which is enough for nearly all; those after search longer."""
+_TRIES = 12
+"""Most points that a line search looks at."""
+_FLAT = 0.01
+"""Share of its first slope at which a line search ends; a full step within one quadratic piece has none."""
 
 
 class Solution(NamedTuple):
@@ -64,7 +66,7 @@ def solve(
         start: accelerations of the step before.
         iterations: at most.
         tolerance: squared change of the accelerations, relative to one plus their squares, that counts as none; a robot
-            has also converged when a step ends in the same quadratic piece that it began in.
+            has also converged when a full step ends in the same quadratic piece that it began in.
     """
     if not rows:
         return Solution(Factor(dofs, matrix).solve(smooth), [0] * len(dofs), [])
@@ -72,7 +74,7 @@ def solve(
     def residuals(x: Sequence[Scalar]) -> tuple[Residual, ...]:
         return tuple(tuple(j - a for j, a in zip(row.jacobian(dofs, x), row.reference(), strict=True)) for row in rows)
 
-    def step(count: Any, settled: Any, guess: _Guess) -> _Guess:
+    def step(settled: Any, guess: _Guess) -> tuple[Any, _Guess]:
         pulled, curved = Pending(), Pending()
         for row, r in zip(rows, guess.residuals, strict=True):
             row.pull(r, pulled)
@@ -85,21 +87,22 @@ def solve(
         first = robot_sum([(d.k, mul(w, g)) for d, w, g in zip(dofs, way, gap, strict=True)])
         second = robot_sum([(d.k, mul(w, f)) for d, w, f in zip(dofs, way, far, strict=True)])
 
-        def narrow(_: Any, length: Scalar) -> Scalar:
+        downhill = robot_sum([(d.k, mul(w, g)) for d, w, g in zip(dofs, way, slope, strict=True)])
+
+        def slopes(length: Scalar) -> tuple[Scalar, Scalar]:
+            """First and second derivative of the cost along the way."""
             ones, twos = [], []
             for row, r, s in zip(rows, guess.residuals, along, strict=True):
-                at = tuple(x + length * y for x, y in zip(r, s, strict=True))
-                one, two = row.line(at, s)
+                one, two = row.line(tuple(x + length * y for x, y in zip(r, s, strict=True)), s)
                 ones.append((row.k, one))
                 twos.append((row.k, two))
-            curvature = second + robot_sum(twos)
-            return length - (first + length * second + robot_sum(ones)) / jnp.maximum(curvature, 1e-20)
+            return first + length * second + robot_sum(ones), second + robot_sum(twos)
 
-        tries = jnp.where(count < _PATIENT, 1, 4)
-        length = jax.lax.fori_loop(0, tries, narrow, jnp.ones_like(first))
+        length = _searched(slopes, downhill, settled)
+        whole = length == 1.0
         length = jnp.where(settled, 0.0, length)  # so that a robot's motion does not depend on who is in its chunk
         ahead = lambda xs, ys: tuple(x + length * y for x, y in zip(xs, ys, strict=True))  # noqa: E731
-        return _Guess(
+        return whole, _Guess(
             ahead(guess.x, way),
             ahead(guess.momentum, far),
             tuple(ahead(r, s) for r, s in zip(guess.residuals, along, strict=True)),
@@ -111,12 +114,12 @@ def solve(
 
     def again(carry: tuple[Any, Any, _Guess]) -> tuple[Any, Any, _Guess]:
         count, settled, guess = carry
-        after = step(count, settled, guess)
+        whole, after = step(settled, guess)
         moved = robot_sum([(d.k, (a - b) ** 2) for d, a, b in zip(dofs, after.x, guess.x, strict=True)])
         size = robot_sum([(d.k, a**2) for d, a in zip(dofs, after.x, strict=True)])
         pairs = zip(rows, guess.residuals, after.residuals, strict=True)
         bends = robot_sum([(row.k, row.bends(r, s).astype(moved.dtype)) for row, r, s in pairs])
-        on = (bends > 0) & (moved > tolerance * (1.0 + size))  # false for a robot that blew up
+        on = ((bends > 0) | ~whole) & (moved > tolerance * (1.0 + size))  # false for a robot that blew up
         return count + 1, settled | ~on, after
 
     begin = _Guess(tuple(start), tuple(times(dofs, matrix, start)), residuals(start))
@@ -127,3 +130,28 @@ def solve(
         row.pull(r, pulled)
     force = [pulled.get(d.index, d.k) for d in dofs]
     return Solution(list(end.x), force, list(end.residuals))
+
+
+def _searched(slopes: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scalar, settled: Any) -> Scalar:
+    """Where along the way the cost is least: Newton's method on its slope, which never falls, between two bounds.
+
+    Friction losses bend the cost so sharply that without bounds the method would jump to and fro over the bend.
+    """
+
+    def searching(carry: tuple[Any, ...]) -> Any:
+        count, _, _, _, found = carry
+        return (count < _TRIES) & ~jnp.all(found)
+
+    def narrow(carry: tuple[Any, ...]) -> tuple[Any, ...]:
+        count, length, low, high, found = carry
+        slope, curvature = slopes(length)
+        found = found | ~(jnp.abs(slope) > _FLAT * jnp.abs(downhill))
+        high, low = jnp.where(slope > 0, length, high), jnp.where(slope > 0, low, length)
+        ahead = length - slope / jnp.maximum(curvature, 1e-20)
+        halfway = jnp.where(jnp.isfinite(high), 0.5 * (low + high), 2.0 * length)
+        ahead = jnp.where((ahead > low) & (ahead < high), ahead, halfway)
+        return count + 1, jnp.where(found, length, ahead), low, high, found
+
+    one, none = jnp.ones_like(downhill), jnp.zeros_like(downhill)
+    begin = (0, one, none, jnp.full_like(downhill, jnp.inf), settled)
+    return jax.lax.while_loop(searching, narrow, begin)[1]
