@@ -14,7 +14,7 @@ from mujoco import mjx
 
 from estexp_jax.physics.changes import Values
 from estexp_jax.physics.controllers import HIDDEN, Network, decode, respond
-from estexp_jax.physics.effects.base import CommandShift, ControllerFault, Distortion
+from estexp_jax.physics.effects.base import CommandShift, ControllerFault, Distortion, ReadingShift
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now
@@ -145,13 +145,13 @@ def walker(
 
     Args:
         robot: the nominal robot.
-        catalogue: effects that may be planted; none of them a `CommandShift`.
+        catalogue: effects that may be planted; none of them a `CommandShift` or `ReadingShift`.
         rows: longest walk, control steps.
         control_step: s; rounded to whole physics steps.
         gain: of the neurons' tanh.
         width: robots in a chunk.
     """
-    late = [e.name for e in catalogue if isinstance(e, CommandShift)]
+    late = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift)]
     if late:
         raise ValueError(f"not simulated in closed loop: {', '.join(late)}")
     substeps = max(1, round(control_step / robot.model.opt.timestep))
