@@ -137,7 +137,7 @@ def select(
         tasks = [
             extended(problem, parameters, chosen.fitted, p) for p in singles(robot, catalogue) if p not in chosen.places
         ]
-        looked = yield from looked_at(problem, tasks, windows, price, stage, 2 * _PROMISING)
+        looked = yield from looked_at(problem, tasks, windows, price, stage, _PROMISING + 2)
         fits = yield from fit(problem, [(f.hypothesis, [f.vector]) for f in looked], windows, price, stage=stage)
         promising = with_rungs(sorted(fits, key=lambda f: f.cost), _PROMISING)
         found = yield from _cross_validated(problem, promising, folds, price, stage)
