@@ -15,7 +15,7 @@ from estexp_jax.discovery.export import explained_spec
 from estexp_jax.errors import InputError
 from estexp_jax.inference.excitation import multisine, steps
 from estexp_jax.physics.changes import Change
-from estexp_jax.physics.effects.base import ControllerFault
+from estexp_jax.physics.effects.base import CommandRoute, ControllerFault, Effect
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.write import write_csv
@@ -60,7 +60,7 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
         InputError: an effect acts in the controller, where a replay of commands does not see it.
     """
     for change in changes:
-        if isinstance(effect(change.effect), ControllerFault):
+        if _in_controller_only(effect(change.effect)):
             raise InputError(
                 f"'{change.effect}' acts in a controller, and commands are replayed here", where="--effect"
             )
@@ -79,6 +79,10 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
     folder.file("recordings.toml").write_text(_manifest([name for name, _ in motions]), encoding="utf-8")
     write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
     return folder.path / "recordings.toml"
+
+
+def _in_controller_only(e: Effect) -> bool:
+    return isinstance(e, ControllerFault) and not isinstance(e, CommandRoute)
 
 
 def _log(robot: Robot, commands: np.ndarray, traces: Traces, config: RecordConfig, seed: int) -> dict[str, np.ndarray]:

@@ -10,6 +10,7 @@ import numpy as np
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.registry import ALL
 from estexp_jax.physics.robot import Robot
 
 
@@ -33,6 +34,12 @@ class Case:
         return [i for i, r in enumerate(self.recordings) if r.role == role]
 
 
+_ELSEWHERE = ("joint_jam", "part_lost", "neuron_fault")
+"""A jam is a viscous friction; lost parts and neurons are what `recover` looks for."""
+EXPLAINING = tuple(e.name for e in ALL if e.name not in _ELSEWHERE)
+"""The effects that recordings are explained by."""
+
+
 @final
 @dataclass(frozen=True)
 class ExplainConfig:
@@ -47,17 +54,7 @@ class ExplainConfig:
 
     window: float = 2.0
     most: int = 3
-    effects: tuple[str, ...] = (
-        "viscous_friction",
-        "coulomb_friction",
-        "load_dependent_friction",
-        "armature",
-        "back_emf",
-        "command_delay",
-        "motor_weakness",
-        "sensor_bias",
-        "body_mass",
-    )
+    effects: tuple[str, ...] = EXPLAINING
     seed: int = 0
 
 

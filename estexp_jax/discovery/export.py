@@ -8,7 +8,6 @@ from pathlib import Path
 import mujoco
 
 from estexp_jax.physics.changes import Change
-from estexp_jax.physics.effects.base import Edit, Term
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
@@ -26,8 +25,8 @@ def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> m
     spec = robot.spec.copy()
     for change in changes:
         e = effect(change.effect)
-        if expressible(change) and isinstance(e, (Edit, Term)):
-            e.write_mjcf(robot, spec, change.name or "", change.parameters)
+        if expressible(change):
+            e.write_mjcf(robot, spec, change.name or "", change.values)
     spec.option.timestep /= finer
     folder = Path(robot.source).resolve().parent
     if list(spec.meshes) or list(spec.hfields) or list(spec.skins):

@@ -20,6 +20,8 @@ _STEP = 0.01
 _LEAST_STEP = 1e-3
 """... and at least this share of its largest."""
 _DAMPINGS = (1e-4, 1e-2, 1.0)
+_MOST_MEMBERS = 4096
+"""Derivatives are taken by so many windows of simulations at once, to bound memory."""
 _CONVERGED = 1e-3
 """Relative fall of the cost under which a fit rests."""
 
@@ -151,9 +153,9 @@ def _costs(
 def _step(fits: list[Fit], problem: Problem, windows: np.ndarray, price: float, newest_only: bool) -> list[Fit]:
     """One Levenberg-Marquardt step of each fit; a fit that finds nothing better stays."""
     candidates = []
-    for f in fits:
-        moving = _newest(f.hypothesis) if newest_only else np.ones(len(f.vector), bool)
-        candidates += _candidates(f, moving, *normal_equations(problem, f, windows, price, moving))
+    moving = [_newest(f.hypothesis) if newest_only else _movable(f.hypothesis) for f in fits]
+    for f, own, slopes in zip(fits, moving, _jacobians(problem, fits, windows, moving), strict=True):
+        candidates += _candidates(f, own, *_normal_equations(f, price, *slopes))
     costs = _costs(problem, [(f.hypothesis, c) for f, c in _paired(fits, candidates)], windows, price)
     found = []
     for i, f in enumerate(fits):
@@ -170,36 +172,61 @@ def _paired(fits: list[Fit], candidates: list[np.ndarray]) -> list[tuple[Fit, np
 
 def _newest(hypothesis: Hypothesis) -> np.ndarray:
     """Which parameters (n_free,) belong to the place claimed last."""
-    return np.array([(f.effect, f.site) == hypothesis.places[-1] for f in hypothesis.free])
+    own = np.array([(f.effect, f.site) == hypothesis.places[-1] for f in hypothesis.free])
+    return own & _movable(hypothesis)
 
 
-def jacobian(
-    problem: Problem, fitted: Fit, windows: np.ndarray, moving: np.ndarray | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Residuals (windows, samples) and their derivatives (windows, samples, n_free) at a fit.
+def _movable(hypothesis: Hypothesis) -> np.ndarray:
+    """Which parameters (n_free,) are amounts."""
+    return np.array([not f.chosen for f in hypothesis.free])
 
-    Args:
-        problem: the comparison.
-        fitted: the fit.
-        windows: indices of the windows.
-        moving: (n_free,) bool, the parameters to derive by; the others' derivatives are left at zero. None: all.
+
+def jacobian(problem: Problem, fitted: Fit, windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals (windows, samples) and their derivatives (windows, samples, n_free) at a fit, by finite differences.
+
+    Only amounts are derived by; the derivatives by others are zero.
     """
-    h, vector = fitted.member
-    steps = _steps(h, vector)
-    columns = np.arange(len(vector)) if moving is None else np.flatnonzero(moving)
-    moved = [vector + steps[c] * np.eye(len(vector))[c] for c in columns]
-    residuals = problem.residuals([(h, v) for v in [vector, *moved]], windows).astype(np.float64)
-    flat = residuals.reshape(len(moved) + 1, len(windows), -1)
-    derivative = np.zeros((*flat.shape[1:], len(vector)))
+    [found] = _jacobians(problem, [fitted], windows, [_movable(fitted.hypothesis)])
+    return found
+
+
+def _jacobians(
+    problem: Problem, fits: Sequence[Fit], windows: np.ndarray, moving: Sequence[np.ndarray]
+) -> Generator[tuple[np.ndarray, np.ndarray], None, None]:
+    """`jacobian` of each fit, as many in one replay as memory allows: one alone would not fill it."""
+    shifted = [_shifted(f, m) for f, m in zip(fits, moving, strict=True)]
+    most = max(1, _MOST_MEMBERS // len(windows))
+    groups = np.cumsum([len(vectors) for vectors, _ in shifted]) // most
+    for group in np.unique(groups):
+        chosen = np.flatnonzero(groups == group).tolist()
+        members = [(fits[i].hypothesis, v) for i in chosen for v in shifted[i][0]]
+        residuals = problem.residuals(members, windows).reshape(len(members), len(windows), -1)
+        first = 0
+        for i in chosen:
+            vectors, steps = shifted[i]
+            yield _differences(residuals[first : first + len(vectors)], steps)
+            first += len(vectors)
+
+
+def _shifted(fitted: Fit, moving: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+    """A fit's vector and, for each parameter that moves, one with a step in it; the steps (n_free,), 0 for others."""
+    steps = np.where(moving, _steps(fitted.hypothesis, fitted.vector), 0.0)
+    return [fitted.vector, *(fitted.vector + row for row in np.diag(steps)[moving])], steps
+
+
+def _differences(residuals: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals and derivatives, of residuals (1 + moving parameters, windows, samples)."""
+    flat = residuals.astype(np.float64)
+    derivative = np.zeros((*flat.shape[1:], len(steps)))
+    columns = np.flatnonzero(steps)
     derivative[..., columns] = np.moveaxis((flat[1:] - flat[0]) / steps[columns, None, None], 0, -1)
     return flat[0], derivative
 
 
-def normal_equations(
-    problem: Problem, fitted: Fit, windows: np.ndarray, price: float, moving: np.ndarray | None = None
+def _normal_equations(
+    fitted: Fit, price: float, residual: np.ndarray, derivative: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gradient (n_free,) and Gauss-Newton matrix (n_free, n_free) of half the cost; arguments as of `jacobian`."""
-    residual, derivative = jacobian(problem, fitted, windows, moving)
+    """Gradient (n_free,) and Gauss-Newton matrix (n_free, n_free) of half the cost."""
     j = derivative.reshape(-1, derivative.shape[-1])
     curvature = price / np.array([f.spread for f in fitted.hypothesis.free]) ** 2
     offset = fitted.vector - fitted.hypothesis.start()
@@ -210,7 +237,7 @@ def _steps(hypothesis: Hypothesis, vector: np.ndarray) -> np.ndarray:
     """Finite-difference steps (n_free,), away from a bound that is near."""
     found = []
     for f, v in zip(hypothesis.free, vector, strict=True):
-        step = max(_STEP * abs(v - f.neutral), _LEAST_STEP * f.size)
+        step = max(_STEP * abs(v - f.origin), _LEAST_STEP * f.size)
         found.append(-step if v + step > f.high else step)
     return np.array(found)
 

@@ -13,15 +13,13 @@ from typing import final
 import numpy as np
 
 from estexp_jax.physics.changes import Change, Values, neutral
-from estexp_jax.physics.effects.sites import joint_dofs
+from estexp_jax.physics.effects.sites import ALL_ALIKE, joint_dofs
 from estexp_jax.physics.registry import Catalogue, effect
 from estexp_jax.physics.robot import Robot
 
 Place = tuple[str, str]
 """An effect's name and a site."""
 
-_SHARES = (0.004, 0.04, 0.3)
-"""Where, between neutral and a bound, a search starts: landscapes differ in scale by orders of magnitude."""
 _BENT = {
     ("body", "mass"): "body_mass",
     ("joint", "damping"): "viscous_friction",
@@ -44,6 +42,7 @@ class Free:
         low, high: bounds, in its unit.
         neutral: where it does nothing.
         spread: deviation that counts as ordinary for a value of the model; infinite for an effect's own parameter.
+        chosen: whether it names an element: then only starts choose it, no step moves it.
     """
 
     effect: str
@@ -55,11 +54,19 @@ class Free:
     high: float
     neutral: float
     spread: float
+    chosen: bool = False
+
+    @property
+    def origin(self) -> float:
+        """Where it does nothing, or 0 where that is out of reach."""
+        return self.neutral if self.low <= self.neutral <= self.high else 0.0
 
     @property
     def size(self) -> float:
-        """Largest distance from neutral, the scale of steps."""
-        return max(abs(self.low - self.neutral), abs(self.high - self.neutral))
+        """Largest distance from neutral, the scale of steps; of what is never neutral, its range."""
+        if self.low <= self.neutral <= self.high:
+            return max(abs(self.low - self.neutral), abs(self.high - self.neutral))
+        return self.high - self.low
 
 
 @final
@@ -84,19 +91,13 @@ class Hypothesis:
         """The vector (n_free,) at which nothing differs from the nominal model."""
         return np.array([f.neutral for f in self.free])
 
-    def starts(self, places: Sequence[Place]) -> list[np.ndarray]:
-        """Vectors (n_free,) to search from: nothing off, and some effects a little, somewhat and strongly present."""
+    def with_values(self, place: Place, values: Sequence[float]) -> np.ndarray:
+        """The vector (n_free,) at which one effect has these values, within its bounds, and nothing else differs."""
         start = self.start()
-        own = [i for i, f in enumerate(self.free) if (f.effect, f.site) in places]
-        found = [start]
-        for share in _SHARES:
-            for bound in ("high", "low"):
-                moved = start.copy()
-                for i in own:
-                    moved[i] += share * (getattr(self.free[i], bound) - self.free[i].neutral)
-                if not np.array_equal(moved, start):
-                    found.append(moved)
-        return found
+        own = [i for i, f in enumerate(self.free) if (f.effect, f.site) == place]
+        for i, value in zip(own, values, strict=True):
+            start[i] = np.clip(value, self.free[i].low, self.free[i].high)
+        return start
 
     def changes(self, vector: np.ndarray, *, claimed: bool | None = None) -> tuple[Change, ...]:
         """The changes a vector (n_free,) stands for: all, only the claimed ones, or only the others."""
@@ -160,7 +161,7 @@ def _own(robot: Robot, place: Place) -> list[Free]:
     e = effect(name)
     row = e.sites(robot).index(site)
     return [
-        Free(name, site, p.name, row, column, low, high, p.neutral, np.inf)
+        Free(name, site, p.name, row, column, low, high, p.neutral, np.inf, chosen=bool(p.refers))
         for column, (p, (low, high)) in enumerate(zip(e.parameters, e.bounds(robot, site), strict=True))
     ]
 
@@ -168,7 +169,7 @@ def _own(robot: Robot, place: Place) -> list[Free]:
 def _nuisance(robot: Robot, name: str) -> list[Free]:
     """The small errors of a catalogue's effect that changes a value the model already has."""
     e, model = effect(name), robot.model
-    sites = e.sites(robot)
+    sites = [site for site in e.sites(robot) if site != ALL_ALIKE]
     present = {
         "body_mass": lambda: model.body_mass[[robot.index("body", s) for s in sites]],
         "motor_weakness": lambda: np.ones(len(sites)),

@@ -6,6 +6,7 @@ from typing import Any
 
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.selection import Explanation, Selection, p_value
+from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
@@ -43,6 +44,8 @@ def element(robot: Robot, place: Place) -> tuple[str, str | None]:
     name, site = place
     kind = effect(name).kind
     if kind == "actuator":
+        if site == ALL_ALIKE:
+            return kind, site
         joint = robot.joint_of_actuator(robot.index("actuator", site))
         return ("joint", robot.names("joint")[joint]) if joint is not None else ("actuator", site)
     return kind, site or None

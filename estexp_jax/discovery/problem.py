@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, final
 
 import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis, batch
+from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
 from estexp_jax.physics.engines.mjx_replay import Replayer
@@ -81,6 +83,18 @@ class Problem:
             found.append(self.channels.simulated(replay).reshape(len(part), len(windows), -1, len(self.channels.names)))
         self.counted[0] += len(members) * sum(segments[w].steps.n_steps for w in windows)
         return np.concatenate(found)
+
+    @cached_property
+    def seen(self) -> Seen:
+        """Where joints were and what sensors showed in the training recordings, for where to start."""
+        train = {i for i, r in enumerate(self.recordings) if r.role == "train"}
+        paths = {s.recording: s.path for s in self.segments if s.recording in train and s.path is not None}
+        qpos = np.concatenate([p.qpos for p in paths.values()])
+        readings = np.concatenate([self.recordings[i].sensor for i in paths])
+        known = np.isfinite(readings).any(axis=0)
+        median = np.full(readings.shape[1], np.nan)
+        median[known] = np.nanmedian(readings[:, known], axis=0)
+        return Seen(qpos.min(axis=0), qpos.max(axis=0), median)
 
     def recorded(self, windows: np.ndarray) -> np.ndarray:
         """Readings (windows, rows, channels), NaN beyond a window's end and where there is no sample."""

@@ -10,8 +10,9 @@ import numpy as np
 from scipy import stats
 
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming, singles
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, singles
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.screening import extended, looked_at, with_rungs
 
 NOISE = 1.2
 """An error up to this many times what noise and uncertain start states give is no mismatch."""
@@ -133,13 +134,12 @@ def select(
         if chosen.error <= NOISE * floor:
             break
         stage = f"explanations with {n} effect{'s' * (n > 1)}"
-        tasks = [_extended(problem, parameters, chosen, p) for p in singles(robot, catalogue) if p not in chosen.places]
-        if len(tasks) > 2 * _PROMISING:
-            look = fit(problem, tasks, windows, price, stage=f"{stage}, first look", iterations=2, newest_only=True)
-            looked = sorted((yield from look), key=lambda f: f.cost)
-            tasks = [(f.hypothesis, [f.vector]) for f in looked[: 2 * _PROMISING]]
-        fits = yield from fit(problem, tasks, windows, price, stage=stage)
-        promising = sorted(fits, key=lambda f: f.cost)[:_PROMISING]
+        tasks = [
+            extended(problem, parameters, chosen.fitted, p) for p in singles(robot, catalogue) if p not in chosen.places
+        ]
+        looked = yield from looked_at(problem, tasks, windows, price, stage, _PROMISING + 2)
+        fits = yield from fit(problem, [(f.hypothesis, [f.vector]) for f in looked], windows, price, stage=stage)
+        promising = with_rungs(sorted(fits, key=lambda f: f.cost), _PROMISING)
         found = yield from _cross_validated(problem, promising, folds, price, stage)
         tried += found
         best = simplest(found)
@@ -149,19 +149,6 @@ def select(
         [chosen] = yield from _cross_validated(problem, [best.fitted], folds, price, f"{stage}, finer step")
         tried[tried.index(best)] = chosen
     return Selection(nominal, corrected, own, tuple(tried), chosen), problem
-
-
-def _extended(problem: Problem, parameters: Hypothesis, chosen: Explanation, place: Place) -> Task:
-    """A hypothesis with one more place, and the vectors to start it from: what is known, plus any of its own starts."""
-    hypothesis = claiming(problem.replayer.robot, parameters, (*chosen.places, place))
-    known = dict(zip(_keys(chosen.fitted.hypothesis), chosen.fitted.vector, strict=True))
-    is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
-    settled = np.array([known.get(k, f.neutral) for k, f in zip(_keys(hypothesis), hypothesis.free, strict=True)])
-    return hypothesis, [np.where(is_new, start, settled) for start in hypothesis.starts([place])]
-
-
-def _keys(hypothesis: Hypothesis) -> list[tuple[str, str, str]]:
-    return [(f.effect, f.site, f.parameter) for f in hypothesis.free]
 
 
 def _cross_validated(

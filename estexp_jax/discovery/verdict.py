@@ -35,8 +35,7 @@ def verdict(robot: Robot, selection: Selection, floor: float, changes: tuple[Cha
 
 def is_wrong_value(robot: Robot, change: Change) -> bool:
     """Whether a change only bends a value that the model already has, by at most 30 %."""
-    [value] = change.parameters.values()
-    present = _present(robot, change)
+    present, value = _present(robot, change), next(iter(change.parameters.values()))
     return present > 0.0 and abs(value) <= TOLERANCE * present
 
 

@@ -7,12 +7,13 @@ import numpy as np
 
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Start
+from estexp_jax.physics.segment import Path, Start
 
 _HALF_WIDTH = 0.04
 """Samples this near (s) to the start count."""
 _FEWEST = 7
 """... and at least so many."""
+_CUBIC = 3
 _Samples = tuple[np.ndarray | None, int | None]
 
 
@@ -45,6 +46,41 @@ def start_state(robot: Robot, recording: Recording, row: int, *, degree: int = 3
             qvel[speed] = measured if np.isfinite(measured) else slope if np.isfinite(slope) else 0.0
     _measured_freely(model, recording, row, qpos, qvel)
     return Start(qpos, qvel, tuple(sensed))
+
+
+def path_of(robot: Robot, recording: Recording) -> Path:
+    """The state at every row, by the same means as `start_state`, of hinge and slide joints.
+
+    Args:
+        robot: the nominal robot with the recording's settings.
+        recording: what was measured.
+    """
+    model, rows = robot.model, recording.rows
+    qpos, qvel = np.tile(robot.home(), (rows, 1)), np.zeros((rows, model.nv))
+    for joint in robot.scalar_joints:
+        place, speed = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        samples = _position_samples(robot, recording, joint)[0]
+        measured = _speed_samples(robot, recording, joint)[0]
+        if samples is not None and np.isfinite(samples).sum() > _CUBIC:
+            qpos[:, place], qvel[:, speed] = _smoothed(recording.time, samples)
+        if measured is not None and np.isfinite(measured).sum() > _CUBIC:
+            qvel[:, speed] = _smoothed(recording.time, measured)[0]
+    return Path(recording.time, qpos, qvel)
+
+
+def _smoothed(time: np.ndarray, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values and slopes (rows,) of cubics through the nearest samples of each row; gaps are bridged first."""
+    good = np.isfinite(samples)
+    whole = np.interp(time, time[good], samples[good])
+    half = max(_FEWEST // 2, round(_HALF_WIDTH / float(np.median(np.diff(time)))))
+    n = min(2 * half + 1, len(time))
+    first = np.clip(np.arange(len(time)) - half, 0, len(time) - n)
+    near = first[:, None] + np.arange(n)
+    t = time[near] - time[:, None]
+    reach = np.abs(t).max(axis=1, keepdims=True)
+    basis = (t / reach)[..., None] ** np.arange(_CUBIC + 1)
+    coefficients = np.linalg.pinv(basis) @ whole[near][..., None]
+    return coefficients[:, 0, 0], coefficients[:, 1, 0] / reach[:, 0]
 
 
 def _near(time: np.ndarray, row: int) -> np.ndarray:

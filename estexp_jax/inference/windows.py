@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estexp_jax.inference.start import start_state
+from estexp_jax.inference.start import path_of, start_state
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, segment
@@ -45,7 +45,8 @@ def segments_of(
     """
     found: list[Segment] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
+        path = path_of(robot, recording)
         for rows in window_rows(recording.time, length):
             start = start_state(robot, recording, rows[0], degree=degree)
-            found.append(segment(recordings, i, rows, float(robot.model.opt.timestep) / finer, start))
+            found.append(segment(recordings, i, rows, float(robot.model.opt.timestep) / finer, start, path))
     return found

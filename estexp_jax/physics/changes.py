@@ -43,15 +43,18 @@ class Change:
         return effect(self.effect).kind
 
     @property
+    def values(self) -> dict[str, float]:
+        """Every parameter of the effect: those given, the others neutral."""
+        return {p.name: p.neutral for p in effect(self.effect).parameters} | dict(self.parameters)
+
+    @property
     def place(self) -> str:
         """`effect@name`, or the effect alone for the environment."""
         return self.effect if self.name is None else f"{self.effect}@{self.name}"
 
     def sentence(self) -> str:
         """What it says, in plain words."""
-        e = effect(self.effect)
-        values = {p.name: p.neutral for p in e.parameters} | dict(self.parameters)
-        return e.sentence(self.name or "", values)
+        return effect(self.effect).sentence(self.name or "", self.values)
 
     def to_json(self) -> dict[str, Any]:
         """As in `run.json` and `findings.json`."""
@@ -97,9 +100,10 @@ def parse_change(text: str, robot: Robot) -> Change:
 
 
 def _value(e: Effect, key: str, value: str, robot: Robot, text: str) -> float:
-    """A number, or for `tied_outputs with=` an actuator's name."""
-    if e.name == "tied_outputs" and value in robot.names("actuator"):
-        return 1.0 + robot.index("actuator", value)
+    """A number, or for `tied_outputs with=` and the like an element's name."""
+    [refers] = [p.refers for p in e.parameters if p.name == key]
+    if refers and value in robot.names(refers):
+        return 1.0 + robot.index(refers, value)
     try:
         number = float(value)
     except ValueError:
@@ -118,7 +122,7 @@ def neutral(robot: Robot, catalogue: Catalogue) -> Values:
 
 
 def encode(robot: Robot, catalogue: Catalogue, changes: Iterable[Change]) -> Values:
-    """The values of one robot with these changes. Changes at one place add up; lost strength does so as well.
+    """The values of one robot with these changes. Changes at one place add up: each by how far it is from neutral.
 
     Raises:
         InputError: a change's effect is not in the catalogue or cannot act there.
@@ -132,7 +136,9 @@ def encode(robot: Robot, catalogue: Catalogue, changes: Iterable[Change]) -> Val
             raise InputError(f"'{change.effect}' cannot act on '{change.name}'", right=known(sites[change.effect]))
         row = values[change.effect][sites[change.effect].index(change.name or "")]
         for column, parameter in enumerate(effect(change.effect).parameters):
-            row[column] += change.parameters.get(parameter.name, parameter.neutral) - parameter.neutral
+            value = change.values[parameter.name]
+            # Not simply added: a neutral value may be so large that single precision loses the rest.
+            row[column] = value if row[column] == parameter.neutral else row[column] + value - parameter.neutral
     return values
 
 

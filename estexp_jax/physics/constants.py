@@ -24,7 +24,7 @@ def refresh(robot: Robot, model: mjx.Model) -> mjx.Model:
 
     `actuator_acc0` and the tendons' constants are left alone: only muscles and tendon constraints read them.
     """
-    data = mjx.make_data(robot.model).replace(qpos=jnp.asarray(robot.model.qpos0, jnp.float32))
+    data = mjx.make_data(robot.model).replace(qpos=model.qpos0)
     data = mjx.crb(model, mjx.com_pos(model, mjx.kinematics(model, data)))
     inverse = _inverse(mjx.full_m(model, data))
     return model.replace(

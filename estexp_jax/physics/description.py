@@ -54,11 +54,13 @@ def freeze(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Index) -> None:
         for body in spec.bodies[1:]:
             b = index("body", body.name)
             if nominal.body_mass[b] > 0.0:
+                body.explicitinertial = False  # what it says was not used
                 weigh(body, nominal, b, float(nominal.body_mass[b]))
 
 
 def weigh(body: Any, nominal: mujoco.MjModel, index: int, mass: float) -> None:
-    """Give a body of a description this mass, its nominal inertia scaled with it, about its nominal centre."""
+    """Give a body of a description this mass, its nominal inertia scaled with it, about the centre it has."""
+    centre = body.ipos if body.explicitinertial else nominal.body_ipos[index]
     body.explicitinertial, body.fullinertia = True, np.full(6, np.nan)
     body.mass, body.inertia = mass, nominal.body_inertia[index] * (mass / nominal.body_mass[index])
-    body.ipos, body.iquat = nominal.body_ipos[index], nominal.body_iquat[index]
+    body.ipos, body.iquat = centre, nominal.body_iquat[index]

@@ -5,21 +5,41 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from estexp_jax.errors import InputError, known
+from estexp_jax.physics.effects.actuator_lag import ActuatorLag
 from estexp_jax.physics.effects.armature import Armature
 from estexp_jax.physics.effects.back_emf import BackEmf
+from estexp_jax.physics.effects.backlash import Backlash
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.body_mass import BodyMass
+from estexp_jax.physics.effects.cogging import Cogging
+from estexp_jax.physics.effects.com_shift import ComShift
 from estexp_jax.physics.effects.command_delay import CommandDelay
 from estexp_jax.physics.effects.coulomb_friction import CoulombFriction
+from estexp_jax.physics.effects.crosstalk import Crosstalk
+from estexp_jax.physics.effects.dead_band import DeadBand
+from estexp_jax.physics.effects.external_force import ExternalForce
 from estexp_jax.physics.effects.gravity_tilt import GravityTilt
+from estexp_jax.physics.effects.ground_friction import GroundFriction
+from estexp_jax.physics.effects.hysteresis import Hysteresis
+from estexp_jax.physics.effects.joint_compliance import JointCompliance
 from estexp_jax.physics.effects.joint_jam import JointJam
+from estexp_jax.physics.effects.joint_limit import JointLimit
+from estexp_jax.physics.effects.joint_offset import JointOffset
+from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.load_dependent_friction import LoadDependentFriction
+from estexp_jax.physics.effects.motor_fade import MotorFade
 from estexp_jax.physics.effects.motor_weakness import MotorWeakness
 from estexp_jax.physics.effects.neuron_fault import NeuronFault
 from estexp_jax.physics.effects.part_lost import PartLost
+from estexp_jax.physics.effects.quadratic_drag import QuadraticDrag
 from estexp_jax.physics.effects.sensor_bias import SensorBias
+from estexp_jax.physics.effects.sensor_delay import SensorDelay
 from estexp_jax.physics.effects.sensor_gain import SensorGain
+from estexp_jax.physics.effects.sensor_stuck import SensorStuck
+from estexp_jax.physics.effects.stribeck_friction import StribeckFriction
 from estexp_jax.physics.effects.tied_outputs import TiedOutputs
+from estexp_jax.physics.effects.torque_offset import TorqueOffset
+from estexp_jax.physics.effects.torque_saturation import TorqueSaturation
 from estexp_jax.physics.effects.viscous_friction import ViscousFriction
 
 Catalogue = tuple[Effect, ...]
@@ -27,21 +47,41 @@ Catalogue = tuple[Effect, ...]
 ALL: Catalogue = (
     ViscousFriction(),
     CoulombFriction(),
+    StribeckFriction(),
     LoadDependentFriction(),
+    QuadraticDrag(),
+    JointStiffness(),
+    Cogging(),
     Armature(),
-    BackEmf(),
-    CommandDelay(),
-    MotorWeakness(),
-    SensorBias(),
-    SensorGain(),
-    BodyMass(),
+    JointLimit(),
     JointJam(),
+    Hysteresis(),
+    Crosstalk(),
+    TorqueOffset(),
+    MotorWeakness(),
+    TorqueSaturation(),
+    BackEmf(),
+    MotorFade(),
+    JointCompliance(),
+    Backlash(),
+    CommandDelay(),
+    ActuatorLag(),
+    DeadBand(),
+    TiedOutputs(),
+    SensorGain(),
+    SensorBias(),
+    SensorDelay(),
+    SensorStuck(),
+    BodyMass(),
+    ComShift(),
+    JointOffset(),
     PartLost(),
     GravityTilt(),
+    GroundFriction(),
+    ExternalForce(),
     NeuronFault(),
-    TiedOutputs(),
 )
-"""Every effect the program knows."""
+"""Every effect the program knows. Terms act in this order: what changes a motor's torque, then what passes it on."""
 
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")
 """The six edits of the paper's estimation phase, in the order of its genome."""

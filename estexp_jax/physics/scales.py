@@ -26,6 +26,34 @@ def motor_limit(robot: Robot, actuator: int) -> float:
     return gear * gain * ((0.1 if slide else np.pi / 2) if is_servo else 1.0)
 
 
+def joint_span(robot: Robot, joint: int) -> tuple[float, float]:
+    """Where a one-coordinate joint may be: its range, else half a turn (or 0.5 m) to either side of home."""
+    model = robot.model
+    if model.jnt_limited[joint]:
+        return float(model.jnt_range[joint, 0]), float(model.jnt_range[joint, 1])
+    home = float(robot.home()[model.jnt_qposadr[joint]])
+    reach = 0.5 if int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE) else float(np.pi)
+    return home - reach, home + reach
+
+
+def command_reach(robot: Robot, actuator: int) -> float:
+    """Size of a motor's commands: half its control range, else what gives it its largest torque."""
+    model = robot.model
+    if model.actuator_ctrllimited[actuator]:
+        return 0.5 * float(np.ptp(model.actuator_ctrlrange[actuator]))
+    gain = float(np.abs(model.actuator_gear[actuator, 0] * model.actuator_gainprm[actuator, 0]))
+    return motor_limit(robot, actuator) / gain if gain > 0.0 else 1.0
+
+
+def sensor_span(robot: Robot, sensor: int) -> tuple[float, float]:
+    """What a sensor with one value may show."""
+    model = robot.model
+    joint = int(model.sensor_objid[sensor])
+    if model.sensor_type[sensor] == mujoco.mjtSensor.mjSENS_JOINTPOS and joint in robot.scalar_joints:
+        return joint_span(robot, joint)
+    return -100.0, 100.0
+
+
 def joint_inertia(robot: Robot, joint: int) -> float:
     """Inertia a one-coordinate joint feels in the home configuration, the others held still, kg m2 (or kg)."""
     model, data = robot.model, mujoco.MjData(robot.model)

@@ -68,7 +68,9 @@ class CommandHistory:
         steps = np.diff(time)[:, None] * ctrl[:-1]
         self._integral = np.concatenate([np.zeros((1, ctrl.shape[1])), np.cumsum(steps, axis=0)])
 
-    def mean(self, start: np.ndarray, length: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    def mean(
+        self, start: np.ndarray, length: np.ndarray, shift: np.ndarray, source: np.ndarray | None = None
+    ) -> np.ndarray:
         """Mean command (steps, nu) over [start - shift, start - shift + length].
 
         Before the first row its command counts, after the last row that one's.
@@ -77,15 +79,15 @@ class CommandHistory:
             start: (steps,) s.
             length: (steps,) s.
             shift: (nu,) s, how late each command arrives.
+            source: (nu,) whose command each motor gets; None: its own.
         """
-        held = self._ctrl[np.clip(np.searchsorted(self._time, start, side="right") - 1, 0, None)]
+        own = np.arange(self._ctrl.shape[1]) if source is None else source
+        held = self._ctrl[np.clip(np.searchsorted(self._time, start, side="right") - 1, 0, None)][:, own]
         late = np.flatnonzero(shift)
-        if late.size:
-            held = held.copy()
         for a in late.tolist():
             begin = start - shift[a]
             span = np.maximum(length, 1e-9)
-            held[:, a] = (self._area(begin + span, a) - self._area(begin, a)) / span
+            held[:, a] = (self._area(begin + span, own[a]) - self._area(begin, own[a])) / span
         return held
 
     def _area(self, when: np.ndarray, actuator: int) -> np.ndarray:

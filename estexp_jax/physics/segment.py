@@ -28,6 +28,25 @@ class Start(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)
+class Path:
+    """Where a recording's sensors say that the robot was, at each row.
+
+    Attributes:
+        time: (rows,) s.
+        qpos, qvel: (rows, nq), (rows, nv); at home, at rest, what nothing measured.
+    """
+
+    time: np.ndarray
+    qpos: np.ndarray
+    qvel: np.ndarray
+
+    def at(self, when: np.ndarray, table: np.ndarray, column: int) -> np.ndarray:
+        """A column of `qpos` or `qvel` at other times; beyond the ends the last value counts."""
+        return np.interp(when, self.time, table[:, column])
+
+
+@final
+@dataclass(frozen=True, eq=False)
 class Segment:
     """Rows `first` to `last` (inclusive) of a recording.
 
@@ -38,6 +57,7 @@ class Segment:
         history: the whole recording's commands, for what arrives late.
         enable: (rows of the recording, nu).
         start: the state it starts from.
+        path: where the robot was in the whole recording, for what remembers it; None: at rest before the start.
     """
 
     recording: int
@@ -47,6 +67,7 @@ class Segment:
     history: CommandHistory
     enable: np.ndarray
     start: Start
+    path: Path | None = None
 
     @property
     def rows(self) -> int:
@@ -60,9 +81,10 @@ def segment(
     rows: tuple[int, int],
     timestep: float,
     start: Start,
+    path: Path | None = None,
 ) -> Segment:
     """The stretch `rows` (first, last) of `recordings[index]`."""
     recording, (first, last) = recordings[index], rows
     steps = schedule(recording.time[first : last + 1], timestep)
     history = CommandHistory(recording.time, recording.ctrl)
-    return Segment(index, first, last, steps, history, recording.enable, start)
+    return Segment(index, first, last, steps, history, recording.enable, start, path)

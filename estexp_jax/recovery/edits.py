@@ -16,6 +16,7 @@ import numpy as np
 
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.interface import interface_of
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
@@ -43,7 +44,7 @@ def places(robot: Robot, name: str) -> tuple[Place, ...]:
     if e.kind == "sensor":
         seen = interface_of(robot).names
         sites = tuple(site for site in sites if site in seen)
-    return tuple(Place(name, site or None) for site in sites)
+    return tuple(Place(name, site or None) for site in sites if site != ALL_ALIKE)
 
 
 def change_of(robot: Robot, place: Place, amount: float) -> Change:

@@ -158,7 +158,7 @@ def _damaged(robot: Robot, planted: Sequence[Change], random: np.random.Generato
         if isinstance(e, Edit):
             if not e.in_mjcf:
                 raise InputError(f"'{e.name}' cannot be written into MJCF", where="--damage", right="--robot same")
-            e.write_mjcf(robot, spec, change.name or "", change.parameters)
+            e.write_mjcf(robot, spec, change.name or "", change.values)
         elif not isinstance(e, Distortion | ControllerFault):
             raise InputError(f"the foreign robot cannot carry '{e.name}'", where="--damage", right="--robot same")
     model = spec.compile()

@@ -11,7 +11,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, encode, stack
-from estexp_jax.physics.effects.base import CommandShift
+from estexp_jax.physics.effects.base import CommandShift, ReadingShift
 from estexp_jax.physics.engines.choice import walker
 from estexp_jax.physics.engines.walking import BodyState, Walk, Walker
 from estexp_jax.physics.registry import PAPER, catalogue, effect
@@ -111,7 +111,7 @@ def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) 
     Raises:
         InputError: a planted effect has no place in closed loop, or the robot has no controller's senses.
     """
-    late = next((c for c in planted if isinstance(effect(c.effect), CommandShift)), None)
+    late = next((c for c in planted if isinstance(effect(c.effect), CommandShift | ReadingShift)), None)
     if late is not None:
         raise InputError(f"'{late.effect}' is not simulated in closed loop", where="--damage")
     names = dict.fromkeys([*PAPER, "neuron_fault", "tied_outputs", *(c.effect for c in planted)])

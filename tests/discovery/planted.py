@@ -174,8 +174,19 @@ def case_of(name: str, plant: Plant, seed: int, *, trains: int = 3, tests: int =
     return Case(nominal(name), recordings, (nominal(name),) * len(recordings))
 
 
-CONFIG = ExplainConfig(window=1.25, most=2)
-"""Windows of whole blocks of steps, so that nothing is simulated in vain."""
+FEW = (
+    "viscous_friction",
+    "coulomb_friction",
+    "load_dependent_friction",
+    "armature",
+    "back_emf",
+    "command_delay",
+    "motor_weakness",
+    "sensor_bias",
+    "body_mass",
+)
+CONFIG = ExplainConfig(window=1.25, most=2, effects=FEW)
+"""Windows of whole blocks of steps, so that nothing is simulated in vain; few effects, so that it is over soon."""
 
 
 @cache

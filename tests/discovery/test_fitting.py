@@ -7,6 +7,8 @@ import pytest
 
 from estexp_jax.discovery.fitting import fit
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
+from estexp_jax.discovery.starts import starts
+from estexp_jax.physics.registry import effect
 from tests.discovery.planted import CASES, case_of, finished, problem_of
 
 PLACES = ("coulomb_friction", "shaft"), ("command_delay", "servo"), ("sensor_bias", "angle"), ("body_mass", "arm")
@@ -26,6 +28,12 @@ def setting():
 def random_starts(hypotheses, seed):
     rng = np.random.default_rng(seed)
     return [(h, [np.array([rng.uniform(f.low, f.high) for f in h.free])]) for h in hypotheses]
+
+
+def spread(problem, h):
+    robot = problem.replayer.robot
+    own = [h.with_values((e, s), v) for e, s in h.places for v in starts(robot, effect(e), s, problem.seen)]
+    return [h.start(), *own]
 
 
 def run(problem, tasks, windows, iterations, stage):
@@ -86,7 +94,7 @@ def test_the_best_of_several_starts_is_pursued(setting):
 
 def test_the_true_effect_is_fitted_to_its_value(setting):
     problem, windows, hypotheses = setting
-    found = run(problem, [(h, h.starts(h.places)) for h in hypotheses], windows, 8, "all")
+    found = run(problem, [(h, spread(problem, h)) for h in hypotheses], windows, 8, "all")
     best = min(found, key=lambda f: f.cost)
     assert best.hypothesis.label == "coulomb_friction@shaft"
     assert found[0].cost > 4.0 * best.cost  # parameters alone
@@ -97,7 +105,7 @@ def test_the_true_effect_is_fitted_to_its_value(setting):
 
 def test_a_first_look_moves_only_what_was_claimed_last(setting):
     problem, windows, hypotheses = setting
-    tasks = [(h, h.starts(h.places)) for h in hypotheses[1:]]
+    tasks = [(h, spread(problem, h)) for h in hypotheses[1:]]
     looked = finished(fit(problem, tasks, windows, 1e-7, stage="look", iterations=3, newest_only=True))
     for found in looked:
         free = found.hypothesis.free

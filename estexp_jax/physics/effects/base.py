@@ -38,12 +38,14 @@ class Parameter:
         unit: SI; empty for a ratio.
         neutral: the value at which the effect is absent.
         signed: whether both signs make sense.
+        refers: a kind of element, where the number is 1 + the index of one of these; 0 is none.
     """
 
     name: str
     unit: str
     neutral: float = 0.0
     signed: bool = False
+    refers: str = ""
 
 
 class Effect(abc.ABC):
@@ -126,6 +128,7 @@ class JointForce(NamedTuple):
     force: Array = 0.0  #: N m or N, explicit
     damping: Array = 0.0  #: on top of the joint's own: -damping * (speed at the end of the step)
     friction: Array = 0.0  #: on top of the joint's friction loss, MuJoCo's constraint
+    inertia: Array = 0.0  #: on top of the joint's armature, kg m2 or kg
     motor: Array = 1.0  #: factor on the motor's force: its gain, bias and force range
 
 
@@ -212,6 +215,16 @@ class CommandShift(Effect):
         """Time by which each command is late, (nu,), s."""
 
 
+class ReadingShift(Effect):
+    """Acts between the robot and its log: says how old each reading is."""
+
+    side: ClassVar[str] = "sensor"
+
+    @abc.abstractmethod
+    def shift(self, robot: Robot, values: jax.Array) -> jax.Array:
+        """Age of each reading, (nsensordata,), s."""
+
+
 class Distortion(Effect):
     """Acts after the rollout: readings -> readings."""
 
@@ -232,6 +245,14 @@ class ControllerFault(Effect):
     @abc.abstractmethod
     def damage(self, robot: Robot, network: Any, values: jax.Array) -> Any:
         """The network with the fault in it."""
+
+
+class CommandRoute(ControllerFault):
+    """Gives a motor another's command: inside the controller, and in open loop on the commands."""
+
+    @abc.abstractmethod
+    def route(self, robot: Robot, values: Any) -> Any:
+        """Index of the command that each motor obeys, (nu,), or -1 for its own; for arrays of numpy or JAX."""
 
 
 def neutral_values(effect: Effect, n_sites: int) -> list[list[float]]:

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import CommandShift, Parameter
+from estexp_jax.physics.effects.sites import ALL_ALIKE, per_element, with_all
 from estexp_jax.physics.robot import Robot
 
 
@@ -21,13 +22,16 @@ class CommandDelay(CommandShift):
     source: ClassVar[str] = "transport delay"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return robot.names("actuator")
+        return with_all(robot.names("actuator"))
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((0.0, 0.2),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"the motor {site} obeys its commands {1000 * values['delay']:.3g} ms late"
+        late = f"{1000 * values['delay']:.3g} ms late"
+        return (
+            f"all motors ({site}) obey {late}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {late}"
+        )
 
     def shift(self, robot: Robot, values: jax.Array) -> jax.Array:
-        return jnp.maximum(values[:, 0], 0.0)
+        return jnp.maximum(per_element(values[:, 0], robot.model.nu), 0.0)

@@ -15,12 +15,18 @@ from estexp_jax.physics.robot import Robot
 
 @final
 class GravityTilt(Edit):
-    """Gravity turned about the world's x axis, sideways to a robot that walks along x: the slope of the paper."""
+    """Gravity turned about a horizontal axis u, itself turned by `axis` from x towards y.
+
+    axis = 0 is the world's x axis: sideways to a robot that walks along x, the slope of the paper.
+    """
 
     name: ClassVar[str] = "gravity_tilt"
     kind: ClassVar[str] = "environment"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("angle", "rad", signed=True),)
-    equation: ClassVar[str] = "g = R_x(angle) g_nominal"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("angle", "rad", signed=True),
+        Parameter("axis", "rad", signed=True),
+    )
+    equation: ClassVar[str] = "g = R_u(angle) g_nominal, u = (cos axis, sin axis, 0)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2: the floor is canted"
 
@@ -28,18 +34,23 @@ class GravityTilt(Edit):
         return ("",)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return ((-np.pi / 6, np.pi / 6),)
+        return (-np.pi / 6, np.pi / 6), (-np.pi / 2, np.pi / 2)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"the ground tilts by {np.rad2deg(values['angle']):.3g} degrees about x"
+        angle, axis = np.rad2deg(values["angle"]), np.rad2deg(values["axis"])
+        about = "x" if axis == 0.0 else f"an axis {axis:.3g} degrees from x"
+        return f"the ground tilts by {angle:.3g} degrees about {about}"
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
-        return model.replace(opt=model.opt.replace(gravity=_turned(model.opt.gravity, values[0, 0])))
+        return model.replace(opt=model.opt.replace(gravity=_turned(model.opt.gravity, values[0, 0], values[0, 1])))
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        spec.option.gravity = np.asarray(_turned(jnp.asarray(spec.option.gravity), jnp.asarray(values["angle"])))
+        angle, axis = (jnp.asarray(values[name]) for name in ("angle", "axis"))
+        spec.option.gravity = np.asarray(_turned(jnp.asarray(spec.option.gravity), angle, axis))
 
 
-def _turned(gravity: jax.Array, angle: jax.Array) -> jax.Array:
-    c, s = jnp.cos(angle), jnp.sin(angle)
-    return jnp.stack([gravity[0], c * gravity[1] - s * gravity[2], s * gravity[1] + c * gravity[2]])
+def _turned(gravity: jax.Array, angle: jax.Array, axis: jax.Array) -> jax.Array:
+    """Rodrigues' rotation; written so that an angle of 0 changes no bit."""
+    u = jnp.stack([jnp.cos(axis), jnp.sin(axis), jnp.zeros_like(axis)])
+    across = jnp.cross(u, gravity)
+    return gravity + jnp.sin(angle) * across + (1.0 - jnp.cos(angle)) * jnp.cross(u, across)

@@ -10,7 +10,7 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.sites import actuator_sites, driven_actuators
+from estexp_jax.physics.effects.sites import ALL_ALIKE, actuator_sites, driven_actuators, per_element, with_all
 from estexp_jax.physics.robot import Robot, spec_element
 
 
@@ -26,7 +26,7 @@ class MotorWeakness(Edit):
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return actuator_sites(robot)
+        return with_all(actuator_sites(robot))
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((-1.0, 1.0),)
@@ -38,11 +38,11 @@ class MotorWeakness(Edit):
             if loss >= 0
             else f"is {-100 * loss:.3g} % stronger than modelled"
         )
-        return f"the motor {site} {change}"
+        return f"all motors alike ({site}): each {change}" if site == ALL_ALIKE else f"the motor {site} {change}"
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         driven = np.array(driven_actuators(robot), dtype=int)
-        loss = jnp.zeros(robot.model.nu, values.dtype).at[driven].add(values[:, 0])
+        loss = jnp.zeros(robot.model.nu, values.dtype).at[driven].add(per_element(values[:, 0], len(driven)))
         share = jnp.maximum(1.0 - loss, 0.0)[:, None]
         return model.replace(
             actuator_gainprm=model.actuator_gainprm * share,
@@ -51,6 +51,10 @@ class MotorWeakness(Edit):
         )
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        if site == ALL_ALIKE:
+            for one in actuator_sites(robot):
+                self.write_mjcf(robot, spec, one, values)
+            return
         actuator = spec_element(spec, robot, "actuator", site)
         nominal = robot.model.actuator(robot.index("actuator", site))
         gain = float(nominal.gainprm[0])

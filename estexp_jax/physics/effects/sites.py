@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mujoco
 import numpy as np
 
 from estexp_jax.physics.robot import Robot
+
+ALL_ALIKE = "*"
+"""The site that stands for all elements alike."""
 
 
 def scalar_joint_sites(robot: Robot) -> tuple[str, ...]:
@@ -17,6 +22,16 @@ def scalar_joint_sites(robot: Robot) -> tuple[str, ...]:
 def joint_dofs(robot: Robot) -> np.ndarray:
     """Velocity address of each of `scalar_joint_sites`."""
     return robot.model.jnt_dofadr[list(robot.scalar_joints)]
+
+
+def is_slide(robot: Robot, joint: str) -> bool:
+    """Whether a joint is a slide."""
+    return int(robot.model.jnt_type[robot.index("joint", joint)]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+def angle_unit(robot: Robot, spec: mujoco.MjSpec, joint: str) -> float:
+    """What a description's numbers for a joint's position are in, rad or m: hinges may count in degrees."""
+    return float(np.pi / 180.0) if spec.compiler.degree and not is_slide(robot, joint) else 1.0
 
 
 def driven_joint_sites(robot: Robot) -> tuple[str, ...]:
@@ -34,6 +49,16 @@ def actuator_sites(robot: Robot) -> tuple[str, ...]:
     """Names of `driven_actuators`."""
     names = robot.names("actuator")
     return tuple(names[a] for a in driven_actuators(robot))
+
+
+def with_all(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Sites of an effect that may also act on all of them alike: one more, `*`, after the others."""
+    return (*names, ALL_ALIKE) if len(names) > 1 else names
+
+
+def per_element(values: Any, n: int) -> Any:
+    """Values (n, ...) of n elements, of values at the sites that `with_all` gives: their own and the common one."""
+    return values[:n] + values[n] if len(values) > n else values
 
 
 def actuator_dofs(robot: Robot) -> np.ndarray:

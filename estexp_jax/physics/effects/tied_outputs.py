@@ -1,24 +1,24 @@
 """Tied outputs: a motor repeats the command of another."""
 
 from collections.abc import Mapping
-from typing import ClassVar, final
+from typing import Any, ClassVar, final
 
 import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.controllers import Network
-from estexp_jax.physics.effects.base import ControllerFault, Parameter
+from estexp_jax.physics.effects.base import CommandRoute, Parameter
 from estexp_jax.physics.robot import Robot
 
 
 @final
-class TiedOutputs(ControllerFault):
+class TiedOutputs(CommandRoute):
     """command of a motor = command of motor `with`. The value array holds `with` as 1 + its index; 0 is untied."""
 
     name: ClassVar[str] = "tied_outputs"
     kind: ClassVar[str] = "actuator"
     side: ClassVar[str] = "command"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("with", "1 + actuator index"),)
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("with", "1 + actuator index", refers="actuator"),)
     equation: ClassVar[str] = "command = command of `with`"
     source: ClassVar[str] = "Bongard and Lipson 2004, situation 12"
 
@@ -32,5 +32,8 @@ class TiedOutputs(ControllerFault):
         return f"the motor {site} repeats the command of motor number {int(values['with'])}"
 
     def damage(self, robot: Robot, network: Network, values: jax.Array) -> Network:
-        tie = values[:, 0].astype(jnp.int32)
-        return network._replace(output_of=jnp.where(tie > 0, tie - 1, network.output_of))
+        source = self.route(robot, values)
+        return network._replace(output_of=jnp.where(source >= 0, source, network.output_of))
+
+    def route(self, robot: Robot, values: Any) -> Any:
+        return values[:, 0].astype(int) - 1

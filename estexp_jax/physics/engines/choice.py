@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from estexp_jax.errors import InputError, known
-from estexp_jax.physics.effects.base import CommandShift
+from estexp_jax.physics.effects.base import CommandShift, ReadingShift
 from estexp_jax.physics.engines.lanes.check import TOLERANCE, disagreement
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
@@ -59,7 +59,7 @@ def walker(
 
     Args:
         robot: the nominal robot.
-        catalogue: effects that may be planted; none of them a `CommandShift`.
+        catalogue: effects that may be planted; none of them a `CommandShift` or `ReadingShift`.
         rows: longest walk, control steps.
         control_step: s; rounded to whole physics steps.
         gain: of the neurons' tanh.
@@ -69,7 +69,7 @@ def walker(
     Raises:
         InputError: no engine can simulate the robot, or not the one that is wanted.
     """
-    late = [e.name for e in catalogue if isinstance(e, CommandShift)]
+    late = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift)]
     if late:
         raise ValueError(f"not simulated in closed loop: {', '.join(late)}")
     on_mjx = mjx_model(robot, catalogue)

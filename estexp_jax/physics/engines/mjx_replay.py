@@ -20,14 +20,17 @@ from mujoco import mjx
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.effects.base import CommandShift, Distortion
+from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import cores
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model, stepped, switched
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now, stateful
+from estexp_jax.physics.engines.replay_inputs import Drive, Roll, drive_of, read_late, rolls, starts
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
 
+_ROLL = 256
+"""Rows in one call that hidden variables are rolled along."""
 _Array = Any
 """A NumPy array outside the compiled function, a JAX array inside."""
 
@@ -39,12 +42,6 @@ class _State(NamedTuple):
     warmstart: _Array
     sensordata: _Array  # of the step before
     hidden: Hidden
-
-
-class _Drive(NamedTuple):
-    length: _Array  # (block,)
-    ctrl: _Array  # (block, nu)
-    enable: _Array  # (block, nu)
 
 
 class Replay(NamedTuple):
@@ -124,72 +121,40 @@ class Replayer:
         model, template = self.robot.model, self.on_mjx.data
         n_steps = max(s.steps.n_steps for s in segments) + 1  # one more, to read the last row
         blocks = -(-n_steps // self.block)
-        drive = self._drive(values, segments, blocks * self.block)
+        drive = drive_of(self.robot, self.catalogue, values, segments, blocks * self.block)
         recording = [s.recording for s in segments]
         overrides = tuple(o[recording] for o in self.overrides)
         state = _State(
-            *self._starts(values, segments),
+            *starts(self.robot, self.catalogue, values, segments),
             np.zeros((len(segments), model.na), np.float32),
             np.zeros((len(segments), model.nv), np.float32),
             np.broadcast_to(np.asarray(template.sensordata), (len(segments), model.nsensordata)),
             {},
         )
-        state = state._replace(hidden=self._hidden(values, overrides, state, drive))
+        if stateful(self.catalogue):
+            state = state._replace(hidden=self._hidden(values, overrides, segments))
         seen = []
         for b in range(blocks):
             part = jax.tree.map(lambda x, b=b: x[:, b * self.block : (b + 1) * self.block], drive)
             state, out = _block(self, values, overrides, state, part)
             seen.append(jax.tree.map(np.asarray, out))
         whole = [np.concatenate([part[i] for part in seen], axis=1) for i in range(3)]
+        read_late(self.robot, self.catalogue, whole[0], values, segments)
         rows = max(s.rows for s in segments[:n])
         return Replay(
             *(np.stack([_rows(x[i], s.steps.sample, rows) for i, s in enumerate(segments[:n])]) for x in whole)
         )
 
-    def _hidden(self, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Hidden:
-        """Hidden variables (lanes, n_sites) at the lanes' starts."""
-        return _rested(self, values, overrides, state, drive) if stateful(self.catalogue) else {}
-
-    def _starts(self, values: Values, segments: list[Segment]) -> tuple[np.ndarray, np.ndarray]:
-        """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
-        qpos = np.array([s.start.qpos for s in segments], np.float32)
-        qvel = np.array([s.start.qvel for s in segments], np.float32)
-        faults = [e for e in self.catalogue if isinstance(e, Distortion)]
-        for i, s in enumerate(segments):
-            if not (faults and s.start.sensed):
-                continue
-            columns, places, speeds = map(list, zip(*s.start.sensed, strict=True))
-            now = np.zeros((2, self.robot.model.nsensordata))
-            now[:, columns] = qpos[i, places]
-            now[1, columns] += qvel[i, speeds]  # the reading a second later, at this speed
-            for effect in reversed(faults):
-                now = effect.restore(self.robot, now, values[effect.name][i])
-            true = np.nan_to_num(now[:, columns])
-            qpos[i, places], qvel[i, speeds] = true[0], true[1] - true[0]
-        return qpos, qvel
-
-    def _drive(self, values: Values, segments: list[Segment], n_steps: int) -> _Drive:
-        shifts = self._shifts(values)
-        nu = self.robot.model.nu
-        length = np.zeros((len(segments), n_steps), np.float32)
-        ctrl = np.zeros((len(segments), n_steps, nu), np.float32)
-        enable = np.ones((len(segments), n_steps, nu), np.float32)
-        for i, s in enumerate(segments):
-            k = s.steps.n_steps
-            length[i, :k] = s.steps.length
-            ctrl[i, :k] = s.history.mean(s.steps.start, s.steps.length, shifts[i])
-            enable[i, :k] = s.enable[s.first + s.steps.row]
-            ctrl[i, k:], enable[i, k:] = ctrl[i, k - 1], enable[i, k - 1]
-        return _Drive(length, ctrl, enable)
-
-    def _shifts(self, values: Values) -> np.ndarray:
-        """How late each lane's commands arrive, (lanes, nu), s."""
-        lanes = next(iter(values.values())).shape[0]
-        total = np.zeros((lanes, self.robot.model.nu))
-        for effect in self.catalogue:
-            if isinstance(effect, CommandShift):
-                total += np.stack([np.asarray(effect.shift(self.robot, v)) for v in values[effect.name]])
-        return total
+    def _hidden(self, values: Values, overrides: tuple, segments: list[Segment]) -> Hidden:
+        """Hidden variables (lanes, n_sites) at the lanes' starts: rolled along each recording's rows before them."""
+        n_rows = max(s.first if s.path is not None else 0 for s in segments)
+        blocks = -(-n_rows // _ROLL)
+        before = rolls(self.robot, self.catalogue, values, segments, blocks * _ROLL)
+        hidden = _rested(self, values, overrides, jax.tree.map(lambda x: x[:, 0], before))
+        for b in range(blocks):
+            part = jax.tree.map(lambda x, b=b: x[:, b * _ROLL : (b + 1) * _ROLL], before)
+            hidden = _rolled(self, values, overrides, hidden, part)
+        return hidden
 
 
 def _rows(x: np.ndarray, sample: np.ndarray, rows: int) -> np.ndarray:
@@ -226,7 +191,7 @@ def replayer(
 
 
 @partial(jax.jit, static_argnums=0)
-def _block(self: Replayer, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Any:
+def _block(self: Replayer, values: Values, overrides: tuple, state: _State, drive: Drive) -> Any:
     return jax.vmap(partial(_block_one, self))(values, overrides, state, drive)
 
 
@@ -238,13 +203,13 @@ def _model(self: Replayer, values: Values, overrides: tuple) -> mjx.Model:
     return self.on_mjx.edited(jax.tree.unflatten(tree, leaves), values)
 
 
-def _block_one(self: Replayer, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Any:
+def _block_one(self: Replayer, values: Values, overrides: tuple, state: _State, drive: Drive) -> Any:
     """One lane's block: its state after it, and (sensors, qpos, qvel) at the beginning of each step."""
     model = _model(self, values, overrides)
     # Position and velocity sensors read the state a step begins with; force and acceleration sensors what acted before.
     before = jnp.asarray(np.repeat(_is_acceleration(self.robot), self.robot.model.sensor_dim))
 
-    def step(state: _State, now: _Drive):  # noqa: ANN202
+    def step(state: _State, now: Drive):  # noqa: ANN202
         data, hidden = _step(self, model, values, state, now)
         sensors: Any = jnp.where(before, state.sensordata, data.sensordata)
         for effect in self.catalogue:
@@ -260,7 +225,7 @@ def _is_acceleration(robot: Robot) -> np.ndarray:
     return robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
 
 
-def _step(self: Replayer, model: mjx.Model, values: Values, state: _State, drive: _Drive) -> tuple[mjx.Data, Hidden]:
+def _step(self: Replayer, model: mjx.Model, values: Values, state: _State, drive: Drive) -> tuple[mjx.Data, Hidden]:
     model = switched(model.replace(opt=model.opt.replace(timestep=drive.length)), drive.enable)
     now = Now(state.qpos, state.qvel, drive.ctrl, drive.enable, drive.length)
     does = self.on_mjx.acted(model, values, state.hidden, now)
@@ -269,9 +234,25 @@ def _step(self: Replayer, model: mjx.Model, values: Values, state: _State, drive
 
 
 @partial(jax.jit, static_argnums=0)
-def _rested(self: Replayer, values: Values, overrides: tuple, state: _State, drive: _Drive) -> Hidden:
-    def one(values: Values, overrides: tuple, state: _State, drive: _Drive) -> Hidden:
-        now = Now(state.qpos, state.qvel, drive.ctrl[0], drive.enable[0], drive.length[0])
-        return self.on_mjx.rested(_model(self, values, overrides), values, now)
+def _rested(self: Replayer, values: Values, overrides: tuple, roll: Roll) -> Hidden:
+    def one(values: Values, overrides: tuple, roll: Roll) -> Hidden:
+        return self.on_mjx.rested(_model(self, values, overrides), values, Now(*roll))
 
-    return jax.vmap(one)(values, overrides, state, drive)
+    return jax.vmap(one)(values, overrides, roll)
+
+
+@partial(jax.jit, static_argnums=0)
+def _rolled(self: Replayer, values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
+    """Hidden variables after the rows of a roll, along which the robot moved as recorded."""
+
+    def one(values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
+        model = _model(self, values, overrides)
+
+        def step(hidden: Hidden, now: Roll) -> tuple[Hidden, None]:
+            switched_model = switched(model, now.enable)
+            after = self.on_mjx.acted(switched_model, values, hidden, Now(*now)).hidden
+            return jax.tree.map(partial(jnp.where, now.length > 0.0), after, hidden), None
+
+        return jax.lax.scan(step, hidden, roll)[0]
+
+    return jax.vmap(one)(values, overrides, hidden, roll)

@@ -174,7 +174,11 @@ def _applied(step: _Step, does: JointForce, dofs: np.ndarray, there: Drives) -> 
         return not isinstance(x, float)
 
     changed = {}
-    for field, added in (("dof_damping", does.damping), ("dof_frictionloss", does.friction)):
+    for field, added in (
+        ("dof_damping", does.damping),
+        ("dof_frictionloss", does.friction),
+        ("dof_armature", does.inertia),
+    ):
         if is_set(added):
             changed[field] = getattr(step.model, field).at[dofs].add(added)
     model = step.model.replace(**changed) if changed else step.model

@@ -11,6 +11,8 @@ from mujoco import mjx
 from estexp_jax.physics.changes import Change, encode, neutral, parse_change
 from estexp_jax.physics.controllers import HIDDEN, decode, n_weights
 from estexp_jax.physics.effects.base import (
+    BodyPull,
+    CommandLaw,
     CommandShift,
     ControllerFault,
     Distortion,
@@ -18,9 +20,11 @@ from estexp_jax.physics.effects.base import (
     Effect,
     JointForce,
     JointMoment,
+    ReadingShift,
     Term,
     neutral_values,
 )
+from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.registry import ALL, PAPER, catalogue, effect
 from estexp_jax.physics.robot import Robot
 from tests.physics.robots import MUTE, ROBOTS, robot
@@ -61,11 +65,11 @@ def test_sites_exist_in_the_robot(e: Effect, name: str) -> None:
     sites = _sites(e, robot(name))
     assert len(set(sites)) == len(sites)
     if e.kind == "environment":
-        assert sites == [""]
+        assert set(sites) <= {"", *robot(name).names("body")}
     elif e.kind == "controller":
         assert all(sites)
     else:
-        assert set(sites) <= set(robot(name).names(e.kind))
+        assert set(sites) - {ALL_ALIKE} <= set(robot(name).names(e.kind))
 
 
 @every_effect
@@ -83,6 +87,7 @@ def test_bounds_are_finite_ordered_and_one_per_parameter(e: Effect, name: str) -
         assert np.all(bounds[:, 0] <= bounds[:, 1])
         for parameter, (low, _) in zip(e.parameters, bounds, strict=True):
             assert parameter.signed or low >= 0.0
+            assert not parameter.refers or parameter.neutral == 0.0
         assert np.any(bounds != np.array([p.neutral for p in e.parameters])[:, None]), "it can be present"
 
 
@@ -132,7 +137,7 @@ def _unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bool) -> 
             after: Any = e.edit(subject, before, values)
         case Term():
             p, moment = tuple(values.T), _moment(len(values))
-            before = JointForce(0.0, 0.0, 0.0, 1.0)
+            before = JointForce(0.0, 0.0, 0.0, 0.0, 1.0)
             after, _ = e.act(p, moment, e.initial(p, moment.q, moment.w))
             before, after = jax.tree.map(lambda x: jnp.broadcast_to(x, len(values)), (before, after))
         case Distortion():
@@ -143,6 +148,14 @@ def _unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bool) -> 
             after = e.damage(subject, before, values)
         case CommandShift():
             before, after = np.zeros(model.nu), e.shift(subject, values)
+        case ReadingShift():
+            before, after = np.zeros(model.nsensordata), e.shift(subject, values)
+        case CommandLaw():
+            before = jnp.linspace(-1.0, 1.0, len(values))
+            after, _ = e.act(tuple(values.T), before, 0.3 * before, 0.002, e.initial(tuple(values.T), before))
+        case BodyPull():
+            nothing, place = jnp.zeros(len(values)), jnp.ones(len(values))
+            before, after = (nothing,) * 3, e.pull(tuple(values.T), (place, place, place))
         case _:
             raise AssertionError(f"{e.name} acts at no known moment")
     assert jax.tree.structure(before) == jax.tree.structure(after)
@@ -175,6 +188,8 @@ def test_restoring_undoes_a_distortion(e: Distortion) -> None:
         others = np.arange(true.shape[1]) != column
         assert np.abs(faulty - true)[:, column].min() > 1e-3
         np.testing.assert_array_equal(faulty[:, others], true[:, others])
+        if e.name == "sensor_stuck":
+            true[:, column] = np.nan  # what is not seen cannot be restored
         np.testing.assert_allclose(e.restore(subject, faulty, values), true, atol=1e-6)
 
 
@@ -186,9 +201,9 @@ def test_a_dead_sensor_cannot_be_restored() -> None:
     assert np.isnan(true[:, 0]).all() and np.isfinite(true[:, 1:]).all()
 
 
-@pytest.mark.parametrize("e", [e for e in ALL if isinstance(e, Edit | Term)], ids=lambda e: e.name)
+@pytest.mark.parametrize("e", ALL, ids=lambda e: e.name)
 @every_robot
-def test_it_writes_mjcf_if_and_only_if_it_says_so(e: Edit | Term, name: str) -> None:
+def test_it_writes_mjcf_if_and_only_if_it_says_so(e: Effect, name: str) -> None:
     subject = robot(name)
     for site in _sites(e, subject):
         spec = subject.spec.copy()

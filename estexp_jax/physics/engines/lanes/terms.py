@@ -203,7 +203,7 @@ class Acting:
     def _gather(self, term: Term, dofs: np.ndarray, does: JointForce, sums: _Sums) -> None:
         addresses = [int(d) for d in dofs]
         for what in ("force", "damping", "friction", "inertia"):
-            sums.add(what, addresses, getattr(does, what, 0.0))
+            sums.add(what, addresses, getattr(does, what))
         if isinstance(does.motor, float):
             return
         for i, site in enumerate(term.sites(self._robot)):

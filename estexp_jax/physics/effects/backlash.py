@@ -1,0 +1,69 @@
+"""Backlash: play between a motor and its joint."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.rotor import rotor_step
+from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
+from estexp_jax.physics.robot import Robot
+
+_SUBSTEPS = 4
+
+
+@final
+class Backlash(Term):
+    """The rotor turns freely within |x| < half_gap, x = its angle less the joint's; at either end it pushes the joint.
+
+    Its inertia is the joint's armature, which the joint has only while they touch; where they meet, inelastically, the
+    joint gets the rotor's momentum, and they move on as one. The motor's own loop sees the rotor. The rotor takes
+    implicit sub-steps; the joint gets the mean push of the sub-steps, with the motor's braking implicitly.
+    """
+
+    name: ClassVar[str] = "backlash"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_gap", "rad"),)
+    equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
+    source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
+    n_states: ClassVar[int] = 2
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return driven_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, 0.02 if is_slide(robot, site) else 0.2),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        return jnp.zeros_like(q), w
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (gap,) = p
+        x, a = state
+        q, w, inertia, h = moment.q, moment.w, moment.armature, moment.dt / _SUBSTEPS
+        push = braking = apart = jnp.zeros_like(q)
+        for _ in range(_SUBSTEPS):
+            q = q + h * w
+            touched = jnp.abs(x) >= gap
+            _, a, slope = rotor_step(moment, q + x, jnp.where(touched, w, a), h, inertia)
+            x = x + h * (a - w)
+            touches = jnp.abs(x) >= gap
+            x = jnp.clip(x, -gap, gap)
+            torque = moment.torque_at(q + x, w)
+            stays = (touched & touches & (torque * x >= 0.0)) / _SUBSTEPS
+            push = push + stays * torque + (touches & ~touched) * inertia * (a - w) / moment.dt
+            braking = braking - stays * slope
+            apart = apart + ~(touched | touches) / _SUBSTEPS
+            a = jnp.where(touches, w, a)
+        has_play = gap > 0.0
+        does = JointForce(
+            force=jnp.where(has_play, push + braking * w, 0.0),
+            damping=jnp.where(has_play, braking, 0.0),
+            inertia=jnp.where(has_play & (apart == 1.0), -inertia, 0.0),
+            motor=jnp.where(has_play, 0.0, 1.0),
+        )
+        return does, (x, a)

@@ -1,0 +1,68 @@
+"""Joint compliance: a motor moves its joint through a spring."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.rotor import rotor_step
+from estexp_jax.physics.effects.sites import driven_joint_sites
+from estexp_jax.physics.robot import Robot
+
+_SUBSTEPS = 4
+
+
+@final
+class JointCompliance(Term):
+    """I da/dt = motor torque(r, a) - tau, dr/dt = a; tau = k (r - q) + d (a - w) on the joint.
+
+    The rotor at r turns at a, behind spring k and damper d; the motor's own loop sees the rotor. Within a step the
+    rotor takes implicit sub-steps while the joint moves on at its speed, so no stiffness makes it unstable; the joint
+    gets the mean torque of the sub-steps, and the damper's share implicitly.
+    """
+
+    name: ClassVar[str] = "joint_compliance"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("k", "N m/rad", neutral=NEVER),
+        Parameter("d", "N m s/rad"),
+        Parameter("I", "kg m2"),
+    )
+    equation: ClassVar[str] = "tau = k (r - q) + d (a - w), I da/dt = motor torque - tau, dr/dt = a"
+    source: ClassVar[str] = "Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109 (1987)"
+    n_states: ClassVar[int] = 2
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return driven_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        joint = robot.index("joint", site)
+        inertia, step = scales.joint_inertia(robot, joint), float(robot.model.opt.timestep)
+        stiffest = inertia / step**2  # beyond, the joint's own explicit step could not follow
+        return (1e-3 * stiffest, stiffest), (0.0, 0.2 * inertia / step), (0.01 * inertia, 3.0 * inertia)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return (
+            f"the motor of the joint {site}, with a rotor of {values['I']:.3g} kg m2, moves it through a spring "
+            f"of {values['k']:.3g} N m/rad with a damping of {values['d']:.3g} N m s/rad"
+        )
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        return q, w
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (k, d, inertia), (r, a), (q, w) = p, state, (moment.q, moment.w)
+        is_soft, h = k < NEVER, moment.dt / _SUBSTEPS
+        spring = 0.0
+        for _ in range(_SUBSTEPS):
+            q = q + h * w
+            r, a, _ = rotor_step(moment, r, a, h, inertia, (k, q), (d, w))
+            spring = spring + (k * (r - q) + d * a) / _SUBSTEPS
+        does = JointForce(
+            force=jnp.where(is_soft, spring, 0.0),
+            damping=jnp.where(is_soft, d, 0.0),
+            motor=jnp.where(is_soft, 0.0, 1.0),
+        )
+        return does, (jnp.where(is_soft, r, moment.q), jnp.where(is_soft, a, w))

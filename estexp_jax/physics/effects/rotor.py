@@ -1,0 +1,46 @@
+"""A rotor that its motor turns, one implicit step: what stands behind springs and gaps."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import Array, JointMoment
+
+_NUDGE = 1e-3
+"""Displacement (rad, rad/s) over which a motor's torque is derived."""
+_LEAST_INERTIA = 1e-7
+
+
+def rotor_step(
+    moment: JointMoment,
+    r: Array,
+    a: Array,
+    h: Array,
+    inertia: Array,
+    spring: tuple[Array, Array] = (0.0, 0.0),
+    damper: tuple[Array, Array] = (0.0, 0.0),
+) -> tuple[Array, Array, Array]:
+    """One linearly implicit Euler step of I da/dt = T(r, a) - k (r - q) - d (a - w), dr/dt = a.
+
+    With T_r, T_a <= 0 the motor's slopes: (I - h T_a + h d + h^2 (k - T_r)) a' = I a + h (T - T_a a - k (r - q) + d w).
+
+    Args:
+        moment: gives the motor's torque T.
+        r: position of the rotor.
+        a: its speed.
+        h: length of the step, s.
+        inertia: I.
+        spring: k, and the position q of its other end after the step.
+        damper: d, and the speed w of its other end.
+
+    Returns:
+        Position and speed after the step, and T_a.
+    """
+    (k, q), (d, w) = spring, damper
+    inertia = jnp.maximum(inertia, _LEAST_INERTIA)
+    torque = moment.torque_at(r, a)
+    by_place = jnp.minimum(moment.torque_at(r + _NUDGE, a) - torque, 0.0) / _NUDGE
+    by_speed = jnp.minimum(moment.torque_at(r, a + _NUDGE) - torque, 0.0) / _NUDGE
+    drive = inertia * a + h * (torque - by_speed * a - k * (r - q) + d * w)
+    after = drive / (inertia - h * by_speed + h * d + h**2 * (k - by_place))
+    return r + h * after, after, by_speed

@@ -1,0 +1,45 @@
+"""Stribeck friction: dry friction that falls off once a joint moves."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.robot import Robot
+
+
+@final
+class StribeckFriction(Term):
+    """tau = -(T + S exp(-(w / w_s)^2)) sign(w), as a friction loss renewed at each step from that step's speed."""
+
+    name: ClassVar[str] = "stribeck_friction"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("T", "N m"),
+        Parameter("S", "N m"),
+        Parameter("w_s", "rad/s", neutral=0.1),
+    )
+    equation: ClassVar[str] = "tau = -(T + S exp(-(w / w_s)^2)) sign(w)"
+    source: ClassVar[str] = "Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), equation 5"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        most = 0.8 * scales.joint_torque(robot, robot.index("joint", site))
+        return (0.0, most), (0.0, most), (0.005, 3.0)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        low, high = values["T"], values["T"] + values["S"]
+        return (
+            f"the joint {site} resists slow motion with {high:.3g} N m and fast motion with {low:.3g} N m, "
+            f"the change coming at {values['w_s']:.3g} rad/s"
+        )
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        T, S, w_s = p
+        return JointForce(friction=T + S * jnp.exp(-jnp.square(moment.w / w_s))), state

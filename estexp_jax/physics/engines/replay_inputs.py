@@ -1,0 +1,138 @@
+"""What a replay feeds an engine, lane by lane, in arrays of numpy: commands, start states, rows before the start.
+
+A lane is one hypothesis on one segment of a recording.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from estexp_jax.physics.changes import Values
+from estexp_jax.physics.effects.base import CommandRoute, CommandShift, Distortion, ReadingShift
+from estexp_jax.physics.registry import Catalogue
+from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.segment import Path, Segment
+
+
+class Drive(NamedTuple):
+    """Physics steps of lanes: (lanes, steps, ...)."""
+
+    length: Any  # (lanes, steps)
+    ctrl: Any
+    enable: Any
+
+
+class Roll(NamedTuple):
+    """Rows before lanes' starts: (lanes, rows, ...)."""
+
+    qpos: Any
+    qvel: Any
+    ctrl: Any
+    enable: Any
+    length: Any  # s; 0: not a row, but to fill up
+
+
+def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_steps: int) -> Drive:
+    """Steps of lanes, each with its own commands; beyond a segment's end the last ones are held."""
+    shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
+    sources = _sources(robot, catalogue, values)
+    nu = robot.model.nu
+    length = np.zeros((len(segments), n_steps), np.float32)
+    ctrl = np.zeros((len(segments), n_steps, nu), np.float32)
+    enable = np.ones((len(segments), n_steps, nu), np.float32)
+    for i, s in enumerate(segments):
+        k = s.steps.n_steps
+        length[i, :k] = s.steps.length
+        ctrl[i, :k] = s.history.mean(s.steps.start, s.steps.length, shifts[i], sources[i])
+        enable[i, :k] = s.enable[s.first + s.steps.row]
+        ctrl[i, k:], enable[i, k:] = ctrl[i, k - 1], enable[i, k - 1]
+    return Drive(length, ctrl, enable)
+
+
+def starts(
+    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
+    qpos = np.array([s.start.qpos for s in segments], np.float32)
+    qvel = np.array([s.start.qvel for s in segments], np.float32)
+    faults = [e for e in catalogue if isinstance(e, Distortion)]
+    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    for i, s in enumerate(segments):
+        if not ((faults or late[i].any()) and s.start.sensed):
+            continue
+        for column, place, speed in s.start.sensed:
+            if late[i, column] > 0.0 and s.path is not None:  # true now is what is read later
+                then = s.steps.start[0] + late[i, column]
+                qpos[i, place] = s.path.at(then, s.path.qpos, place)
+                qvel[i, speed] = s.path.at(then, s.path.qvel, speed)
+        columns, places, speeds = map(list, zip(*s.start.sensed, strict=True))
+        now = np.zeros((2, robot.model.nsensordata))
+        now[:, columns] = qpos[i, places]
+        now[1, columns] += qvel[i, speeds]  # the reading a second later, at this speed
+        for effect in reversed(faults):
+            now = effect.restore(robot, now, values[effect.name][i])
+        true = np.where(np.isnan(now[:, columns]), robot.home()[places], now[:, columns])
+        qpos[i, places], qvel[i, speeds] = true[0], true[1] - true[0]
+    return qpos, qvel
+
+
+def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_rows: int) -> Roll:
+    """Rows before each segment (lanes, n_rows + 1, ...), its own first row last; the first ones repeat."""
+    shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
+    sources = _sources(robot, catalogue, values)
+    found = []
+    for i, s in enumerate(segments):
+        before = s.first if s.path is not None else 0
+        row = np.clip(np.arange(before - n_rows, before + 1), 0, None) + (s.first - before)
+        there = s.path or Path(s.steps.start[:1], s.start.qpos[None], s.start.qvel[None])
+        at = np.minimum(row, len(there.time) - 1)
+        length = np.append(np.diff(there.time[at]), 0.0)
+        start = there.time[at]
+        ctrl = s.history.mean(start, np.maximum(length, 1e-3), shifts[i], sources[i])
+        found.append(Roll(there.qpos[at], there.qvel[at], ctrl, s.enable[row], length))
+    return Roll(*(np.stack(column).astype(np.float32) for column in zip(*found, strict=True)))
+
+
+def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:
+    """Replace, in place, the readings (lanes, steps, nsensordata) of sensors that are late by older ones.
+
+    What a late sensor shows at first was true before the start; there it counts as it was recorded.
+    """
+    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    for i, column in np.argwhere(late > 0.0).tolist():
+        s, n = segments[i], segments[i].steps.n_steps
+        time = np.append(s.steps.start, s.steps.start[-1] + s.steps.length[-1])
+        read = np.interp(time - late[i, column], time, sensors[i, : n + 1, column])
+        for sensed, place, _ in s.start.sensed:
+            if sensed == column and s.path is not None:
+                before = time - late[i, column] < time[0]
+                read[before] = s.path.at(time[before], s.path.qpos, place)
+        sensors[i, : n + 1, column] = read
+
+
+def _shifts(
+    robot: Robot, catalogue: Catalogue, values: Values, kind: type[CommandShift] | type[ReadingShift], n: int
+) -> np.ndarray:
+    """How late each lane's commands or readings arrive, (lanes, n), s."""
+    total = np.zeros((_lanes(values), n))
+    for effect in catalogue:
+        if isinstance(effect, CommandShift | ReadingShift) and isinstance(effect, kind):
+            for lane in np.flatnonzero(values[effect.name].any(axis=(1, 2))).tolist():
+                total[lane] += np.asarray(effect.shift(robot, values[effect.name][lane]))
+    return total
+
+
+def _sources(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
+    """Whose command each lane's motors get, (lanes, nu)."""
+    source = np.tile(np.arange(robot.model.nu), (_lanes(values), 1))
+    for effect in catalogue:
+        if isinstance(effect, CommandRoute):
+            other = np.stack([effect.route(robot, v) for v in values[effect.name]])
+            source = np.where(other >= 0, other, source)
+    return source
+
+
+def _lanes(values: Values) -> int:
+    return next(iter(values.values())).shape[0]

@@ -1,0 +1,67 @@
+"""Every effect concealed in the leg is named, by the whole catalogue (slow: minutes a case)."""
+
+from functools import cache
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery import explain as explain_module
+from estexp_jax.discovery.diagnosis import EXPLAINING, ExplainConfig
+from estexp_jax.discovery.starts import RUNGS, Seen, climbed, starts
+from estexp_jax.package_data import model_path
+from estexp_jax.physics.engines.mjx_replay import Replayer, replayer
+from estexp_jax.physics.registry import catalogue, effect
+from estexp_jax.physics.robot import Robot
+from tests.discovery.leg import CASES, JOINTS, leg_case
+from tests.discovery.planted import finished
+from tests.physics.robots import ROBOTS, robot
+
+CONFIG = ExplainConfig(window=2.0, most=1)
+
+
+@cache
+def shared() -> Replayer:
+    leg = Robot.from_xml(model_path("leg"))
+    return replayer(leg, catalogue(CONFIG.effects), [leg])
+
+
+def _shared(*_: object) -> Replayer:
+    return shared()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_a_concealed_effect_is_named(case: str) -> None:
+    with patch.object(explain_module, "replayer", _shared):
+        found = finished(explain_module.explain(leg_case(case, 900), CONFIG)).findings
+    assert f"{found['what'][0]['effect']}@{found['what'][0]['name']}" in (case, f"{case}@None")
+
+
+def test_the_whole_catalogue_is_concealed_somewhere() -> None:
+    planted = {case.partition("@")[0] for case in CASES}
+    assert planted == set(EXPLAINING) - {"ground_friction"}  # the leg touches nothing
+    assert set(JOINTS) == set(Robot.from_xml(model_path("leg")).names("joint"))
+
+
+@pytest.mark.parametrize("name", EXPLAINING)
+def test_searches_start_where_the_effect_is_present(name: str) -> None:
+    e = effect(name)
+    for subject in map(robot, ROBOTS):
+        nq, n = subject.model.nq, subject.model.nsensordata
+        seen = Seen(np.full(nq, -0.5), np.full(nq, 0.7), np.full(n, 0.1))
+        for site in e.sites(subject):
+            found = starts(subject, e, site, seen)
+            assert len(found) == len(set(found)) and len(found) > 0 or subject.model.nu == 1
+            for values in found:
+                assert len(values) == len(e.parameters) and np.isfinite(values).all()
+                assert values != tuple(p.neutral for p in e.parameters)
+
+
+def test_richer_laws_start_from_simpler_ones() -> None:
+    amounts = {"T": 0.5, "loss": 0.3, "c": 0.1, "dm": 0.1, "delay": 0.01}
+    for richer, simpler in RUNGS.items():
+        assert effect(richer).kind == effect(simpler).kind or richer == "external_force"
+        own = {p.name: amounts[p.name] for p in effect(simpler).parameters}
+        for values in climbed(richer, own):
+            assert len(values) == len(effect(richer).parameters)
