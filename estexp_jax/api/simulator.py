@@ -12,7 +12,7 @@ import numpy as np
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, encode, stack
-from estexp_jax.physics.engines.mjx_replay import replayer
+from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot

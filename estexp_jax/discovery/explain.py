@@ -24,7 +24,7 @@ from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.noise import noise_floor
 from estexp_jax.inference.windows import segments_of
 from estexp_jax.physics.changes import Change
-from estexp_jax.physics.engines.mjx_replay import replayer
+from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.registry import catalogue
 
 FINER = 4

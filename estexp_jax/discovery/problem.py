@@ -13,7 +13,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis, batch
 from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
-from estexp_jax.physics.engines.mjx_replay import Replayer
+from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.segment import Segment
 

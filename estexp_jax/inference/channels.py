@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.engines.mjx_replay import Replay
+from estexp_jax.physics.engines.replaying import Replay
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 

@@ -12,7 +12,8 @@ import numpy as np
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.physics.engines.mjx_replay import Replayer, replayer
+from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot

@@ -10,7 +10,8 @@ from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery.diagnosis import EXPLAINING, ExplainConfig
 from estexp_jax.discovery.starts import RUNGS, Seen, climbed, starts
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.engines.mjx_replay import Replayer, replayer
+from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.registry import catalogue, effect
 from estexp_jax.physics.robot import Robot
 from tests.discovery.leg import CASES, JOINTS, leg_case

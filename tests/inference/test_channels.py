@@ -5,7 +5,7 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.inference.channels import channels_of, spans
-from estexp_jax.physics.engines.mjx_replay import Replay
+from estexp_jax.physics.engines.replaying import Replay
 
 TIME = np.arange(40) / 10.0
 

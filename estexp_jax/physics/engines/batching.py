@@ -9,10 +9,17 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
+
+
+class Choice(NamedTuple):
+    """An engine, and why it."""
+
+    engine: str
+    reason: str
 
 
 def cores() -> int:

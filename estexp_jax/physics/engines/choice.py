@@ -9,12 +9,16 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.base import CommandShift, ReadingShift
+from estexp_jax.physics.engines.batching import Choice
 from estexp_jax.physics.engines.lanes.check import TOLERANCE, disagreement
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
+from estexp_jax.physics.engines.lanes.replay import LANES_WIDTH, LanesReplayer
 from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
+from estexp_jax.physics.engines.mjx_replay import MJX_WIDTH, MjxReplayer
 from estexp_jax.physics.engines.mjx_walk import MjxWalker, mjx_width
-from estexp_jax.physics.engines.walking import Choice, Walker
+from estexp_jax.physics.engines.replaying import Replayer, differing
+from estexp_jax.physics.engines.walking import Walker
 from estexp_jax.physics.interface import interface_of
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
@@ -23,12 +27,13 @@ Engine = Literal["auto", "lanes", "mjx"]
 ENGINES: Sequence[Engine] = ("auto", "lanes", "mjx")
 
 
-def chosen(engine: str, on_mjx: MjxModel) -> Choice:
+def chosen(engine: str, on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> Choice:
     """The engine for a robot.
 
     Args:
         engine: what the user wants: auto, lanes or mjx.
         on_mjx: the robot and the effects it is to carry.
+        overridden: fields that recordings' known settings change.
 
     Raises:
         InputError: there is no such engine, or lanes are wanted and cannot simulate the robot.
@@ -37,7 +42,7 @@ def chosen(engine: str, on_mjx: MjxModel) -> Choice:
         raise InputError(f"there is no engine '{engine}'", where="--engine", right=known(ENGINES))
     if engine == "mjx":
         return Choice("mjx", "as asked for")
-    refused = lanes_refusal(on_mjx)
+    refused = lanes_refusal(on_mjx, overridden)
     if refused is None:
         return Choice("lanes", "as asked for" if engine == "lanes" else "the fastest that can simulate this robot")
     if engine == "lanes":
@@ -82,6 +87,35 @@ def walker(
             return fast
         choice = _distrusted(engine, off, robot)
     return MjxWalker(on_mjx, face, rows, substeps, gain, mjx_width(population), choice)
+
+
+def replayer(
+    robot: Robot,
+    catalogue: Catalogue,
+    per_recording: Sequence[Robot],
+    *,
+    engine: str = "auto",
+    width: int | None = None,
+    block: int = 256,
+) -> Replayer:
+    """A replayer for recordings of a robot.
+
+    Args:
+        robot: the nominal robot.
+        catalogue: the effects that hypotheses draw on.
+        per_recording: the nominal robot with each recording's known settings.
+        engine: auto, lanes or mjx.
+        width: lanes in a chunk; None: what suits the engine.
+        block: physics steps in a call.
+
+    Raises:
+        InputError: no engine can simulate the model, or a recording's settings change the model's structure.
+    """
+    nominal = mjx_model(robot, catalogue)
+    differs = differing(nominal, per_recording)
+    choice = chosen(engine, nominal, differs.fields)
+    kind, usual = (LanesReplayer, LANES_WIDTH) if choice.engine == "lanes" else (MjxReplayer, MJX_WIDTH)
+    return kind(nominal, differs, width or usual, block, choice)
 
 
 def _distrusted(engine: str, off: float, robot: Robot) -> Choice:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
+import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
@@ -124,3 +126,14 @@ def stepped(does: Acted, data: mjx.Data) -> mjx.Data:
     if model.opt.integrator == mjx.IntegratorType.RK4:
         after = after.replace(sensordata=mjx.forward(model, data).sensordata)
     return after
+
+
+def fields_of(model: mjx.Model) -> dict[str, jax.Array]:
+    """The numeric fields of an MJX model and its options, by name."""
+    found: dict[str, jax.Array] = {}
+    for prefix, part in (("", model), ("opt.", model.opt)):
+        for field in dataclasses.fields(part):
+            value: Any = getattr(part, field.name, None)
+            if isinstance(value, jax.Array) and jnp.issubdtype(value.dtype, jnp.floating):
+                found[prefix + field.name] = value
+    return found

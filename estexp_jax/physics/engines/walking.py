@@ -14,6 +14,7 @@ import numpy as np
 from estexp_jax.physics.changes import Values
 from estexp_jax.physics.controllers import Network, decode, n_weights
 from estexp_jax.physics.effects.base import ControllerFault
+from estexp_jax.physics.engines.batching import Choice
 from estexp_jax.physics.engines.mjx_model import MjxModel
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now
 from estexp_jax.physics.interface import Interface
@@ -42,13 +43,6 @@ class Walk(NamedTuple):
     position: Any  #: (robots, rows, 3) of the root, m
     final: BodyState
     failed: Any  #: (robots,) bool: the simulation blew up
-
-
-class Choice(NamedTuple):
-    """An engine, and why it."""
-
-    engine: str
-    reason: str
 
 
 class Lane(NamedTuple):

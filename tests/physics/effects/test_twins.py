@@ -7,7 +7,7 @@ import pytest
 
 from estexp_jax.physics.changes import Change, encode, parse_change, stack
 from estexp_jax.physics.effects.base import BodyPull, CommandLaw, Term
-from estexp_jax.physics.engines.mjx_replay import replayer
+from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import ALL
 from estexp_jax.physics.robot import Robot

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from estexp_jax.physics.changes import encode, parse_change, stack
-from estexp_jax.physics.engines.mjx_replay import Replay, replayer
+from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.engines.replaying import Replay
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot

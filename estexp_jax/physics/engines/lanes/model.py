@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property
-from typing import Any, final
+from typing import final
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +13,7 @@ from mujoco import mjx
 from estexp_jax.physics.changes import Values, neutral
 from estexp_jax.physics.engines.lanes.plan import Plan, plan
 from estexp_jax.physics.engines.lanes.support import refusal
-from estexp_jax.physics.engines.mjx_model import MjxModel
+from estexp_jax.physics.engines.mjx_model import MjxModel, fields_of
 
 FIELDS = frozenset(
     (
@@ -26,6 +26,13 @@ FIELDS = frozenset(
     )
 )
 """Fields of a model that lanes take from robot to robot."""
+_SHARED = frozenset(
+    (
+        *("geom_solref", "geom_solimp", "geom_solmix", "jnt_solref", "jnt_solimp", "dof_solref", "dof_solimp"),
+        *("opt.impratio", "sensor_cutoff"),
+    )
+)
+"""Fields that lanes take to be the same for all robots."""
 _UNREAD = frozenset(("body_subtreemass", "actuator_acc0"))
 """Fields that edits may write and lanes have no use for."""
 
@@ -51,15 +58,20 @@ class LanesModel:
     def fields(self, model: mjx.Model, values: Values) -> dict[str, jax.Array]:
         """One robot's numbers that differ from robot to robot; batched outside, robots last."""
         edited = self.on_mjx.edited(model, values)
-        return {name: _field(edited, name) for name in self.written}
+        return {name: field_of(edited, name) for name in self.written}
 
 
-def lanes_refusal(on_mjx: MjxModel) -> str | None:
-    """Why lanes cannot simulate a robot with the effects of a catalogue; None where they can."""
+def lanes_refusal(on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> str | None:
+    """Why lanes cannot simulate a robot with the effects of a catalogue; None where they can.
+
+    Args:
+        on_mjx: the robot and its catalogue.
+        overridden: fields that recordings' known settings change.
+    """
     refused = refusal(on_mjx.armed)
     if refused is None:
-        strange = sorted(written(on_mjx) - FIELDS)
-        refused = f"an effect that changes {strange[0]} is not supported" if strange else None
+        strange = sorted((written(on_mjx) - FIELDS) | (overridden & _SHARED))
+        refused = f"{strange[0]} that differs from robot to robot is not supported" if strange else None
     return refused
 
 
@@ -70,7 +82,7 @@ def lanes_model(on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> L
         on_mjx: the robot and its catalogue.
         overridden: fields that differ from robot to robot for other reasons than edits.
     """
-    return LanesModel(on_mjx, tuple(sorted(written(on_mjx) | overridden)))
+    return LanesModel(on_mjx, tuple(sorted(written(on_mjx) | (overridden & FIELDS))))
 
 
 def written(on_mjx: MjxModel) -> set[str]:
@@ -92,16 +104,6 @@ def written(on_mjx: MjxModel) -> set[str]:
     return {name for name, yes in zip(names, depends, strict=True) if yes} - _UNREAD
 
 
-def fields_of(model: mjx.Model) -> dict[str, jax.Array]:
-    """The numeric fields of an MJX model and its options, by name."""
-    found: dict[str, jax.Array] = {}
-    for prefix, part in (("", model), ("opt.", model.opt)):
-        for field in dataclasses.fields(part):
-            value: Any = getattr(part, field.name, None)
-            if isinstance(value, jax.Array) and jnp.issubdtype(value.dtype, jnp.floating):
-                found[prefix + field.name] = value
-    return found
-
-
-def _field(model: mjx.Model, name: str) -> jax.Array:
+def field_of(model: mjx.Model, name: str) -> jax.Array:
+    """A field of an MJX model or its options."""
     return getattr(model.opt, name.removeprefix("opt.")) if name.startswith("opt.") else getattr(model, name)

@@ -1,0 +1,98 @@
+"""Open loop in lanes."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.physics.changes import Values
+from estexp_jax.physics.effects.base import Distortion
+from estexp_jax.physics.engines.lanes.model import LanesModel, field_of, lanes_model
+from estexp_jax.physics.engines.lanes.numbers import Numbers
+from estexp_jax.physics.engines.lanes.sensors import Reader
+from estexp_jax.physics.engines.lanes.states import packed, unpacked
+from estexp_jax.physics.engines.lanes.step import LaneState, Stepper
+from estexp_jax.physics.engines.lanes.terms import Acting
+from estexp_jax.physics.engines.lanes.walk import TOLERANCE
+from estexp_jax.physics.engines.lanes.xla import compiled
+from estexp_jax.physics.engines.mjx_terms import Hidden
+from estexp_jax.physics.engines.replay_inputs import Drive
+from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
+
+LANES_WIDTH = 104
+"""Lanes in a chunk."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LanesReplayer(Replayer):
+    """A replayer in lanes."""
+
+    _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
+    _programs: dict[str, Any] = field(default_factory=dict, init=False)
+
+    @cached_property
+    def lanes(self) -> LanesModel:
+        """The robot in lanes."""
+        return lanes_model(self.on_mjx, self.differing.fields)
+
+    def _prepared(self, values: Values, overrides: tuple) -> Any:
+        with self._lock:
+            if "prepare" not in self._programs:
+                prepare = jax.jit(jax.vmap(self._edited, out_axes=-1)).lower(values, overrides)
+                self._programs["shapes"] = prepare.out_info
+                self._programs["prepare"] = prepare.compile()
+        return self._programs["prepare"](values, overrides)
+
+    def _edited(self, values: Values, overrides: tuple) -> Any:
+        model = self.model(values, overrides)
+        return {name: field_of(model, name) for name in self.lanes.written}, values
+
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Any]:
+        last = jax.tree.map(_lanes_last, (state, drive))
+        with self._lock:
+            if "block" not in self._programs:
+                block = jax.jit(self._blocked).lower(self._programs["shapes"], *last)
+                self._programs["block"], self._programs["fast"] = compiled(block)
+        state, seen = self._programs["block"](prepared, *last)
+        return jax.tree.map(_lanes_first, state), jax.tree.map(_lanes_first, seen)
+
+    def _blocked(self, prepared: Any, state: State, drive: Drive) -> Any:
+        (fields, values), plan = prepared, self.lanes.plan
+        numbers = Numbers(plan.model, fields, state.qpos.dtype)
+        stepper = Stepper(plan, numbers, TOLERANCE[np.dtype(state.qpos.dtype)])
+        reader = Reader(plan, numbers, stepper.inertias)
+        acting = Acting(self.robot, self.catalogue, plan, numbers, values)
+        before = jnp.asarray(is_acceleration(self.robot))[:, None]
+
+        def step(carry: tuple[LaneState, Any, Hidden], now: Drive) -> Any:
+            lanes, felt, hidden = carry
+            told, added, hidden = acting.act(lanes, now.ctrl, now.enable, now.length, hidden)
+            qpos, qvel, _ = unpacked(plan, lanes)
+            lanes, instant = stepper.step(lanes, told, now.length, added)
+            read = reader.read(instant, range(plan.model.nsensor))
+            sensed = felt if not read else jnp.stack([read[i] + jnp.zeros_like(qpos[0]) for i in sorted(read)])
+            return (lanes, sensed, hidden), (jnp.where(before, felt, sensed), qpos, qvel)
+
+        start = (packed(plan, state.qpos, state.qvel, state.warmstart), state.sensordata, state.hidden)
+        (lanes, felt, hidden), (sensors, qpos, qvel) = jax.lax.scan(step, start, drive)
+        for effect in self.catalogue:
+            if isinstance(effect, Distortion):
+                distort = jax.vmap(lambda x, v, e=effect: e.distort(self.robot, x, v), in_axes=-1, out_axes=-1)
+                sensors = distort(sensors, values[effect.name])
+        after = unpacked(plan, lanes)
+        return State(after[0], after[1], state.act, after[2], felt, hidden), (sensors, qpos, qvel)
+
+
+def _lanes_last(x: Any) -> np.ndarray:
+    return np.ascontiguousarray(np.moveaxis(np.asarray(x), 0, -1))
+
+
+def _lanes_first(x: Any) -> np.ndarray:
+    return np.moveaxis(np.asarray(x), -1, 0)

@@ -1,0 +1,242 @@
+"""Open loop, whatever the engine: recorded commands replayed through many hypothetical robots at once.
+
+A lane is one hypothesis on one segment of a recording. All lanes, whatever their hypothesis, length and clock, share
+one executable: it advances a fixed block of physics steps, and is called until the longest segment ends.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from mujoco import mjx
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.changes import Values
+from estexp_jax.physics.engines.batching import Choice, cores
+from estexp_jax.physics.engines.mjx_model import MjxModel, fields_of, mjx_model, switched
+from estexp_jax.physics.engines.mjx_terms import Hidden, Now, stateful
+from estexp_jax.physics.engines.replay_inputs import Drive, Roll, drive_of, read_late, rolls, starts
+from estexp_jax.physics.registry import Catalogue
+from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.segment import Segment
+
+_ROLL = 256
+"""Rows in one call that hidden variables are rolled along."""
+_Array = Any
+"""A NumPy array outside the compiled function, a JAX array inside."""
+
+
+class State(NamedTuple):
+    """Lanes between two blocks; every array has the lanes as first axis."""
+
+    qpos: _Array
+    qvel: _Array
+    act: _Array
+    warmstart: _Array
+    sensordata: _Array  # of the step before
+    hidden: Hidden
+
+
+class Replay(NamedTuple):
+    """What lanes did at the rows of their segments, NaN beyond a segment's end.
+
+    Attributes:
+        sensors: (lanes, rows, nsensordata) readings, faults applied.
+        qpos: (lanes, rows, nq).
+        qvel: (lanes, rows, nv).
+    """
+
+    sensors: np.ndarray
+    qpos: np.ndarray
+    qvel: np.ndarray
+
+
+class Differing(NamedTuple):
+    """What recordings' known settings make different from recording to recording.
+
+    Attributes:
+        positions: among the leaves of the MJX model.
+        values: for each of them, (recordings, ...).
+        fields: names of those that are fields of numbers.
+    """
+
+    positions: tuple[int, ...]
+    values: tuple[np.ndarray, ...]
+    fields: frozenset[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Replayer(abc.ABC):
+    """Replays recordings through hypotheses about a robot.
+
+    Attributes:
+        on_mjx: the nominal robot and the catalogue of effects.
+        differing: what differs from recording to recording.
+        width: lanes in a chunk.
+        block: physics steps in a call.
+        choice: which engine it is, and why.
+    """
+
+    on_mjx: MjxModel
+    differing: Differing
+    width: int
+    block: int
+    choice: Choice
+
+    @abc.abstractmethod
+    def _prepared(self, values: Values, overrides: tuple) -> Any:
+        """What does not change from block to block; `overrides` are the lanes' `differing`."""
+
+    @abc.abstractmethod
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, tuple[_Array, _Array, _Array]]:
+        """The lanes after a block, and (lanes, block, ...) sensors, qpos and qvel at the beginning of each step."""
+
+    @property
+    def robot(self) -> Robot:
+        """The nominal robot."""
+        return self.on_mjx.robot
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """The effects that values have an entry for."""
+        return self.on_mjx.catalogue
+
+    def model(self, values: Values, overrides: tuple) -> mjx.Model:
+        """One lane's model: with its recording's settings, and its edits."""
+        leaves, tree = jax.tree.flatten(self.on_mjx.model)
+        for position, leaf in zip(self.differing.positions, overrides, strict=True):
+            leaves[position] = leaf
+        return self.on_mjx.edited(jax.tree.unflatten(tree, leaves), values)
+
+    def replay(self, values: Values, segments: Sequence[Segment], which: np.ndarray) -> Replay:
+        """Replay lanes.
+
+        Args:
+            values: (lanes, n_sites, n_parameters) for each effect.
+            segments: what can be replayed.
+            which: (lanes,) index of each lane's segment.
+        """
+        which = np.asarray(which)
+        order = np.argsort([segments[w].steps.n_steps for w in which], kind="stable")
+        chunks = [order[i : i + self.width] for i in range(0, len(order), self.width)]
+
+        def run(lanes: np.ndarray) -> Replay:
+            chosen = np.resize(lanes, self.width)  # the last chunk repeats its lanes
+            part = {name: np.asarray(v, np.float32)[chosen] for name, v in values.items()}
+            return self._chunk(part, [segments[w] for w in which[chosen]], len(lanes))
+
+        with ThreadPoolExecutor(cores()) as threads:
+            parts = list(threads.map(run, chunks))
+        rows = max(segments[w].rows for w in which)
+        return Replay(*(self._gather(parts, chunks, field, rows) for field in Replay._fields))
+
+    def _gather(self, parts: list[Replay], chunks: list[np.ndarray], field: str, rows: int) -> np.ndarray:
+        whole = np.full((sum(map(len, chunks)), rows, getattr(parts[0], field).shape[2]), np.nan, np.float32)
+        for part, lanes in zip(parts, chunks, strict=True):
+            found = getattr(part, field)
+            whole[lanes, : found.shape[1]] = found
+        return whole
+
+    def _chunk(self, values: Values, segments: list[Segment], n: int) -> Replay:
+        """Replay `width` lanes, keep the first `n`."""
+        model, template = self.robot.model, self.on_mjx.data
+        n_steps = max(s.steps.n_steps for s in segments) + 1  # one more, to read the last row
+        blocks = -(-n_steps // self.block)
+        drive = drive_of(self.robot, self.catalogue, values, segments, blocks * self.block)
+        recording = [s.recording for s in segments]
+        overrides = tuple(o[recording] for o in self.differing.values)
+        state = State(
+            *starts(self.robot, self.catalogue, values, segments),
+            np.zeros((len(segments), model.na), np.float32),
+            np.zeros((len(segments), model.nv), np.float32),
+            np.broadcast_to(np.asarray(template.sensordata), (len(segments), model.nsensordata)),
+            {},
+        )
+        if stateful(self.catalogue):
+            state = state._replace(hidden=self._hidden(values, overrides, segments))
+        prepared, seen = self._prepared(values, overrides), []
+        for b in range(blocks):
+            part = jax.tree.map(lambda x, b=b: x[:, b * self.block : (b + 1) * self.block], drive)
+            state, out = self._advanced(prepared, state, part)
+            seen.append(jax.tree.map(np.asarray, out))
+        whole = [np.concatenate([part[i] for part in seen], axis=1) for i in range(3)]
+        read_late(self.robot, self.catalogue, whole[0], values, segments)
+        rows = max(s.rows for s in segments[:n])
+        return Replay(
+            *(np.stack([_rows(x[i], s.steps.sample, rows) for i, s in enumerate(segments[:n])]) for x in whole)
+        )
+
+    def _hidden(self, values: Values, overrides: tuple, segments: list[Segment]) -> Hidden:
+        """Hidden variables (lanes, n_sites) at the lanes' starts: rolled along each recording's rows before them."""
+        n_rows = max(s.first if s.path is not None else 0 for s in segments)
+        blocks = -(-n_rows // _ROLL)
+        before = rolls(self.robot, self.catalogue, values, segments, blocks * _ROLL)
+        hidden = _rested(self, values, overrides, jax.tree.map(lambda x: x[:, 0], before))
+        for b in range(blocks):
+            part = jax.tree.map(lambda x, b=b: x[:, b * _ROLL : (b + 1) * _ROLL], before)
+            hidden = _rolled(self, values, overrides, hidden, part)
+        return hidden
+
+
+def _rows(x: np.ndarray, sample: np.ndarray, rows: int) -> np.ndarray:
+    found = np.full((rows, x.shape[1]), np.nan, np.float32)
+    found[: len(sample)] = x[sample]
+    return found
+
+
+def differing(nominal: MjxModel, per_recording: Sequence[Robot]) -> Differing:
+    """What the known settings of recordings change in a model.
+
+    Raises:
+        InputError: they change the model's structure.
+    """
+    leaves, tree = jax.tree.flatten(nominal.model)
+    distinct = {id(r): r for r in per_recording}
+    variants = {k: jax.tree.flatten(mjx_model(r, nominal.catalogue).model) for k, r in distinct.items()}
+    if any(other != tree for _, other in variants.values()):
+        raise InputError("a recording's settings change what the model consists of", where=nominal.robot.source)
+    each = [variants[id(r)][0] for r in per_recording]
+    positions = tuple(i for i, leaf in enumerate(leaves) if any(not np.array_equal(leaf, own[i]) for own in each))
+    names = {id(leaf): name for name, leaf in fields_of(nominal.model).items()}
+    fields = frozenset(names[id(leaves[i])] for i in positions if id(leaves[i]) in names)
+    return Differing(positions, tuple(np.stack([np.asarray(own[i]) for own in each]) for i in positions), fields)
+
+
+def is_acceleration(robot: Robot) -> np.ndarray:
+    """Which values of `sensordata` (nsensordata,) show forces or accelerations: of the step before."""
+    acceleration = robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
+    return np.repeat(acceleration, robot.model.sensor_dim)
+
+
+@partial(jax.jit, static_argnums=0)
+def _rested(self: Replayer, values: Values, overrides: tuple, roll: Roll) -> Hidden:
+    def one(values: Values, overrides: tuple, roll: Roll) -> Hidden:
+        return self.on_mjx.rested(self.model(values, overrides), values, Now(*roll))
+
+    return jax.vmap(one)(values, overrides, roll)
+
+
+@partial(jax.jit, static_argnums=0)
+def _rolled(self: Replayer, values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
+    """Hidden variables after the rows of a roll, along which the robot moved as recorded."""
+
+    def one(values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
+        model = self.model(values, overrides)
+
+        def step(hidden: Hidden, now: Roll) -> tuple[Hidden, None]:
+            switched_model = switched(model, now.enable)
+            after = self.on_mjx.acted(switched_model, values, hidden, Now(*now)).hidden
+            return jax.tree.map(partial(jnp.where, now.length > 0.0), after, hidden), None
+
+        return jax.lax.scan(step, hidden, roll)[0]
+
+    return jax.vmap(one)(values, overrides, hidden, roll)
