@@ -22,6 +22,9 @@ _CHANCE = 0.05
 """... and the windows must agree on it, at this level of a signed-rank test."""
 _TIE = 1.03
 """Held-out squared errors this near are no reason to prefer one explanation to another."""
+_RIVAL = 1.5
+"""Up to so many times the best one's error, explanations are judged again once the coarse step's error is known there:
+what the step does to friction hid a Stribeck peak behind plain Coulomb friction."""
 _FOLDS = 3
 _MOST_WINDOWS = 48
 """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
@@ -146,8 +149,13 @@ def select(
         if not worth(best, chosen):
             break
         problem = problem.corrected_at(best.fitted.member)
-        [chosen] = yield from _cross_validated(problem, [best.fitted], folds, price, f"{stage}, finer step")
-        tried[tried.index(best)] = chosen
+        rivals = [e for e in found if e.error <= _RIVAL * best.error]
+        tasks = [(e.fitted.hypothesis, [e.fitted.vector]) for e in rivals]
+        fits = yield from fit(problem, tasks, windows, price, stage=f"{stage}, finer step")
+        again = yield from _cross_validated(problem, fits, folds, price, f"{stage}, finer step")
+        anew = dict(zip(map(id, rivals), again, strict=True))
+        tried = [anew[id(e)] if id(e) in anew else e for e in tried]
+        chosen = simplest(again)
     return Selection(nominal, corrected, own, tuple(tried), chosen), problem
 
 
