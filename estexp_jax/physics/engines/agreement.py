@@ -33,7 +33,7 @@ _WALK = 16
 
 
 class Visited(NamedTuple):
-    """States of the nominal robot, (n, ...), and the outputs [-1, 1] (n, nu) with which its motors are told to go on."""
+    """States of the nominal robot, (n, ...), and the network outputs in [-1, 1] (n, nu) with which it goes on."""
 
     qpos: np.ndarray
     qvel: np.ndarray
@@ -84,11 +84,16 @@ def visited(robot: Robot, face: Interface, n: int, seed: int = 0) -> Visited:
             mujoco.mj_resetData(model, data)
             data.qpos[:] = robot.home()
         outputs = rng.uniform(-1.0, 1.0, model.nu)
-        data.ctrl[:] = face.commands(outputs)
+        data.ctrl[:] = commands_of(face, outputs)
         mujoco.mj_step(model, data, _EVERY)
         outputs = rng.uniform(-1.0, 1.0, model.nu)
         rows.append((data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy(), outputs))
     return Visited(*(np.array(column, np.float32) for column in zip(*rows, strict=True)))
+
+
+def commands_of(face: Interface, outputs: np.ndarray) -> np.ndarray:
+    """Commands (..., nu) of network outputs (..., nu), in double precision."""
+    return np.clip(face.ctrl_centre + face.ctrl_scale * outputs.astype(float), face.ctrl_low, face.ctrl_high)
 
 
 def converged_speeds(
@@ -104,9 +109,8 @@ def converged_speeds(
         sets: changes of robots, taken in turns by the states; none of them loses a part.
     """
     models = [_changed(robot, changes) for changes in sets]
-    commands = np.asarray(face.commands(states.outputs.astype(float)))
     found = []
-    for k, ctrl in enumerate(commands):
+    for k, ctrl in enumerate(commands_of(face, states.outputs)):
         model = models[k % len(models)]
         data = mujoco.MjData(model)
         data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = states.qpos[k], states.qvel[k], states.warmstart[k]
@@ -134,9 +138,7 @@ def agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> Agreeme
     scale = np.maximum(1.0, np.abs(expected).max(axis=1))
     error = np.abs(found - expected).max(axis=1) / scale
     error = np.where(np.isfinite(error), error, np.inf)
-    return Agreement(
-        len(error), substeps, float(np.median(error)), float(np.percentile(error, 95)), float(error.max())
-    )
+    return Agreement(len(error), substeps, float(np.median(error)), float(np.percentile(error, 95)), float(error.max()))
 
 
 def agreement_of(walker: Walker, states: Visited, sets: Sequence[Sequence[Change]] = ((),)) -> Agreement:

@@ -210,6 +210,7 @@ class OpenLoop(CWalker):
 
     course: Course
     recorded: np.ndarray
+    _pool: Any = field(default_factory=lambda: mujoco.rollout.Rollout(nthread=cores()), init=False)
 
     def walk(self, robots: int, steps: int) -> np.ndarray:
         """See `CWalker`; in pieces, so that what it must record (every state) stays in a small buffer."""
@@ -219,13 +220,13 @@ class OpenLoop(CWalker):
         course.start.into(data)
         first = np.zeros(size(full))
         mujoco.mj_getState(model, data, first, full)
-        states, warm = np.tile(first, (robots, 1)), np.tile(course.start.warmstart, (robots, 1))
+        states: Any = np.tile(first, (robots, 1))
+        warm: Any = np.tile(course.start.warmstart, (robots, 1))
         width = len(first) + model.nsensordata
         piece = int(np.clip(_BUFFER // (robots * width * course.substeps), 1, steps))
         threads = [mujoco.MjData(model) for _ in range(cores())]
-        with mujoco.rollout.Rollout(nthread=len(threads)) as pool:
-            for row in range(0, steps, piece):
-                rows = np.repeat(self.recorded[:robots, row : min(row + piece, steps)], course.substeps, axis=1)
-                found, _ = pool.rollout(model, threads, states, rows, initial_warmstart=warm)
-                states, warm = found[:, -1], None
+        for row in range(0, steps, piece):
+            rows = np.repeat(self.recorded[:robots, row : min(row + piece, steps)], course.substeps, axis=1)
+            found: Any = self._pool.rollout(model, threads, states, rows, initial_warmstart=warm)[0]
+            states, warm = found[:, -1], None
         return states[:, 1 : 1 + model.nq].copy()
