@@ -36,11 +36,14 @@ def bench_figure(result: Mapping[str, Any]) -> Any:
     from matplotlib.figure import Figure
 
     races, swept = [result, *result.get("also", [])], result.get("sweep") or []
-    figure = Figure(figsize=(5.2 * len(races) + (5.8 if swept else 0.0), 3.9), layout="constrained")
+    figure = Figure(figsize=(0.8 + 3.9 * len(races) + (4.8 if swept else 0.0), 3.6), layout="constrained")
     widths = [1.0] * len(races) + ([1.15] if swept else [])
     panels = figure.subplots(1, len(widths), squeeze=False, width_ratios=widths)[0]
+    before: list[str] = []
     for axes, race in zip(panels, races, strict=False):
-        _draw_ratios(axes, race)
+        names = _draw_ratios(axes, race)
+        axes.tick_params(labelleft=names != before)
+        before = names
     if swept:
         _draw_sweep(panels[-1], swept, result)
     about, versions = f"{result['model']}, {result['population']} robots", result.get("versions", {})
@@ -49,26 +52,24 @@ def bench_figure(result: Mapping[str, Any]) -> Any:
     return figure
 
 
-def _draw_ratios(axes: Any, race: Mapping[str, Any]) -> None:
+def _draw_ratios(axes: Any, race: Mapping[str, Any]) -> list[str]:
+    """Bars; returns whose."""
     entries = [e for e in race["engines"] if e["ratio_to_serial"] is not None]
     ratios = [e["ratio_to_serial"] for e in entries]
     colours = [_COLOURS.get(e["name"], _OTHER) for e in entries]
     places = range(len(entries), 0, -1)
     axes.barh(places, ratios, color=colours, height=0.7)
     for place, entry, ratio in zip(places, entries, ratios, strict=True):
-        text = (
-            f" {ratio:.2g}x, {_short(entry['robot_steps_per_s'])}/s"
-            if ratio < 10
-            else (f" {ratio:.0f}x, {_short(entry['robot_steps_per_s'])}/s")
-        )
-        axes.text(ratio, place, text, va="center", ha="left", fontsize=8)
+        times = f"{ratio:.1f}" if ratio < 10 else f"{ratio:.0f}"
+        axes.text(ratio, place, f" {times}x, {_short(entry['robot_steps_per_s'])}/s", va="center", fontsize=8)
     axes.set_yticks(places, [_NAMES.get(e["name"], e["name"]) for e in entries], fontsize=8)
     axes.set_xlim(0.0, 1.45 * max(ratios, default=1.0))
     axes.axvline(1.0, color="0.6", linewidth=0.8, linestyle=":")
-    axes.set_xlabel("robot steps/s, times serial C with its controller")
+    axes.set_xlabel("times serial C with its controller")
     steps = race["substeps"]
     axes.set_title(f"{steps} physics step{'s' if steps > 1 else ''} a control step", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
+    return [e["name"] for e in entries]
 
 
 def _draw_sweep(axes: Any, swept: Sequence[Mapping[str, Any]], result: Mapping[str, Any]) -> None:
@@ -82,6 +83,8 @@ def _draw_sweep(axes: Any, swept: Sequence[Mapping[str, Any]], result: Mapping[s
         axes.axhline(serial, color=_COLOURS["serial"], linestyle=":", label=_NAMES["serial"])
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
+    axes.yaxis.set_major_formatter(lambda y, _: _short(y))
     axes.set_xlabel("robots")
     axes.set_ylabel("robot steps/s")
     steps = result["substeps"]
@@ -94,4 +97,4 @@ def _draw_sweep(axes: Any, swept: Sequence[Mapping[str, Any]], result: Mapping[s
 
 def _short(rate: float) -> str:
     """1.2 M, 345 k."""
-    return f"{rate / 1e6:.2f} M" if rate >= 1e6 else f"{rate / 1e3:.0f} k" if rate >= 1e4 else f"{rate:,.0f}"
+    return f"{rate / 1e6:.3g} M" if rate >= 1e6 else f"{rate / 1e3:.0f} k" if rate >= 1e3 else f"{rate:.0f}"
