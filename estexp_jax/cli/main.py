@@ -11,6 +11,7 @@ from typing import Annotated, Any, Union
 from estexp_jax.errors import InputError
 
 COMMANDS = (
+    "bench",
     "check",
     "demo",
     "explain",

@@ -1,0 +1,55 @@
+"""The judge of engines: right ones pass, with edits as well; a wrong one does not."""
+
+import numpy as np
+import pytest
+
+from estexp_jax.physics.changes import parse_change
+from estexp_jax.physics.engines.agreement import agreement, agreement_of, converged_speeds, engine_speeds, visited
+from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.interface import interface_of
+from estexp_jax.physics.registry import catalogue
+from tests.physics.robots import robot
+
+CHANGES = [(), ("body_mass@pole dm=0.1", "joint_jam@swing f=0.4", "motor_weakness@push loss=0.3")]
+SETS = [[parse_change(text, robot("cartpole")) for text in texts] for texts in CHANGES]
+
+
+@pytest.mark.parametrize("engine", ["mjx", "lanes"])
+def test_engines_agree_and_a_wrong_one_does_not(engine: str) -> None:
+    one = robot("cartpole")
+    effects = catalogue(["body_mass", "motor_weakness", "joint_jam"])
+    walks = walker(one, effects, rows=3, control_step=0.01, population=60, engine=engine)
+    states = visited(one, walks.interface, 40)
+    found = agreement_of(walks, states, SETS)
+    assert found.agrees and found.states == 40 and found.physics_steps == 2
+    assert found.median <= found.high <= found.largest
+    assert "agrees with the converged C engine" in found.sentence()
+    # The edits are not where the referee has them: every other state is off.
+    speeds = engine_speeds(walks, states, SETS)
+    assert not agreement(speeds, converged_speeds(one, walks.interface, states, 2), 2).agrees
+
+
+def test_states_are_visited_ones_and_the_same_for_one_seed() -> None:
+    quadruped = robot("quadruped")
+    face = interface_of(quadruped)
+    states, again, other = (visited(quadruped, face, 20, seed) for seed in (0, 0, 1))
+    np.testing.assert_array_equal(states.qpos, again.qpos)
+    assert not np.array_equal(states.qpos, other.qpos)
+    assert np.abs(states.qvel).max() > 1.0 and np.abs(states.outputs).max() <= 1.0
+
+
+def test_what_is_not_finite_does_not_agree() -> None:
+    expected = np.ones((10, 3))
+    assert agreement(expected + 1e-6, expected, 1).agrees
+    for wrong in (np.nan, np.inf):
+        found = expected.copy()
+        found[:, 1] = wrong
+        assert not agreement(found, expected, 1).agrees
+
+
+def test_an_effect_without_a_place_in_mjcf_is_refused() -> None:
+    one = robot("quadruped")
+    face = interface_of(one)
+    with pytest.raises(ValueError, match="neuron_fault"):
+        fault = parse_change("neuron_fault@hidden_0 gain=0", one)
+        converged_speeds(one, face, visited(one, face, 1), 1, [[fault]])
