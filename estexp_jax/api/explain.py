@@ -95,6 +95,7 @@ def explain(
     most: int = 3,
     effects: Sequence[str] | None = None,
     seed: int = 0,
+    engine: str = "auto",
     progress: Callable[[Step], None] | None = None,
 ) -> Explanation:
     """Find the physics that a simulator lacks, from recordings of the robot.
@@ -108,13 +109,14 @@ def explain(
         most: largest number of effects in an explanation.
         effects: names of the effects to consider; None: all that it can.
         seed: of the resampling behind probabilities and intervals.
+        engine: auto, lanes or mjx.
         progress: called with each step of the work.
 
     Raises:
         InputError: a file is wrong or the model cannot be simulated.
     """
     inputs = read_inputs([str(model), *map_str(recordings)], test=map_str(test), maps=list(map))
-    config = config_of(window, most, effects, seed)
+    config = config_of(window, most, effects, seed, engine)
     return run_explanation(inputs, config, {}, progress or _ignore)
 
 
@@ -123,16 +125,21 @@ def map_str(paths: Sequence[str | Path]) -> list[str]:
     return [str(path) for path in paths]
 
 
-def config_of(window: float, most: int, effects: Sequence[str] | None, seed: int) -> ExplainConfig:
+def config_of(
+    window: float, most: int, effects: Sequence[str] | None, seed: int, engine: str = "auto"
+) -> ExplainConfig:
     """The configuration of these choices.
 
     Raises:
         InputError: an unknown effect, or a window or number that makes no sense.
     """
     from estexp_jax.errors import InputError, known
+    from estexp_jax.physics.engines.choice import ENGINES
 
     if not window > 0.0:
         raise InputError(f"a window of {window} s is no window", where="--window", right="a length in s, or 'full'")
+    if engine not in ENGINES:
+        raise InputError(f"there is no engine '{engine}'", where="--engine", right=known(ENGINES))
     if most < 1:
         raise InputError(f"{most} effects explain nothing", where="--most", right="1 or more")
     chosen = ExplainConfig.effects if effects is None else tuple(effects)
@@ -141,7 +148,7 @@ def config_of(window: float, most: int, effects: Sequence[str] | None, seed: int
             raise InputError(
                 f"'{name}' is not an effect to explain with", where="--effects", right=known(ExplainConfig.effects)
             )
-    return ExplainConfig(window=window, most=most, effects=chosen, seed=seed)
+    return ExplainConfig(window=window, most=most, effects=chosen, seed=seed, engine=engine)
 
 
 def case_of(inputs: Inputs) -> Case:

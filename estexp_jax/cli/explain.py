@@ -42,8 +42,8 @@ class Options:
     """Largest number of effects in an explanation."""
     effects: tuple[str, ...] = ()
     """Names of the effects to consider; without any, all."""
-    engine: Annotated[str, tyro.conf.arg(metavar="auto|mjx")] = "auto"
-    """What simulates: MJX is what there is."""
+    engine: Annotated[str, tyro.conf.arg(metavar="auto|lanes|mjx")] = "auto"
+    """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
     seed: int = 0
     """Of the resampling behind probabilities and intervals."""
     force: bool = False
@@ -63,13 +63,11 @@ def run(options: Options) -> int:
     from estexp_jax.api.inputs import read_inputs
     from estexp_jax.runs import open_run
 
-    if options.engine not in ("auto", "mjx"):
-        raise InputError(f"there is no engine '{options.engine}'", where="--engine", right="auto or mjx")
-    config = config_of(_window(options.window), options.most, options.effects or None, options.seed)
+    config = config_of(_window(options.window), options.most, options.effects or None, options.seed, options.engine)
     tests = [path for group in options.test for path in group]
     inputs = read_inputs(options.files, test=tests, maps=options.map)
     files = {"files": options.files, "test": tests, "map": options.map, "window": options.window}
-    chosen = {"most": config.most, "effects": config.effects, "seed": config.seed}
+    chosen = {"most": config.most, "effects": config.effects, "seed": config.seed, "engine": config.engine}
     marker = {"command": "explain", "config": {**files, **chosen}}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     explanation = _explained(inputs, config, folder)

@@ -50,12 +50,14 @@ class ExplainConfig:
         most: largest number of effects in an explanation.
         effects: names of the effects to consider.
         seed: of the resampling behind probabilities and intervals.
+        engine: auto, lanes or mjx.
     """
 
     window: float = 2.0
     most: int = 3
     effects: tuple[str, ...] = EXPLAINING
     seed: int = 0
+    engine: str = "auto"
 
 
 @final

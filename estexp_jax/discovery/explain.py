@@ -39,7 +39,7 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    simulator = replayer(case.robot, catalogue(config.effects), case.robots)
+    simulator = replayer(case.robot, catalogue(config.effects), case.robots, engine=config.engine)
     coarse, fine = (tuple(segments_of(case.robots, case.recordings, config.window, finer)) for finer in (1, FINER))
     return Problem(simulator, case.recordings, coarse, fine, channels_of(case.robot, case.recordings), [0], memory)
 
@@ -61,6 +61,8 @@ def explain(
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
     problem = problem_of(case, config, {} if memory is None else memory)
+    engine, reason = problem.replayer.choice
+    yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
     train = problem.windows_of(case.indices("train"))
     settings = {name for r in case.recordings for name in r.settings}
     parameters = parameters_only(case.robot, problem.replayer.catalogue, known_values(case.robot, settings))

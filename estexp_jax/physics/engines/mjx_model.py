@@ -131,7 +131,8 @@ def stepped(does: Acted, data: mjx.Data) -> mjx.Data:
 def fields_of(model: mjx.Model) -> dict[str, jax.Array]:
     """The numeric fields of an MJX model and its options, by name."""
     found: dict[str, jax.Array] = {}
-    for prefix, part in (("", model), ("opt.", model.opt)):
+    parts: list[tuple[str, Any]] = [("", model), ("opt.", model.opt)]
+    for prefix, part in parts:
         for field in dataclasses.fields(part):
             value: Any = getattr(part, field.name, None)
             if isinstance(value, jax.Array) and jnp.issubdtype(value.dtype, jnp.floating):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import jax
 import mujoco
 import numpy as np
@@ -91,17 +93,17 @@ def _agrees(xml: str) -> None:
     assert (np.abs(ours.qvel - states.next_qvel).max(axis=1) / size).max() < 1e-8
 
 
-_options = {"deadline": None, "suppress_health_check": list(HealthCheck), "derandomize": True}
+_ALL: Any = list(HealthCheck)
 
 
-@settings(max_examples=6, **_options)
+@settings(max_examples=6, deadline=None, suppress_health_check=_ALL, derandomize=True)
 @given(trees())
 def test_random_trees_move_as_in_c(xml: str) -> None:
     _agrees(xml)
 
 
 @pytest.mark.slow
-@settings(max_examples=100, **(_options | {"derandomize": False}))
+@settings(max_examples=100, deadline=None, suppress_health_check=_ALL)
 @given(trees())
 def test_many_random_trees_move_as_in_c(xml: str) -> None:
     _agrees(xml)

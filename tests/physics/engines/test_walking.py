@@ -165,9 +165,9 @@ def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: Walker)
 @pytest.mark.parametrize(("engine", "programs"), [("mjx", 1), ("lanes", 2)])  # lanes: the edits, and the walk
 def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine: str, programs: int) -> None:
     effects = catalogue(["body_mass", "motor_weakness"])
-    here = walker(robot("cartpole"), effects, rows=12, control_step=0.01, population=4, engine=engine)
     weights = np.zeros((200, 3 * 3 + 9 + 2 * 4), np.float32)
     with count_compilations() as seen:
+        here = walker(robot("cartpole"), effects, rows=12, control_step=0.01, population=4, engine=engine)
         for n, steps in ((200, 12), (3, 5), (4, 1)):
             values = stack([neutral(here.robot, here.catalogue)] * n)
             start = here.settle(values, 10)

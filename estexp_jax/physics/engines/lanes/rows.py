@@ -116,7 +116,7 @@ class Pyramid(Rows):
             on.add(i, self.k, dot(axis, force))
 
     def curve(self, r: Residual, on: Pending) -> None:
-        a = [jnp.where(x < 0, self.stiffness, 0.0) for x in r]
+        a: list[Scalar] = [jnp.where(x < 0, self.stiffness, 0.0) for x in r]
         first, second, mu = a[0] + a[1], a[2] + a[3], self.mu
         oo, tt, nn = mu * mu * first, mu * mu * second, first + second
         on_, tn = mu * (a[0] - a[1]), mu * (a[2] - a[3])

@@ -234,8 +234,8 @@ def _meets(shape: mujoco.mjtGeom, size: np.ndarray, start: Vector, way: Vector) 
     b = add(mul(way[0], start[0]), mul(way[1], start[1]))
     c = start[0] * start[0] + start[1] * start[1] - float(size[0]) ** 2
     root = jnp.sqrt(jnp.maximum(b * b - a * c, 0.0))
-    far = jnp.where(a > 1e-12, (-b + root) / jnp.maximum(a, 1e-12), 0.0)
-    near = jnp.where(a > 1e-12, (-b - root) / jnp.maximum(a, 1e-12), 0.0)
+    far: Scalar = jnp.where(a > 1e-12, (-b + root) / jnp.maximum(a, 1e-12), 0.0)
+    near: Scalar = jnp.where(a > 1e-12, (-b - root) / jnp.maximum(a, 1e-12), 0.0)
     heights = [jnp.abs(start[2] + t * way[2]) <= half for t in (near, far)]
     side = (b * b - a * c >= 0) & (((near >= 0) & heights[0]) | ((far >= 0) & heights[1]))
     return side | ends[0] | ends[1]

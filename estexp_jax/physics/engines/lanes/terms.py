@@ -133,9 +133,10 @@ class Acting:
         b = [self._number("actuator_biasprm", a, i) for i in range(3)]
         at_rest = b[0] + b[1] * gear * position[address]
         moving = b[0] + b[2] * gear * speed[address]
-        bias = jnp.where(jnp.asarray(b[1]) != 0.0, at_rest, moving)
+        bias: Any = jnp.where(jnp.asarray(b[1]) != 0.0, at_rest, moving)
         known = jnp.asarray(gain) != 0.0
-        return jnp.where(known, -bias / jnp.where(known, gain, 1.0), 0.0) + zero
+        found: Any = jnp.where(known, -bias / jnp.where(known, gain, 1.0), 0.0)
+        return found + zero
 
     def _moment(self, term: Term, dofs: np.ndarray, sums: _Sums, now: tuple) -> JointMoment:
         position, speed, rows, enable, dt = now
@@ -152,12 +153,13 @@ class Acting:
             )
 
         def torque_of(number: Any) -> Any:
-            total = jnp.zeros_like(q)
+            total: Any = jnp.zeros_like(q)
             for address in position:
                 joint = int(self._plan.model.dof_jntid[address])
                 site = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
                 one = self._torque(site, position[address], speed[address], rows, enable, sums, whole=True)
-                total = total + jnp.where(jnp.round(number) == joint + 1, one, 0.0)
+                mine: Any = jnp.where(jnp.round(number) == joint + 1, one, 0.0)
+                total = total + mine
             return total
 
         def switched(site: list[int]) -> Any:

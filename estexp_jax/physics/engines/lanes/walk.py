@@ -131,7 +131,7 @@ class LanesWalker(Walker):
             qpos, _, _ = unpacked(plan, carry.state)
             readings = self._readings(batch, qpos, carry.felt)
             neurons, outputs = _respond(batch.network, carry.neurons, _inputs(face, readings), self.gain)
-            commands = [
+            each: list[Any] = [
                 jnp.where(active, jnp.clip(c + s * u, low, high), c)
                 for u, c, s, low, high in zip(
                     outputs,
@@ -139,8 +139,8 @@ class LanesWalker(Walker):
                     strict=True,
                 )
             ]
-            drive = Drive({m.ids: _stacked(commands, m.ids) for j in plan.joints for m in j.motors})
-            commands = jnp.stack(commands)
+            drive = Drive({m.ids: _stacked(each, m.ids) for j in plan.joints for m in j.motors})
+            commands = jnp.stack(each)
             on = jnp.ones_like(commands)
 
             def physics_step(_: Any, inner: tuple[LaneState, Any, Hidden]) -> tuple[LaneState, Any, Hidden]:
@@ -181,7 +181,7 @@ class LanesWalker(Walker):
         """Readings (n_inputs, N) as the controllers get them: those of lost parts at rest, faults applied."""
         face = self.interface
         touch = jnp.where(felt[face.columns] > 0.0, 1.0, -1.0).astype(felt.dtype)
-        true = jnp.where(face.is_touch[:, None], touch, qpos[face.qpos])
+        true: Any = jnp.where(face.is_touch[:, None], touch, qpos[face.qpos])
         true = jnp.where(batch.lost, jnp.asarray(face.rest, true.dtype)[:, None], true)
         faults = [e for e in self.catalogue if isinstance(e, Distortion)]
         if not faults:

@@ -85,7 +85,7 @@ def _install() -> None:
 
 
 def _with_options(options: Any) -> Any:
-    from jax._src.lib import xla_client
+    from jax._src.lib import xla_client  # pyright: ignore[reportPrivateImportUsage]
 
     entries = b"".join(
         _message(_BACKEND_EXTRA, _message(1, key.encode()) + _message(2, value.encode()))
