@@ -1,7 +1,7 @@
 """Explain every case of a set, each in a process of its own that sees nothing but its recordings.
 
-A case is done when `out/explained/<id>.json` says how its process ended; that file is written last, so a killed run goes on
-where it was. A case under way at the kill is resumed from its own checkpoint.
+A case is done when `out/explained/<id>.json` says how its process ended; that file is written last, so a killed run
+goes on where it was. A case under way at the kill is resumed from its own checkpoint.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from experiments.concealed.generator.plans import plans, realised
 
 
 def write_set(out: Path, seed: int, n: int, robots: Sequence[str], shorter: float = 1.0) -> dict[str, dict]:
-    """Write `out/cases/<id>/` and give the answers; cases whose answer is already kept in `out/drawn/` are not made again."""
+    """Write `out/cases/<id>/` and give the answers; what `out/drawn/` has the answer of is not made again."""
     answers: dict[str, dict] = {}
     for i, plan in enumerate(plans(seed, n, robots)):
         name = f"c{i:03d}"

@@ -90,7 +90,7 @@ class Case:
     deviation: float = 0.0
 
 
-def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = False) -> Case:
+def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = False, refit: bool = True) -> Case:
     """Draw everything a plan leaves open and move the robot.
 
     Args:
@@ -98,6 +98,7 @@ def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = 
         shorter: recordings have this share of their usual length.
         bound: of the refit that decides how visible it is.
         clean: no parameter errors (for tests).
+        refit: whether to refit at all (tests do without).
     """
     rng, robot = np.random.default_rng([plan.seed, 1]), ROBOTS[plan.robot]
     place, nominal = layout(plan.robot), nominal_xml(robot, plan.planted, rng)
@@ -113,7 +114,7 @@ def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = 
     plant = Plant(robot, truth, motors, effects, plan.by_hand)
     recorded = tuple(_recordings(plan, robot, plant, effects, instruments, rate, shorter, rng))
     seen = channels(model, place)
-    measure = _visible(model, robot, seen, recorded, effects, plan.planted, instruments, bound)
+    measure = _visible(model, robot, seen, recorded, effects, plan.planted, instruments, bound if refit else 0.0)
     return Case(plan, nominal, recorded, effects, instruments, measure, wrong, deviation)
 
 

@@ -1,6 +1,9 @@
 """Equations of motion of the planar arm and the cart-pole, by hand from their Lagrangians; scipy integrates them.
 
-Both turn about +y, so a vector (x, z) fixed to a link at angle q is R(q) (x, z) = (x cos q + z sin q, z cos q - x sin q).
+Both turn about +y, so a vector (x, z) fixed to a link at angle q is
+
+    R(q) (x, z) = (x cos q + z sin q, z cos q - x sin q).
+
 Joints add damping, friction loss is smoothed over 1e-3 rad/s, and armature stands on the diagonal of the mass matrix.
 """
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, exp, pi, sin, sqrt
+from math import atan, cos, exp, inf, pi, sin, sqrt
 
 import mujoco
 
@@ -115,7 +115,8 @@ class Jam(Effect):
 
     def edit(self, model: mujoco.MjModel) -> None:
         v = self.layout.v[self.at]
-        torque = max(abs(t) for t, j in zip(self.motors.high, self.layout.drives, strict=True) if j == self.at)
+        a = self.layout.drives.index(self.at)
+        torque = min(self.motors.high[a], self.motors.most[a] if not self.motors.stiffness[a] else inf)
         model.dof_damping[v] = model.dof_damping[v] ** (1.0 - self.f) * (torque * 180.0 / pi) ** self.f
 
 
@@ -183,8 +184,6 @@ class Smooth(Effect):
     """T (2 / pi) atan(w / w_s): the friction law of another simulator."""
 
     def joint(self, m: Moment) -> None:
-        from math import atan
-
         m.force[self.at] -= self.T * 2.0 / pi * atan(m.w[self.at] / self.w_s)
 
 

@@ -64,6 +64,9 @@ class Plant:
     ) -> tuple[Trace, Trace]:
         """Move it; gives what happened at the rows and at the nominal simulator's steps.
 
+        Forces are held over a fine step; they are those of its middle, where position and speed are extrapolated to,
+        else the holding would act like a little negative damping and inertia.
+
         Args:
             controller: asked at every row, and 100 times a second before the first.
             rows: times of the rows (s, from 0), whole numbers of fine steps.
@@ -79,6 +82,7 @@ class Plant:
         waiting = sorted((e for e in self.effects), key=lambda e: e.start)
         command, enable = [0.0] * len(self.motors.gain), 1.0
         rowed, stepped = _Log(), _Log()
+        last = engine.state()[1]
         for k in range(steps + 1):
             t = (k - first) * dt
             while waiting and (t >= waiting[0].start or waiting[0].start <= 0.0):
@@ -98,7 +102,10 @@ class Plant:
             elif k > first:
                 stepped.average(command)
             if k < steps:
-                engine.advance(self._moment(t, dt, q, w, command, enable).force)
+                middle = [x + 0.5 * dt * v for x, v in zip(q, w, strict=True)]
+                ahead = [v + 0.5 * (v - v0) for v, v0 in zip(w, last, strict=True)]
+                engine.advance(self._moment(t, dt, middle, ahead, command, enable).force)
+                last = w
         return rowed.trace(), stepped.trace()
 
     def _engine(self) -> CEngine | HandEngine:

@@ -116,8 +116,8 @@ def mass_diagonal(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
 def perturb(model: mujoco.MjModel, deviation: float, rng: np.random.Generator) -> None:
     """Put an ordinary error into every mass (with its inertia), damping, friction, armature and gain, in place.
 
-    Each is multiplied by 1 + e, e normal of the given deviation and cut off at 2.5 of them. A motor's strength is one gain
-    (kp and the torque limit), a servo's kv another.
+    Each is multiplied by 1 + e, e normal of the given deviation and cut off at 2.5 of them. A motor's strength is one
+    gain (kp and the torque limit), a servo's kv another.
     """
 
     def factors(n: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What sensors make of the truth: encoder steps, white and coloured noise, dropped rows, stamps that are a little off."""
+"""What sensors make of the truth: encoder steps, white and coloured noise, dropped rows, stamps a little off."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """How visible a concealed effect is, decided before anyone explains it, from the truth without noise.
 
-The nominal model is run from the true state of every window of 1 s; then all its masses, dampings, armatures and gains are
-refitted within bounds until nothing improves (bounded least squares). What remains on the test recordings, in noise floors, is
-the effect's visibility: what no honest change of parameters explains. The nominal model's step-size error is
+The nominal model is run from the true state of every window of 1 s; then all its masses, dampings, armatures and gains
+are refitted within bounds until nothing improves (bounded least squares). What remains on the test recordings, in noise
+floors, is the effect's visibility: what no honest change of parameters explains. The nominal model's step-size error is
 subtracted (at the nominal parameters and again at the fitted ones), so that it does not count as an effect.
 """
 
@@ -34,7 +34,7 @@ class Stretch:
     Attributes:
         states: (windows, MuJoCo's full physics state) at their starts.
         controls: (windows, steps, actuators) mean commands of each nominal step.
-        before, readings: (windows, steps, actuators or channels) commands in force and true readings at the steps' ends.
+        before, readings: (windows, steps, actuators or channels) commands in force and truth at the steps' ends.
     """
 
     states: np.ndarray
@@ -153,7 +153,7 @@ def visibility(
         channels: its sensors.
         stretches: windows of training and test recordings.
         deviations: (channels,) of their noise.
-        bound: largest relative error of a parameter in the refit.
+        bound: largest relative error of a parameter in the refit; 0: none is made.
     """
     spans = np.array([np.ptp(stretches["train"].readings[..., c]) for c in range(len(channels))])
     spans = np.maximum(spans, 5.0 * deviations)
@@ -174,7 +174,7 @@ def visibility(
     weight = 1.0 / np.sqrt(stretches["train"].readings.size) / floor
     shift = at_nominal = shifts(zero)
     nominal, best = errors(zero, shift), zero
-    for _ in range(2):
+    for _ in range(2 if bound > 0.0 else 0):
 
         def residual(x: np.ndarray, shift: dict[str, np.ndarray] = shift) -> np.ndarray:
             return np.concatenate([weight * misfit(x, "train", shift), 1e-3 * x / bound])

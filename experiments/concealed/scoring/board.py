@@ -28,7 +28,7 @@ def wilson(k: int, n: int, z: float = 1.96) -> tuple[float, float]:
 
 
 def share(rows: Iterable[Row], right: Callable[[Row], Any]) -> dict[str, Any]:
-    """How many of some rows are right, as `{k, n, share, low, high}`; rows where the question does not arise are out."""
+    """How many of some rows are right, as `{k, n, share, low, high}`; without those that are not asked."""
     asked = [bool(x) for x in map(right, rows) if x is not None]
     k, n = sum(asked), len(asked)
     low, high = wilson(k, n)
