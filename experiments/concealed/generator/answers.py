@@ -24,7 +24,7 @@ def answer(case: Case) -> dict[str, Any]:
     return {
         "group": plan.group,
         "robot": plan.robot,
-        "seed": plan.seed,
+        "plan": asdict(plan),
         "engine": "by hand" if plan.by_hand else "mujoco",
         "effects": effects,
         "equivalents": equivalents(case),

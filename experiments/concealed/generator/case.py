@@ -76,6 +76,7 @@ class Case:
         effects: made, with their parameters, beside `plan.planted`.
         instruments: how good the sensors are.
         visible: how visible the difference is.
+        truth, motors: the true model without its effects, and its motors.
         wrong: relative errors of the parameters that were made wrong on purpose.
         deviation: of the ordinary parameter errors.
     """
@@ -86,6 +87,8 @@ class Case:
     effects: tuple[Effect, ...]
     instruments: Instruments
     visible: Visibility
+    truth: mujoco.MjModel
+    motors: Motors
     wrong: dict[str, float] = field(default_factory=dict)
     deviation: float = 0.0
 
@@ -115,7 +118,7 @@ def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = 
     recorded = tuple(_recordings(plan, robot, plant, effects, instruments, rate, shorter, rng))
     seen = channels(model, place)
     measure = _visible(model, robot, seen, recorded, effects, plan.planted, instruments, bound if refit else 0.0)
-    return Case(plan, nominal, recorded, effects, instruments, measure, wrong, deviation)
+    return Case(plan, nominal, recorded, effects, instruments, measure, truth, motors, wrong, deviation)
 
 
 def _shares(n: int) -> list[float]:

@@ -38,6 +38,10 @@ class CEngine:
         """All of qpos and qvel."""
         return self.data.qpos.copy(), self.data.qvel.copy()
 
+    def set(self, qpos: np.ndarray, qvel: np.ndarray) -> None:
+        """Put it into a state."""
+        self.data.qpos[:], self.data.qvel[:] = qpos, qvel
+
     def push(self, body: str, force: tuple[float, float, float]) -> None:
         """Apply a constant force from now on."""
         self.data.xfrc_applied[self.model.body(body).id, :3] = force
@@ -71,6 +75,10 @@ class HandEngine:
     def whole(self) -> tuple[np.ndarray, np.ndarray]:
         """The same as arrays."""
         return self.solver.y[:2].copy(), self.solver.y[2:].copy()
+
+    def set(self, qpos: np.ndarray, qvel: np.ndarray) -> None:
+        """Put it into a state."""
+        self.solver.set_initial_value([*qpos.tolist(), *qvel.tolist()], self.solver.t)
 
     def push(self, body: str, force: tuple[float, float, float]) -> None:
         """These robots are not pushed."""

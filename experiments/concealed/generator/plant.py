@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 
@@ -58,6 +58,7 @@ class Plant:
         self.robot, self.before, self.motors, self.effects, self.by_hand = robot, model, motors, effects, by_hand
         self.layout: Layout = layout(robot.name)
         self.step = robot.model.opt.timestep / FINER
+        self.restarts: list[tuple[float, tuple[np.ndarray, np.ndarray]]] = []
 
     def run(
         self, controller: Controller, rows: np.ndarray, off: tuple[float, float] | None, warm: float
@@ -87,6 +88,8 @@ class Plant:
             t = (k - first) * dt
             while waiting and (t >= waiting[0].start or waiting[0].start <= 0.0):
                 self._set_in(engine, waiting.pop(0))
+            if self.restarts and t >= self.restarts[0][0] - 0.5 * dt:
+                engine.set(*self.restarts.pop(0)[1])
             q, w = engine.state()
             is_row = k in due
             before, on_step = command, k >= first and (k - first) % FINER == 0
@@ -107,6 +110,24 @@ class Plant:
                 engine.advance(self._moment(t, dt, middle, ahead, command, enable).force)
                 last = w
         return rowed.trace(), stepped.trace()
+
+    def replay(self, rows: Trace, starts: Mapping[float, tuple[np.ndarray, np.ndarray]]) -> tuple[Trace, Trace]:
+        """Move it by logged commands, set anew to given states at some times; hidden states go on through that.
+
+        Args:
+            rows: times, commands and enables of the rows.
+            starts: qpos and qvel by the time they are set, s.
+        """
+        command = [c.tolist() for c in rows.command]
+        self.restarts = sorted(starts.items(), key=lambda s: s[0])
+
+        def logged(t: float, q: list[float], w: list[float]) -> list[float]:
+            return command[int(np.clip(np.searchsorted(rows.time, t + 1e-9) - 1, 0, len(command) - 1))]
+
+        off = rows.time[rows.enable[:, 0] == 0.0]
+        found = self.run(logged, rows.time, (float(off[0]), float(off[-1]) + 1e-6) if len(off) else None, 0.0)
+        self.restarts = []
+        return found
 
     def _engine(self) -> CEngine | HandEngine:
         if self.by_hand:
