@@ -25,6 +25,7 @@ def answer(case: Case) -> dict[str, Any]:
         "group": plan.group,
         "robot": plan.robot,
         "plan": asdict(plan),
+        "shorter": case.shorter,
         "engine": "by hand" if plan.by_hand else "mujoco",
         "effects": effects,
         "equivalents": equivalents(case),

@@ -79,6 +79,7 @@ class Case:
         truth, motors: the true model without its effects, and its motors.
         wrong: relative errors of the parameters that were made wrong on purpose.
         deviation: of the ordinary parameter errors.
+        shorter: its recordings have this share of their usual length.
     """
 
     plan: Plan
@@ -91,6 +92,7 @@ class Case:
     motors: Motors
     wrong: dict[str, float] = field(default_factory=dict)
     deviation: float = 0.0
+    shorter: float = 1.0
 
 
 def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = False, refit: bool = True) -> Case:
@@ -118,7 +120,7 @@ def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = 
     recorded = tuple(_recordings(plan, robot, plant, effects, instruments, rate, shorter, rng))
     seen = channels(model, place)
     measure = _visible(model, robot, seen, recorded, effects, plan.planted, instruments, bound if refit else 0.0)
-    return Case(plan, nominal, recorded, effects, instruments, measure, truth, motors, wrong, deviation)
+    return Case(plan, nominal, recorded, effects, instruments, measure, truth, motors, wrong, deviation, shorter)
 
 
 def _shares(n: int) -> list[float]:

@@ -17,7 +17,11 @@ from experiments.concealed.rivals.logs import Log, windows
 def rebuilt(answer: dict[str, Any]) -> Case:
     """The case of an answer."""
     plan = answer["plan"]
-    return make(Plan(**{**plan, "planted": tuple(Planted(**p) for p in plan["planted"])}), refit=False)
+    return make(
+        Plan(**{**plan, "planted": tuple(Planted(**p) for p in plan["planted"])}),
+        shorter=answer["shorter"],
+        refit=False,
+    )
 
 
 def error(answer: dict[str, Any], model: mujoco.MjModel, logs: list[Log]) -> float:
