@@ -13,8 +13,9 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
-from experiments.concealed.scoring.judge import QUIET, THRESHOLD, Row
+from experiments.concealed.scoring.judge import QUIET, Row
 
 _INK, _GOOD, _BAD, _SOFT = "#22303c", "#2a7f62", "#c0492f", "#9aa7b1"
 _VERDICTS = {
@@ -47,7 +48,7 @@ def draw_confusion(scores: Mapping[str, Any], path: Path) -> None:
     truths, claims = list(table), sorted({c for row in table.values() for c in row})
     counts = np.array([[table[t].get(c, 0) for c in claims] for t in truths])
     with plt.rc_context({"font.size": 8}):
-        figure, ax = plt.subplots(figsize=(1.5 + 0.42 * len(claims), 1.3 + 0.24 * len(truths)), layout="constrained")
+        figure, ax = plt.subplots(figsize=(3.2 + 0.42 * len(claims), 1.6 + 0.24 * len(truths)), layout="constrained")
         ax.imshow(np.where(counts > 0, counts, np.nan), cmap="GnBu", vmin=0, vmax=max(2, counts.max()), aspect="auto")
         for i, j in np.argwhere(counts > 0):
             ax.text(j, i, str(counts[i, j]), ha="center", va="center", fontsize=7)
@@ -68,9 +69,12 @@ def _verdicts(ax: Axes, rows: Sequence[Row]) -> None:
             ax.barh(groups, n, left=left, color=colour, label=verdict.replace("_", " "))
         left = left + n
     ax.invert_yaxis()
-    ax.set_title("Verdicts by what was concealed", loc="left")
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_title("Verdicts by what was concealed", loc="left", pad=20)
     ax.set_xlabel("cases")
-    ax.legend(frameon=False, fontsize=7)
+    ax.legend(
+        frameon=False, fontsize=7, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, handlelength=1, columnspacing=1
+    )
 
 
 def _detection(ax: Axes, scores: Mapping[str, Any]) -> None:
@@ -85,20 +89,24 @@ def _detection(ax: Axes, scores: Mapping[str, Any]) -> None:
     ]
     for shift, (key, colour, label) in zip(
         (-0.15, 0.0, 0.15),
-        (("detected", _INK, "noticed"), ("place_first", "#5b8db8", "place first"), ("name_first", _GOOD, "named")),
+        (
+            ("detected", _INK, "noticed"),
+            ("place_first", "#5b8db8", "place first"),
+            ("name_first", _GOOD, "named (odd laws: declined)"),
+        ),
         strict=True,
     ):
         told = [(i, b[key]) for i, b in enumerate(bins) if b[key]["n"]]
         x = np.array([i for i, _ in told]) + shift
         y = np.array([s["share"] for _, s in told])
         error = np.abs([[s["share"] - s["low"] for _, s in told], [s["high"] - s["share"] for _, s in told]])
-        ax.errorbar(x, y, error, fmt="o-", color=colour, label=label, ms=4, lw=1, capsize=2)
+        ax.errorbar(x, y, error, fmt="o", color=colour, label=label, ms=4, lw=1, capsize=2)
     counts = [b["detected"]["n"] for b in bins]
     ax.set_xticks(range(len(bins)), [f"{a}\nn = {n}" for a, n in zip(labels, counts, strict=True)])
     ax.set_ylim(-0.03, 1.03)
     ax.set_xlabel("visibility on unseen recordings, noise floors")
-    ax.set_title("Found, against how visible it is (95 % intervals)", loc="left")
-    ax.legend(frameon=False, fontsize=7, loc="upper left")
+    ax.set_title("Found, against how visible it is (95 % intervals)", loc="left", pad=20)
+    ax.legend(frameon=False, fontsize=7, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, handlelength=1)
 
 
 def _shares(ax: Axes, scores: Mapping[str, Any]) -> None:
@@ -124,7 +132,7 @@ def _shares(ax: Axes, scores: Mapping[str, Any]) -> None:
     ax.set_yticks(range(len(asked)), [f"{n} ({s['k']}/{s['n']})" for n, s, *_ in asked])
     ax.invert_yaxis()
     ax.set_xlim(-0.02, 1.02)
-    ax.set_title("Shares with 95 % intervals; grey bar: the goal", loc="left")
+    ax.set_title("Shares with 95 % intervals; grey bar: the goal", loc="left", pad=20)
 
 
 def _gains(ax: Axes, rows: Sequence[Row]) -> None:
@@ -175,4 +183,3 @@ def _times(ax: Axes, rows: Sequence[Row]) -> None:
     ax.set_ylim(0, None)
     ax.set_ylabel("s a case")
     ax.set_title("Time", loc="left")
-    _ = THRESHOLD

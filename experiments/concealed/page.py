@@ -126,7 +126,7 @@ def _table(scores: Mapping[str, Any]) -> list[str]:
         ("program failed or took too long", scores["failed"]),
         ("false alarms, nothing missing", scores["false_alarms"]["null"]),
         ("false alarms, parameters off", scores["false_alarms"]["parameters"]),
-        ("parameters-only no worse than nominal in training", scores["converged"]),
+        ("nothing missing: parameters-only within 3 floors in training", scores["converged"]),
         ("visible: noticed", scores["detected"]),
         ("visible: place first", scores["place_first"]),
         ("visible: place in first three", scores["place_three"]),

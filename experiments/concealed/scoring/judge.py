@@ -12,6 +12,8 @@ QUIET = ("null", "parameters")
 """Groups in which every alarm is false."""
 THRESHOLD = 3.0
 """Visibility, in noise floors, from which on an effect ought to be found."""
+CONVERGED = 3.0
+"""Noise floors a refit of parameters may leave in training where nothing is missing."""
 _NEUTRAL = {"sensor_gain": 1.0}
 
 
@@ -45,7 +47,7 @@ class Row:
         onset_error: median over training recordings, as a share of their length.
         probability: of the first claim.
         gain: held-out gain; `errors`: test nrmse of nominal, parameters_only, explained; `floor` as found.
-        converged: parameters_only is at least as good as nominal on the recordings it was fitted to.
+        converged: where nothing is missing, parameters_only leaves at most 3 floors in training.
         wall_s, robot_steps: cost.
     """
 
@@ -101,7 +103,9 @@ def judge(case: str, answer: Mapping[str, Any], findings: Mapping[str, Any] | No
     claims, verdict = findings["what"], findings["verdict"]
     alarm = verdict in ("missing_physics", "unexplained")
     what |= {"verdict": verdict, "alarm": alarm, "claimed": tuple(_label(c) for c in claims)}
-    what |= _fit(findings) | {"probability": claims[0]["probability"] if claims and effects else None}
+    what |= _fit(findings, bool(effects)) | {
+        "probability": claims[0]["probability"] if claims and verdict == "missing_physics" else None
+    }
     if effects:
         right = [
             [_matches(c, e, answer, set(equal)) for e, equal in zip(effects, answer["equivalents"], strict=True)]
@@ -190,12 +194,12 @@ def _onset(findings: Mapping[str, Any], answer: Mapping[str, Any]) -> float | No
     return float(np.median(errors)) if errors else None
 
 
-def _fit(findings: Mapping[str, Any]) -> dict[str, Any]:
+def _fit(findings: Mapping[str, Any], missing: bool) -> dict[str, Any]:
     fit = findings["fit"]
     names = [n for n in ("nominal", "parameters_only", "explained", "placebo", "black_box") if fit.get(n)]
     errors = {n: fit[n]["test"] for n in names if fit[n].get("test") is not None}
-    own, nominal = fit.get("parameters_only") or {}, fit["nominal"]
-    converged = own["train"] <= nominal["train"] * 1.001 if own.get("train") is not None else None
+    own = (fit.get("parameters_only") or {}).get("train")
+    converged = None if missing or own is None else own <= CONVERGED * fit["noise_floor"]["train"]
     return {
         "gain": fit["gain"]["value"],
         "errors": errors,

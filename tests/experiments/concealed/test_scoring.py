@@ -52,7 +52,7 @@ def findings(verdict, *claims, where=(), probability=0.9, gain=0.95, onset=None)
             for name, kind, element, parameters in claims
         ],
         "fit": {
-            "noise_floor": {"test": 0.001},
+            "noise_floor": {"train": 0.001, "test": 0.001},
             "nominal": {"train": 0.1, "test": 0.1},
             "parameters_only": {"train": 0.08, "test": 0.09},
             "explained": {"train": 0.01, "test": 0.01},
@@ -70,7 +70,7 @@ def test_a_right_answer():
     claim = ("coulomb_friction", "joint", "knee", {"T": (1.1, 0.9, 1.2)})
     row = judge("c0", answer(COULOMB), findings("missing_physics", claim, where=[("actuator", "knee_servo")]))
     assert row.detected and row.place_first and row.name_first and row.named_all and not row.wrong_name
-    assert row.sizes[0].error == pytest.approx(0.1) and row.sizes[0].covered and row.converged
+    assert row.sizes[0].error == pytest.approx(0.1) and row.sizes[0].covered and row.converged is None
 
 
 def test_the_right_name_at_the_wrong_joint_is_wrong():
@@ -119,7 +119,7 @@ def test_false_alarms_and_failures_are_counted():
     assert scores["false_alarms"]["null"] == pytest.approx(
         {"k": 2, "n": 5, "share": 0.4, "low": wilson(2, 5)[0], "high": wilson(2, 5)[1]}
     )
-    assert scores["failed"]["k"] == 1
+    assert scores["failed"]["k"] == 1 and scores["converged"]["k"] == 0 and scores["converged"]["n"] == 4
 
 
 def test_hidden_effects_are_best_left_alone():
