@@ -43,6 +43,7 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="of a development set")
     parser.add_argument("--cases", type=int, default=QUICK, help="of a development set")
     parser.add_argument("--robots", nargs="+", default=["leg", "planar"], help="of a development set")
+    parser.add_argument("--most", type=int, default=100, help="cases that rivals get, drawn by the set's seed")
     parser.add_argument("--timeout", type=float, default=1800.0, help="most seconds a case")
     options = parser.parse_args(arguments)
     kind = "quick" if options.quick else "sealed"
@@ -81,7 +82,7 @@ def _run(options: argparse.Namespace) -> int:
 def _rivals(options: argparse.Namespace) -> int:
     from experiments.concealed.rivals.front import run_rivals
 
-    run_rivals(options.out, most=None if options.quick else 100)
+    run_rivals(options.out, most=options.most)
     return _DONE
 
 

@@ -78,7 +78,7 @@ def controller(
             if motors.stiffness[a]:
                 u = rest[j] + goal[j]
             elif kind == "open":
-                u = 0.3 * limit[a] * goal[j] / reach
+                u = 0.15 * limit[a] * goal[j] / reach
             else:
                 u = (
                     limit[a] / reach * (0.7 * (rest[j] + goal[j] - q[j]) - 0.07 * w[j])

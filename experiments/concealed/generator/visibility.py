@@ -21,8 +21,8 @@ from experiments.concealed.generator.plant import Trace
 from experiments.concealed.generator.robots import Layout
 from experiments.concealed.generator.sensing import Channel
 
-WINDOW = 1.0
-"""Length of a window, s."""
+WINDOW, SHORT = 1.0, 0.4
+"""Length of a window, s; short where there are contacts, which make long ones chaotic."""
 MOST = 24
 """Most windows of a role."""
 
@@ -77,7 +77,7 @@ def stretch(model: mujoco.MjModel, traces: Sequence[Trace], readings: Sequence[n
         traces: on its steps.
         readings: true readings (steps, channels) of each.
     """
-    n = round(WINDOW / model.opt.timestep)
+    n = round((SHORT if model.nq != model.nv else WINDOW) / model.opt.timestep)
     found = [
         (i, k) for i, t in enumerate(traces) for k in range(1, len(t.time) - n, n) if t.enable[k - 1 : k + n].all()
     ]
@@ -174,19 +174,26 @@ def visibility(
     weight = 1.0 / np.sqrt(stretches["train"].readings.size) / floor
     shift = at_nominal = shifts(zero)
     nominal, best = errors(zero, shift), zero
+    nudge = 0.01 if layout.free else 1e-3
     for _ in range(2 if bound > 0.0 else 0):
 
-        def residual(x: np.ndarray, shift: dict[str, np.ndarray] = shift) -> np.ndarray:
+        def residual(factors: np.ndarray, shift: dict[str, np.ndarray] = shift) -> np.ndarray:
+            x = factors - 1.0  # scipy's steps are relative, so about 1 and not about 0
             return np.concatenate([weight * misfit(x, "train", shift), 1e-3 * x / bound])
 
-        best = least_squares(residual, best, bounds=(-bound, bound), diff_step=1e-3, max_nfev=8, ftol=1e-3, xtol=1e-4).x
+        limits = (1.0 - bound, 1.0 + bound)
+        found = least_squares(residual, 1.0 + best, bounds=limits, diff_step=nudge, max_nfev=8, ftol=1e-3, xtol=1e-4)
+        best = found.x - 1.0
         shift = shifts(best)
     step = float(np.sqrt(np.mean((at_nominal["train"] / spans) ** 2)) / floor)
     return Visibility(floor, nominal, errors(best, shift), step)
 
 
 def step_error(model: mujoco.MjModel, s: Stretch, layout: Layout, channels: Sequence[Channel]) -> np.ndarray:
-    """What an endlessly fine step would change; the error of MuJoCo's integrators falls with the step (Richardson)."""
-    finer = 5
+    """What an endlessly fine step would change; the error of MuJoCo's integrators falls with the step (Richardson).
+
+    With contact it does not fall evenly, so a free robot is simulated at a tenth of the step instead.
+    """
+    finer = 10 if layout.free else 5
     gap = predicted(model, s, layout, channels, finer) - predicted(model, s, layout, channels)
-    return gap * finer / (finer - 1)
+    return gap if layout.free else gap * finer / (finer - 1)
