@@ -29,6 +29,9 @@ def main(arguments: list[str] | None = None) -> int:
     except (sets.Tampered, RuntimeError, FileNotFoundError) as error:
         print(f"concealed: {error}", file=sys.stderr)
         return _WRONG
+    except KeyboardInterrupt:
+        print(f"concealed: interrupted; --resume goes on in {options.out}", file=sys.stderr)
+        return _INTERRUPTED
 
 
 def _parsed(arguments: list[str]) -> argparse.Namespace:

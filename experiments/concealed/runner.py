@@ -41,6 +41,8 @@ class Runner:
         try:
             with ThreadPoolExecutor(self.workers) as pool:
                 for i, case in enumerate(pool.map(self._explain, todo)):
+                    if self.stopped.is_set():
+                        break
                     spent = time.monotonic() - begin
                     left = spent / (i + 1) * (len(todo) - i - 1)
                     print(f"{case}: {i + 1} of {len(todo)}, {spent:.0f} s, about {left:.0f} s left", flush=True)

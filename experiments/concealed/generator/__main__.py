@@ -3,13 +3,32 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from experiments.concealed.generator.answers import answer
 from experiments.concealed.generator.files import write_case
 from experiments.concealed.generator.plans import plans, realised
+
+
+@contextmanager
+def patient() -> Iterator[None]:
+    """Let Ctrl-C wait until the end: within a step of scipy's compiled integrator it would end in a fatal error."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    asked: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: asked.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if asked:
+        raise KeyboardInterrupt
 
 
 def write_set(out: Path, seed: int, n: int, robots: Sequence[str], shorter: float = 1.0) -> dict[str, dict]:
@@ -19,7 +38,8 @@ def write_set(out: Path, seed: int, n: int, robots: Sequence[str], shorter: floa
         name = f"c{i:03d}"
         kept = out / "drawn" / f"{name}.json"
         if not kept.is_file():
-            case = realised(plan, shorter)
+            with patient():
+                case = realised(plan, shorter)
             write_case(case, out / "cases" / name)
             kept.parent.mkdir(parents=True, exist_ok=True)
             kept.write_text(json.dumps(answer(case)), encoding="utf-8")

@@ -1,7 +1,9 @@
 """Sets are committed to, tampering shows, and runs go on after a kill."""
 
 import json
+import os
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -9,6 +11,7 @@ import pytest
 
 from experiments.concealed import run as front
 from experiments.concealed import sets
+from experiments.concealed.generator.__main__ import patient
 from experiments.concealed.runner import Runner, ending_of
 
 EXPLAIN = """
@@ -66,6 +69,14 @@ def test_a_drawn_set_is_not_drawn_again(copy):
     before = (copy / "answers.json").read_bytes()
     sets.draw(copy, 6, 2, ["planar"])
     assert (copy / "answers.json").read_bytes() == before
+
+
+def test_ctrl_c_waits_for_the_end_of_a_case():
+    done = False
+    with pytest.raises(KeyboardInterrupt), patient():
+        os.kill(os.getpid(), signal.SIGINT)
+        done = True
+    assert done
 
 
 def test_the_seed_of_a_sealed_set_comes_from_a_clean_commit(tmp_path):
