@@ -49,7 +49,9 @@ def draw_confusion(scores: Mapping[str, Any], path: Path) -> None:
     counts = np.array([[table[t].get(c, 0) for c in claims] for t in truths])
     with plt.rc_context({"font.size": 8}):
         figure, ax = plt.subplots(figsize=(3.2 + 0.42 * len(claims), 1.6 + 0.24 * len(truths)), layout="constrained")
-        ax.imshow(np.where(counts > 0, counts, np.nan), cmap="GnBu", vmin=0, vmax=max(2, counts.max()), aspect="auto")
+        ax.imshow(
+            np.where(counts > 0, counts, np.nan), cmap="GnBu", vmin=0, vmax=2 * max(2, counts.max()), aspect="auto"
+        )
         for i, j in np.argwhere(counts > 0):
             ax.text(j, i, str(counts[i, j]), ha="center", va="center", fontsize=7)
         ax.set_xticks(range(len(claims)), claims, rotation=60, ha="right")
@@ -132,7 +134,7 @@ def _shares(ax: Axes, scores: Mapping[str, Any]) -> None:
     ax.set_yticks(range(len(asked)), [f"{n} ({s['k']}/{s['n']})" for n, s, *_ in asked])
     ax.invert_yaxis()
     ax.set_xlim(-0.02, 1.02)
-    ax.set_title("Shares with 95 % intervals; grey bar: the goal", loc="left", pad=20)
+    ax.set_title("Shares (grey bar: the goal)", loc="left", pad=20)
 
 
 def _gains(ax: Axes, rows: Sequence[Row]) -> None:
@@ -159,7 +161,7 @@ def _calibration(ax: Axes, rows: Sequence[Row], scores: Mapping[str, Any]) -> No
         p, y = np.array(claims, dtype=float).T
         order = np.argsort(p, kind="stable")
         parts = [b for b in np.array_split(order, 5) if len(b)]
-        ax.plot([p[b].mean() for b in parts], [y[b].mean() for b in parts], "o-", color=_GOOD)
+        ax.plot([p[b].mean() for b in parts], [y[b].mean() for b in parts], "o", color=_GOOD)
     ece = scores["calibration"]["ece"]
     ax.set_xlim(0, 1.02)
     ax.set_ylim(-0.02, 1.02)
