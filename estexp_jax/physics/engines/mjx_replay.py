@@ -45,12 +45,14 @@ def _block_one(self: MjxReplayer, values: Values, overrides: tuple, state: State
     before = jnp.asarray(is_acceleration(self.robot))
 
     def step(state: State, now: Drive):  # noqa: ANN202
-        data, hidden = _step(self, model, values, state, now)
+        length = jnp.where(now.length > 0.0, now.length, self.robot.model.opt.timestep)
+        data, hidden = _step(self, model, values, state, now._replace(length=length))
         sensors: Any = jnp.where(before, state.sensordata, data.sensordata)
         for effect in self.catalogue:
             if isinstance(effect, Distortion):
                 sensors = effect.distort(self.robot, sensors, values[effect.name])
         after = State(data.qpos, data.qvel, data.act, data.qacc_warmstart, data.sensordata, hidden)
+        after = jax.tree.map(partial(jnp.where, now.length > 0.0), after, state)._replace(sensordata=data.sensordata)
         return after, (sensors, state.qpos, state.qvel)
 
     return jax.lax.scan(step, state, drive)

@@ -16,6 +16,10 @@ from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Path, Segment
 
 
+_MOMENT = 1e-6
+"""So long before a row its command is not yet there, s."""
+
+
 class Drive(NamedTuple):
     """Physics steps of lanes: (lanes, steps, ...)."""
 
@@ -35,7 +39,11 @@ class Roll(NamedTuple):
 
 
 def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_steps: int) -> Drive:
-    """Steps of lanes, each with its own commands; beyond a segment's end the last ones are held."""
+    """Steps of lanes, each with its own commands; beyond a segment's end the last ones are held.
+
+    The first step has no length: it leaves the robot as it is, under the command before the segment's first row, and so
+    gives sensors of forces what they show in that row.
+    """
     shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
     sources = _sources(robot, catalogue, values)
     nu = robot.model.nu
@@ -43,10 +51,13 @@ def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[
     ctrl = np.zeros((len(segments), n_steps, nu), np.float32)
     enable = np.ones((len(segments), n_steps, nu), np.float32)
     for i, s in enumerate(segments):
-        k = s.steps.n_steps
-        length[i, :k] = s.steps.length
-        ctrl[i, :k] = s.history.mean(s.steps.start, s.steps.length, shifts[i], sources[i])
-        enable[i, :k] = s.enable[s.first + s.steps.row]
+        k = s.steps.n_steps + 1
+        start = np.concatenate([s.steps.start[:1] - _MOMENT, s.steps.start])
+        span = np.concatenate([[_MOMENT], s.steps.length])
+        length[i, 1:k] = s.steps.length
+        ctrl[i, :k] = s.history.mean(start, span, shifts[i], sources[i])
+        enable[i, 0] = s.enable[max(s.first - 1, 0)]
+        enable[i, 1:k] = s.enable[s.first + s.steps.row]
         ctrl[i, k:], enable[i, k:] = ctrl[i, k - 1], enable[i, k - 1]
     return Drive(length, ctrl, enable)
 

@@ -149,7 +149,7 @@ class Replayer(abc.ABC):
     def _chunk(self, values: Values, segments: list[Segment], n: int) -> Replay:
         """Replay `width` lanes, keep the first `n`."""
         model, template = self.robot.model, self.on_mjx.data
-        n_steps = max(s.steps.n_steps for s in segments) + 1  # one more, to read the last row
+        n_steps = max(s.steps.n_steps for s in segments) + 2  # one before, for the forces; one more, to read the last row
         blocks = -(-n_steps // self.block)
         drive = drive_of(self.robot, self.catalogue, values, segments, blocks * self.block)
         recording = [s.recording for s in segments]
@@ -168,7 +168,7 @@ class Replayer(abc.ABC):
             part = jax.tree.map(lambda x, b=b: x[:, b * self.block : (b + 1) * self.block], drive)
             state, out = self._advanced(prepared, state, part)
             seen.append(jax.tree.map(np.asarray, out))
-        whole = [np.concatenate([part[i] for part in seen], axis=1) for i in range(3)]
+        whole = [np.concatenate([part[i] for part in seen], axis=1)[:, 1:] for i in range(3)]
         read_late(self.robot, self.catalogue, whole[0], values, segments)
         rows = max(s.rows for s in segments[:n])
         return Replay(

@@ -117,6 +117,8 @@ def c_loop(robot: Robot, part: Segment, delay: float = 0.0, start: Start = START
         data.ctrl[:] = log.ctrl[np.maximum(np.searchsorted(log.time, moments, side="right") - 1, 0)].mean(axis=0)
         on = log.enable[row][:, None]
         model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * on, bias * on
+        if k == 0:
+            mujoco.mj_forward(model, data)  # nothing was commanded before the log's first row
         before, place = data.sensordata.copy(), data.qpos.copy()
         mujoco.mj_step(model, data)
         if k in steps.sample:

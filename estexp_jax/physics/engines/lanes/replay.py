@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, final
 
 import jax
@@ -73,9 +73,12 @@ class LanesReplayer(Replayer):
 
         def step(carry: tuple[LaneState, Any, Hidden], now: Drive) -> Any:
             lanes, felt, hidden = carry
-            told, added, hidden = acting.act(lanes, now.ctrl, now.enable, now.length, hidden)
+            moves = now.length > 0.0
+            length = jnp.where(moves, now.length, plan.model.opt.timestep).astype(now.length.dtype)
             qpos, qvel, _ = unpacked(plan, lanes)
-            lanes, instant = stepper.step(lanes, told, now.length, added)
+            told, added, after = acting.act(lanes, now.ctrl, now.enable, length, hidden)
+            stepped, instant = stepper.step(lanes, told, length, added)
+            lanes, hidden = jax.tree.map(partial(jnp.where, moves), (stepped, after), (lanes, hidden))
             read = reader.read(instant, range(plan.model.nsensor))
             sensed = felt if not read else jnp.stack([read[i] + jnp.zeros_like(qpos[0]) for i in sorted(read)])
             return (lanes, sensed, hidden), (jnp.where(before, felt, sensed), qpos, qvel)

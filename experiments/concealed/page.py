@@ -1,0 +1,228 @@
+"""The page of a scored set: `scores.json`, `scores.md`, figures and a gallery of the worst cases."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from experiments.concealed.runner import ending_of, findings_of
+from experiments.concealed.scoring.board import board
+from experiments.concealed.scoring.judge import Row, judge
+from experiments.concealed.sets import open_answers
+
+_WORST = 10
+
+
+def judged(out: Path) -> tuple[list[Row], dict[str, dict[str, Any]]]:
+    """All cases of a set that have ended, judged; and the answers.
+
+    Raises:
+        Tampered: answers or recordings are not those committed to.
+    """
+    answers, rows = open_answers(out), []
+    for case, answer in answers.items():
+        ending = ending_of(out, case)
+        if ending is not None:
+            findings = findings_of(out, case) if ending["code"] == 0 else None
+            rows.append(judge(case, answer, findings, None if ending["resumed"] else ending["wall_s"]))
+    return rows, answers
+
+
+def write_page(out: Path) -> Path:
+    """Score a set; gives the path of the Markdown page."""
+    from experiments.concealed.figures import draw_confusion, draw_page
+
+    rows, answers = judged(out)
+    rivals = _read(out / "rivals.json")
+    oracle = {case: r["oracle"]["gain"] for case, r in rivals.items() if r.get("oracle", {}).get("gain")}
+    scores = board(rows, oracle) | {"absorbed": absorbed(rows, answers, rivals), "rivals": beside(rows, rivals)}
+    scored = out / "scored"
+    scored.mkdir(exist_ok=True)
+    told = {"scores": scores, "rows": [asdict(r) for r in rows]}
+    (scored / "scores.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    draw_page(rows, scores, scored / "scores.png")
+    draw_confusion(scores, scored / "confusion.png")
+    page = scored / "scores.md"
+    page.write_text(
+        "\n".join([*_head(out, scores), *_table(scores), *_rivals(scores), *_gallery(rows, answers)]), encoding="utf-8"
+    )
+    return page
+
+
+def log_opening(out: Path, log: Path) -> None:
+    """Append the opening of a sealed set to the committed log; a set once opened is spent."""
+    public = _read(out / "commitment.json")
+    scores = _read(out / "scored" / "scores.json")["scores"]
+    short = {
+        k: scores[k]
+        for k in ("cases", "failed", "false_alarms", "detected", "place_first", "name_first", "gain", "calibration")
+    }
+    line = {
+        "commit": public["commit"],
+        "seed": public["seed"],
+        "answers_sha256": public["answers_sha256"],
+        "scores": short,
+    }
+    with log.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(line, sort_keys=True) + "\n")
+
+
+def absorbed(rows: Sequence[Row], answers: Mapping[str, Any], rivals: Mapping[str, Any]) -> dict[str, Any]:
+    """Cases whose training recordings a refit of all parameters explains, though held-out ones show the effect."""
+    inside = []
+    for r in rows:
+        refit = answers[r.case]["visibility"]["refit"]
+        if answers[r.case]["effects"] and refit["train"] <= 1.2 and refit["test"] >= 3.0:
+            inside.append(r)
+    noticed = [rivals[r.case]["sysid"]["noticed"] for r in inside if "sysid" in rivals.get(r.case, {})]
+    return {
+        "cases": len(inside),
+        "noticed": sum(r.detected for r in inside),
+        "sysid_asked": len(noticed),
+        "sysid_noticed": sum(noticed),
+    }
+
+
+def beside(rows: Sequence[Row], rivals: Mapping[str, Any]) -> dict[str, Any]:
+    """Median held-out gain of each rival and of the explanation, on the visible cases where the rival ran."""
+    import numpy as np
+
+    found: dict[str, Any] = {}
+    for name in sorted({n for r in rivals.values() for n in r}):
+        pairs = [
+            (rivals[r.case][name]["gain"], r.gain)
+            for r in rows
+            if r.visible and r.gain is not None and rivals.get(r.case, {}).get(name, {}).get("gain") is not None
+        ]
+        if pairs:
+            rival, own = np.median(pairs, axis=0).tolist()
+            found[name] = {"cases": len(pairs), "gain": rival, "explained": own}
+    return found
+
+
+def _head(out: Path, scores: Mapping[str, Any]) -> list[str]:
+    public = _read(out / "commitment.json")
+    kind = f"sealed at commit {public['commit']}" if public["commit"] else f"development set, seed {public['seed']}"
+    return [
+        "# Concealed effects: scores",
+        "",
+        f"{scores['cases']} of {public['cases']} cases ({kind}; robots {', '.join(public['robots'])}). "
+        "Shares stand with 95 % Wilson intervals. *Visible*: the effect leaves at least 3 noise floors on training "
+        "and test recordings after all parameters were refitted.",
+        "",
+        "![scores](scores.png)",
+        "",
+        "![confusion](confusion.png)",
+        "",
+    ]
+
+
+def _table(scores: Mapping[str, Any]) -> list[str]:
+    shares = (
+        ("program failed or took too long", scores["failed"]),
+        ("false alarms, nothing missing", scores["false_alarms"]["null"]),
+        ("false alarms, parameters off", scores["false_alarms"]["parameters"]),
+        ("nothing missing: parameters-only within 3 floors in training", scores["converged"]),
+        ("visible: noticed", scores["detected"]),
+        ("visible: place first", scores["place_first"]),
+        ("visible: place in first three", scores["place_three"]),
+        ("visible: name first", scores["name_first"]),
+        ("visible: name first, or one that says the same", scores["name_with_equivalents"]),
+        ("visible pairs: both named", scores["both_named"]),
+        ("laws in no catalogue: wrong name", scores["wrong_name_outside_catalogue"]),
+        ("abstains where it should", scores["abstains_where_it_should"]),
+        ("abstains where it should not", scores["abstains_where_it_should_not"]),
+        ("intervals cover the truth", scores["sizes"]["covered"]),
+    )
+    lines = ["| | share | interval | cases |", "|---|---|---|---|"]
+    lines += [
+        f"| {n} | {_percent(s['share'])} | {_percent(s['low'])} to {_percent(s['high'])} | {s['k']} of {s['n']} |"
+        for n, s in shares
+    ]
+    gain, cost = scores["gain"], scores["cost"]
+    numbers = (
+        ("median held-out gain, share of the oracle's", gain["median_share_of_oracle"]),
+        ("parameter error, median", scores["sizes"]["median"]),
+        ("parameter error, 90th percentile", scores["sizes"]["p90"]),
+        ("onset error, share of the recording", scores["onset"]["median"]),
+        ("expected calibration error", scores["calibration"]["ece"]),
+        ("wall time a case, median, s", cost["wall_s"]["median"] if cost["wall_s"] else None),
+        ("wall time a case, largest, s", cost["wall_s"]["largest"] if cost["wall_s"] else None),
+        ("robot steps a case, median", cost["robot_steps_median"]),
+    )
+    lines += ["", "| | |", "|---|---|", *(f"| {n} | {_number(x)} |" for n, x in numbers), ""]
+    return lines
+
+
+def _rivals(scores: Mapping[str, Any]) -> list[str]:
+    if not scores["rivals"]:
+        return []
+    rows = [
+        f"| {n} | {_number(r['gain'])} | {_number(r['explained'])} | {r['cases']} |"
+        for n, r in scores["rivals"].items()
+    ]
+    a = scores["absorbed"]
+    told = f"Absorbed stratum: noticed in {a['noticed']} of {a['cases']}; "
+    told += f"mujoco.sysid in {a['sysid_noticed']} of {a['sysid_asked']}."
+    return [
+        "## Rivals on the same cases",
+        "",
+        "| rival | median gain | explain's | cases |",
+        "|---|---|---|---|",
+        *rows,
+        "",
+        told,
+        "",
+    ]
+
+
+def _gallery(rows: Sequence[Row], answers: Mapping[str, Any]) -> list[str]:
+    """The worst cases, in words."""
+    worst = sorted((r for r in rows if badness(r) > 0.0), key=badness, reverse=True)[:_WORST]
+    lines = [
+        "## Worst cases",
+        "",
+        "| case | robot | group | concealed | shown | verdict | claimed | gain |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for r in worst:
+        truth = ", ".join(f"{e['law'] or e['effect']}@{e['name']}" for e in answers[r.case]["effects"]) or "nothing"
+        claimed = ", ".join(r.claimed) or "-"
+        cells = [r.case, r.robot, r.group, truth, f"{r.shown:.1f}", r.verdict, claimed, _number(r.gain)]
+        lines.append(f"| {' | '.join(cells)} |")
+    return [*lines, ""]
+
+
+def badness(row: Row) -> float:
+    """How wrong a case went; 0 is right."""
+    if row.verdict == "none":
+        return 5.0
+    if row.group in ("null", "parameters"):
+        return 4.0 if row.alarm else 0.0
+    score = 3.0 * bool(row.wrong_name)
+    if row.visible:
+        score += 2.0 * (not row.detected) + 1.0 * (not row.place_first) + 1.0 * (not row.name_equivalent)
+    return score + (max(0.0, 1.0 - row.gain) * 0.5 if row.visible and row.gain is not None else 0.0)
+
+
+def _percent(x: float | None) -> str:
+    return "-" if x is None else f"{100.0 * x:.1f} %"
+
+
+def _number(x: float | None) -> str:
+    return "-" if x is None else f"{x:.3g}"
+
+
+def _read(path: Path) -> dict[str, Any]:
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+
+
+def head_commit(repository: Path) -> str:
+    """The commit scores are made at."""
+    return subprocess.run(
+        ["git", "-C", str(repository), "rev-parse", "HEAD"], capture_output=True, text=True, check=True
+    ).stdout.strip()

@@ -1,0 +1,105 @@
+"""Explain every case of a set, each in a process of its own that sees nothing but its recordings.
+
+A case is done when `out/explained/<id>.json` says how its process ended; that file is written last, so a killed run
+goes on where it was. A case under way at the kill is resumed from its own checkpoint.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from threading import Event, Lock
+from typing import Any
+
+TIMEOUT = 1800.0
+"""A case that takes longer (s) counts as failed."""
+
+
+class Runner:
+    """Runs the cases of a set."""
+
+    def __init__(self, out: Path, workers: int, timeout: float = TIMEOUT, command: tuple[str, ...] = ()) -> None:
+        """Of the set in a folder; `command` replaces `estexp explain` (for tests)."""
+        self.out, self.workers, self.timeout = out, workers, timeout
+        self.command = command or (sys.executable, "-m", "estexp_jax.cli.main", "explain")
+        self.children: set[subprocess.Popen[bytes]] = set()
+        self.lock, self.stopped = Lock(), Event()
+
+    def run(self) -> int:
+        """Explain what is not yet explained; gives the number of cases that are still open."""
+        cases = sorted(p.name for p in (self.out / "cases").iterdir())
+        todo = [c for c in cases if not (self.out / "explained" / f"{c}.json").is_file()]
+        (self.out / "explained").mkdir(exist_ok=True)
+        begin = time.monotonic()
+        previous = signal.signal(signal.SIGTERM, self._stop)
+        try:
+            with ThreadPoolExecutor(self.workers) as pool:
+                for i, case in enumerate(pool.map(self._explain, todo)):
+                    if self.stopped.is_set():
+                        break
+                    spent = time.monotonic() - begin
+                    left = spent / (i + 1) * (len(todo) - i - 1)
+                    print(f"{case}: {i + 1} of {len(todo)}, {spent:.0f} s, about {left:.0f} s left", flush=True)
+        except KeyboardInterrupt:
+            self._stop()
+        finally:
+            signal.signal(signal.SIGTERM, previous)
+        return sum(not (self.out / "explained" / f"{c}.json").is_file() for c in cases)
+
+    def _stop(self, *_: Any) -> None:
+        """End all children; cases not yet begun stay open."""
+        self.stopped.set()
+        with self.lock:
+            for child in self.children:
+                os.killpg(child.pid, signal.SIGTERM)
+
+    def _explain(self, case: str) -> str:
+        if self.stopped.is_set():
+            return case
+        result, begin = self.out / "explained" / case, time.monotonic()
+        again = ("--resume",) if result.is_dir() else ()
+        code = self._process(case, again)
+        if code == 2 and again:  # nothing to resume from
+            code = self._process(case, ("--force",))
+        if not self.stopped.is_set():
+            told = {"code": code, "wall_s": time.monotonic() - begin, "resumed": bool(again)}
+            part = result.with_suffix(".part")
+            part.write_text(json.dumps(told), encoding="utf-8")
+            part.replace(result.with_suffix(".json"))
+        return case
+
+    def _process(self, case: str, flags: tuple[str, ...]) -> int | None:
+        """Exit code; None where it took too long."""
+        manifest = self.out / "cases" / case / "recordings.toml"
+        arguments = [*self.command, str(manifest), "--out", str(self.out / "explained" / case), *flags]
+        with (self.out / "explained" / f"{case}.log").open("ab") as log:
+            child = subprocess.Popen(arguments, stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
+            with self.lock:
+                self.children.add(child)
+            try:
+                return child.wait(self.timeout)
+            except subprocess.TimeoutExpired:
+                os.killpg(child.pid, signal.SIGKILL)
+                child.wait()
+                return None
+            finally:
+                with self.lock:
+                    self.children.discard(child)
+
+
+def findings_of(out: Path, case: str) -> dict[str, Any] | None:
+    """What was found in a case; None where nothing came of it."""
+    path = out / "explained" / case / "findings.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+
+
+def ending_of(out: Path, case: str) -> dict[str, Any] | None:
+    """How a case's process ended; None where it is still open."""
+    path = out / "explained" / f"{case}.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None

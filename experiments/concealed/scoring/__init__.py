@@ -1,0 +1,1 @@
+"""Scores of explained cases against their answers: pure functions of two JSON objects a case."""

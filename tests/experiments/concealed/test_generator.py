@@ -1,0 +1,141 @@
+"""The generator is another hand, always draws the same, and without an effect its robots are the nominal ones."""
+
+import ast
+import sys
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from experiments.concealed.generator.answers import answer
+from experiments.concealed.generator.case import Plan, Planted, build, make
+from experiments.concealed.generator.catalogue import CATALOGUE, RELATIVES, UNKNOWN, places
+from experiments.concealed.generator.effect import Queue, bristle
+from experiments.concealed.generator.equations import by_hand
+from experiments.concealed.generator.excitation import controller, motion
+from experiments.concealed.generator.files import write_case
+from experiments.concealed.generator.joints import Gap
+from experiments.concealed.generator.motors import Motors
+from experiments.concealed.generator.plans import SHARES, counts, plans
+from experiments.concealed.generator.plant import Plant, clock
+from experiments.concealed.generator.robots import ROBOTS, layout
+
+GENERATOR = Path(__file__).parents[3] / "experiments" / "concealed" / "generator"
+
+
+def test_it_shares_no_code_with_the_package():
+    allowed = {"mujoco", "numpy", "scipy", *sys.stdlib_module_names}
+    for path in GENERATOR.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            for name in names:
+                own = name.startswith("experiments.concealed.generator")
+                assert own or name.split(".")[0] in allowed, f"{path.name} imports {name}"
+
+
+@pytest.mark.parametrize("robot", ["leg", "planar", "cartpole", "arm6", "scara"])
+@pytest.mark.parametrize("hand", [False, True])
+def test_without_effects_and_errors_a_robot_is_its_nominal_model(robot, hand):
+    if hand and not ROBOTS[robot].by_hand:
+        pytest.skip("not written out")
+    case = make(Plan("null", robot, (), 5, hand), shorter=0.2, clean=True, refit=False)
+    smeared = 1.5 if robot in ("arm6", "scara") else 0.5  # jumps of the command within a coarse nominal step
+    assert max(case.visible.nominal.values()) < smeared, "beyond its own step error, in noise floors"
+
+
+@pytest.mark.parametrize("robot", ["planar", "cartpole"])
+def test_the_equations_by_hand_are_mujocos(robot):
+    model, rng = ROBOTS[robot].model, np.random.default_rng(0)
+    model.body_ipos[1:] += 0.02 * rng.standard_normal((2, 3)) * [1.0, 0.0, 1.0]
+    model.opt.gravity[:] = [1.0, 0.0, -9.0]
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    data = mujoco.MjData(model)
+    for _ in range(5):
+        data.qpos[:], data.qvel[:], force = rng.standard_normal(2), rng.standard_normal(2), rng.standard_normal(2)
+        data.qfrc_applied[:] = force
+        mujoco.mj_forward(model, data)
+        mine = by_hand(model, robot).acceleration(data.qpos.tolist(), data.qvel.tolist(), force.tolist())
+        np.testing.assert_allclose(mine, data.qacc, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_effect_changes_how_its_robot_moves_and_breaks_nothing(name):
+    kind = CATALOGUE[name]
+    robot = next(r for r in ("planar", "leg", "quadruped") if places(name, r))
+    if kind.kind == "sensor" or name == "time_step":
+        pytest.skip("changes what is read")
+    found = [_moved(robot, planted) for planted in ((), (Planted(name, places(name, robot)[0], 0.6),))]
+    assert np.isfinite(found[1]).all()
+    assert np.abs(found[0] - found[1]).max() > 1e-4
+
+
+@cache
+def _moved(name, planted):
+    robot, rng = ROBOTS[name], np.random.default_rng(3)
+    motors = Motors.of(robot.model, layout(name))
+    effects = [build(p, name, motors, np.random.default_rng(4)) for p in planted]
+    plant = Plant(robot, robot.model, motors, effects)
+    moved = motion("gait" if name == "quadruped" else "sines", np.array(robot.reach), 1.5, rng)
+    rows = clock(1.5, 100.0, 0.0, plant.step, rng)
+    return plant.run(controller(robot, motors, moved, "feedback", 0.9, rng), rows, None, 0.3)[0].q
+
+
+def test_an_effect_may_begin_half_way():
+    robot, rng = ROBOTS["planar"], np.random.default_rng(3)
+    motors, traces = Motors.of(robot.model, layout("planar")), []
+    for start in (0.5, 9.0):
+        effect = build(Planted("body_mass", 1, 0.5), "planar", motors, rng)
+        effect.start = start
+        plant, ask = Plant(robot, robot.model, motors, [effect]), lambda t, q, w: [np.sin(5 * t), 0.1]
+        traces.append(plant.run(ask, np.arange(100) * 0.01, None, 0.1)[0])
+    same = np.abs(traces[0].q - traces[1].q).max(axis=1)
+    assert same[traces[0].time < 0.5].max() == 0.0 and same[-1] > 1e-3
+
+
+def test_a_bristle_slides_at_its_level_and_a_queue_waits():
+    force = 0.0
+    for _ in range(100):
+        force = bristle(force, -0.3, 2.0, 1e3, 1e-3)
+    assert force == pytest.approx(-2.0)
+    assert bristle(1.0, 0.0, 2.0, 1e3, 1e-3) == pytest.approx(1.0)
+    queue = Queue(3e-3)
+    assert [queue.push(float(k), 1e-3) for k in range(6)] == [0, 0, 0, 0, 1, 2]
+
+
+def test_a_gap_passes_nothing_until_it_is_crossed():
+    place = layout("planar")
+    gap = Gap({"half_gap": 0.02}, place, 0, Motors.of(ROBOTS["planar"].model, place))
+    model = ROBOTS["planar"].model
+    gap.edit(model)
+    gap.angle, gap.speed = 0.015, 0.0
+    assert gap.passed(0.0, 0.0) == 0.0 and gap.passed(-0.01, 0.0) > 0.0 and gap.passed(0.05, 0.0) < 0.0
+    assert gap.rotor + model.dof_armature[0] == pytest.approx(ROBOTS["planar"].model.dof_armature[0])
+
+
+def test_equal_plans_give_equal_files_without_a_label(tmp_path):
+    plan = Plan("single", "planar", (Planted("coulomb_friction", 1, 0.5),), 17)
+    for folder in ("a", "b"):
+        write_case(case := make(plan, shorter=0.14, refit=False), tmp_path / folder)
+    names = sorted(p.name for p in (tmp_path / "a").iterdir())
+    assert names == ["nominal.xml", "recordings.toml", "test_0.csv", "train_0.csv", "train_1.csv", "train_2.csv"]
+    words = {*CATALOGUE, *SHARES, "unknown", "seed", "truth", "answer"} - {"null", "armature"}  # MJCF has armatures
+    for name in names:
+        text = (tmp_path / "a" / name).read_text()
+        assert text == (tmp_path / "b" / name).read_text()
+        assert not [w for w in words if w in text]
+    told = answer(case)
+    assert told["effects"][0]["effect"] == "coulomb_friction" and told["effects"][0]["name"] == "elbow"
+    assert told["visibility"]["shown"] > 3.0
+
+
+def test_a_set_has_all_groups_and_every_effect_a_place():
+    drawn = plans(3, 60, ["leg", "planar"])
+    assert {p.group for p in drawn} == set(SHARES) and len(drawn) == 60 and len({p.seed for p in drawn}) == 60
+    assert drawn == plans(3, 60, ["leg", "planar"]) != plans(4, 60, ["leg", "planar"])
+    assert counts(420)["null"] + counts(420)["parameters"] >= 150
+    for name in CATALOGUE:
+        assert any(places(name, robot) for robot in ROBOTS), name
+    assert not {*RELATIVES, *UNKNOWN} - set(CATALOGUE)
