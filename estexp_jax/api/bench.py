@@ -198,6 +198,7 @@ def _model_name(config: BenchConfig) -> str:
 
 def _notes() -> list[str]:
     return [
+        "; ".join(f"{name}: {title}" for name, title in TITLES.items()) + ".",
         "Medians of interleaved measurements; a robot step is one physics step of one robot.",
         "The C engine runs the nominal model and keeps no readings, which favours it; in MJX and lanes every robot has "
         "masses, gains, damping and gravity of its own, and all readings, commands and positions come back.",
