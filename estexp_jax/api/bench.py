@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any, final
 
 import numpy as np
@@ -127,8 +127,10 @@ def _race(race: Race, repeats: int, progress: Progress, made: Made) -> dict[str,
         if candidate is not None:
             runners.append(candidate)
     progress.stage(f"{title}: timing", repeats * len(runners))
-    rates, peak = timed(runners, race.substeps, repeats, progress)
+    rates, busy, peak = timed(runners, race.substeps, repeats, progress)
     _compare(entries, runners, rates, peak)
+    for entry in entries:
+        entry["robot_steps_per_cpu_s"] = float(np.median(busy[entry["name"]])) if entry["name"] in busy else None
     times = {"physics_step_s": field.robot.model.opt.timestep, "substeps": race.substeps}
     return {**times, "arithmetic_peak_flops": peak, "engines": entries}
 
@@ -152,20 +154,25 @@ def _checked(name: str, field: Field, made: Made) -> tuple[dict[str, Any], Runne
 
 def timed(
     runners: Sequence[Runner], substeps: int, repeats: int, progress: Progress
-) -> tuple[dict[str, list[float]], float]:
-    """Robot steps per second of each engine, one number a repeat; and the arithmetic peak, flops per second."""
+) -> tuple[dict[str, list[float]], dict[str, list[float]], float]:
+    """Robot steps of each engine, one number a repeat, per second and per second of processor time (of all threads).
+
+    The third is the arithmetic peak, flops per second.
+    """
     for each in runners:
         each.walk(each.robots, min(2, each.steps))
     rates: dict[str, list[float]] = {each.name: [] for each in runners}
+    busy: dict[str, list[float]] = {each.name: [] for each in runners}
     peaks = []
     for _ in range(repeats):
         for each in runners:
-            begin = perf_counter()
+            begin, used, robot_steps = perf_counter(), process_time(), each.robots * each.steps * substeps
             each.walk(each.robots, each.steps)
-            rates[each.name].append(each.robots * each.steps * substeps / (perf_counter() - begin))
+            rates[each.name].append(robot_steps / (perf_counter() - begin))
+            busy[each.name].append(robot_steps / max(process_time() - used, 1e-9))
             progress.advance(note=f"{each.name} {rates[each.name][-1]:,.0f} steps/s")
         peaks.append(_arithmetic())
-    return rates, max(peaks)
+    return rates, busy, max(peaks)
 
 
 def _compare(entries: list[dict[str, Any]], runners: Sequence[Runner], rates: Any, peak: float) -> None:
@@ -198,10 +205,13 @@ def _model_name(config: BenchConfig) -> str:
 
 def _notes() -> list[str]:
     return [
+        "; ".join(f"{name}: {title}" for name, title in TITLES.items()) + ".",
         "Medians of interleaved measurements; a robot step is one physics step of one robot.",
         "The C engine runs the nominal model and keeps no readings, which favours it; in MJX and lanes every robot has "
         "masses, gains, damping and gravity of its own, and all readings, commands and positions come back.",
         "serial walks fewer robots and mjx fewer steps than the rest (fields robots, steps of each engine).",
+        "robot_steps_per_cpu_s counts the processor time of all threads: on a machine busy with other work it "
+        "says more than robot_steps_per_s.",
         "ratio_to_c_all_cores is to the faster of rollout and batch.",
         "flops_per_robot_step is a lower bound (XLA's count, each loop once: one Newton step); percent_of_peak is of "
         "the best float32 matrix product of numpy on all cores in the same run.",

@@ -76,13 +76,23 @@ def run(options: Options) -> int:
     return 0
 
 
-_HEADER = (
-    *("engine", "robot steps/s", "x serial", "x C, all cores", "compile, s", "first result, s", "peak, MB"),
-    *("flops a step", "% of peak", "velocity error"),
+_COLUMNS: dict[str, tuple[str, str]] = {
+    "robot_steps_per_s": ("steps/s", ",.0f"),
+    "ratio_to_serial": ("x serial", ".2f"),
+    "ratio_to_c_all_cores": ("x C", ".2f"),
+    "compile_s": ("compile", ".1f"),
+    "first_result_s": ("first", ".2f"),
+    "peak_mb": ("MB", ",.0f"),
+}
+_LEGEND = (
+    "steps/s: robot steps a second. x serial, x C: times the serial baseline, times C on all cores. compile, first: s "
+    "from the first call to the first result, with nothing compiled and with programs from the cache. MB: peak memory. "
+    "error: median error of velocities after a control step."
 )
 
 
 def _print(result: Mapping[str, Any]) -> None:
+    from rich import box
     from rich.console import Console
     from rich.table import Table
 
@@ -90,9 +100,9 @@ def _print(result: Mapping[str, Any]) -> None:
     for race in (result, *result["also"]):
         steps = race["substeps"]
         title = f"{result['model']}, {result['population']} robots, {steps} physics step(s) a control step"
-        table = Table(title=title, title_justify="left")
-        for i, name in enumerate(_HEADER):
-            table.add_column(name, justify="right" if i else "left")
+        table = Table(title=title, title_justify="left", box=box.SIMPLE)
+        for name in ("engine", *(name for name, _ in _COLUMNS.values()), "error"):
+            table.add_column(name, justify="left" if name == "engine" else "right", no_wrap=True)
         for entry in race["engines"]:
             if entry["refused"] is None:
                 table.add_row(*_row(entry))
@@ -100,19 +110,22 @@ def _print(result: Mapping[str, Any]) -> None:
         for entry in race["engines"]:
             if entry["refused"] is not None:
                 console.print(f"{entry['name']} was not timed: {entry['refused']}", markup=False, soft_wrap=True)
+    print(_LEGEND)
     _print_rest(result)
 
 
 def _row(entry: Mapping[str, Any]) -> Sequence[str]:
-    numbers = [("robot_steps_per_s", ",.0f"), ("ratio_to_serial", ".2f"), ("ratio_to_c_all_cores", ".2f")]
-    numbers += [("compile_s", ".1f"), ("first_result_s", ".2f"), ("peak_mb", ",.0f")]
-    numbers += [("flops_per_robot_step", ",.0f"), ("percent_of_peak", ".1f")]
-    cells = ["-" if entry.get(key) is None else format(entry[key], form) for key, form in numbers]
-    error = entry["agreement"]
-    return entry["title"], *cells, f"{error['median']:.0e}, at most {error['largest']:.0e}"
+    cells = ["-" if entry.get(key) is None else format(entry[key], form) for key, (_, form) in _COLUMNS.items()]
+    return entry["name"], *cells, f"{entry['agreement']['median']:.0e}"
 
 
 def _print_rest(result: Mapping[str, Any]) -> None:
+    for entry in result["engines"]:
+        if entry.get("percent_of_peak") is not None:
+            work, share = entry["flops_per_robot_step"], entry["percent_of_peak"]
+            print(
+                f"{entry['name']}: at least {work:,.0f} flops a robot step, {share:.0f} % of this machine's arithmetic"
+            )
     if "estimation" in result:
         e = result["estimation"]
         size = f"{e['genomes']} genomes x {e['controllers']} controllers x {e['steps']} x {e['substeps']} steps"

@@ -96,9 +96,9 @@ def test_engines_are_timed_in_turns(progress) -> None:
 
     fakes = [Loud(name) for name in "abc"]
     progress.stage("timing")
-    rates, peak = timed(fakes, 2, 3, progress)
+    rates, busy, peak = timed(fakes, 2, 3, progress)
     assert "".join(order) == "abc" * 4  # the first round warms up
-    assert all(len(rates[name]) == 3 for name in "abc") and peak > 0.0
+    assert all(len(rates[name]) == len(busy[name]) == 3 for name in "abc") and peak > 0.0
 
 
 def test_c_by_another_route_that_does_something_else_is_found(race) -> None:
