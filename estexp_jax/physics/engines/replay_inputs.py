@@ -15,7 +15,6 @@ from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Path, Segment
 
-
 _MOMENT = 1e-6
 """So long before a row its command is not yet there, s."""
 

@@ -149,7 +149,7 @@ class Replayer(abc.ABC):
     def _chunk(self, values: Values, segments: list[Segment], n: int) -> Replay:
         """Replay `width` lanes, keep the first `n`."""
         model, template = self.robot.model, self.on_mjx.data
-        n_steps = max(s.steps.n_steps for s in segments) + 2  # one before, for the forces; one more, to read the last row
+        n_steps = max(s.steps.n_steps for s in segments) + 2  # one before for the forces, one more to read the last row
         blocks = -(-n_steps // self.block)
         drive = drive_of(self.robot, self.catalogue, values, segments, blocks * self.block)
         recording = [s.recording for s in segments]
