@@ -12,10 +12,10 @@ from estexp_jax.physics.effects.base import CommandShift, ReadingShift
 from estexp_jax.physics.engines.batching import Choice
 from estexp_jax.physics.engines.lanes.check import TOLERANCE, disagreement
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
-from estexp_jax.physics.engines.lanes.replay import LANES_WIDTH, LanesReplayer
+from estexp_jax.physics.engines.lanes.replay import LANES_REPLAY, LanesReplayer
 from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
 from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
-from estexp_jax.physics.engines.mjx_replay import MJX_WIDTH, MjxReplayer
+from estexp_jax.physics.engines.mjx_replay import MJX_REPLAY, MjxReplayer
 from estexp_jax.physics.engines.mjx_walk import MjxWalker, mjx_width
 from estexp_jax.physics.engines.replaying import Replayer, differing
 from estexp_jax.physics.engines.walking import Walker
@@ -96,7 +96,7 @@ def replayer(
     *,
     engine: str = "auto",
     width: int | None = None,
-    block: int = 256,
+    block: int | None = None,
 ) -> Replayer:
     """A replayer for recordings of a robot.
 
@@ -106,7 +106,7 @@ def replayer(
         per_recording: the nominal robot with each recording's known settings.
         engine: auto, lanes or mjx.
         width: lanes in a chunk; None: what suits the engine.
-        block: physics steps in a call.
+        block: physics steps in a call; None: what suits the engine.
 
     Raises:
         InputError: no engine can simulate the model, or a recording's settings change the model's structure.
@@ -114,8 +114,9 @@ def replayer(
     nominal = mjx_model(robot, catalogue)
     differs = differing(nominal, per_recording)
     choice = chosen(engine, nominal, differs.fields)
-    kind, usual = (LanesReplayer, LANES_WIDTH) if choice.engine == "lanes" else (MjxReplayer, MJX_WIDTH)
-    return kind(nominal, differs, width or usual, block, choice)
+    lanes = choice.engine == "lanes"
+    kind, usual = (LanesReplayer, LANES_REPLAY) if lanes else (MjxReplayer, MJX_REPLAY)
+    return kind(nominal, differs, width or usual[0], block or usual[1], choice)
 
 
 def _distrusted(engine: str, off: float, robot: Robot) -> Choice:

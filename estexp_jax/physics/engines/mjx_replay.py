@@ -17,8 +17,8 @@ from estexp_jax.physics.engines.mjx_terms import Hidden, Now
 from estexp_jax.physics.engines.replay_inputs import Drive
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
 
-MJX_WIDTH = 64
-"""Lanes in a chunk."""
+MJX_REPLAY = (64, 256)
+"""Lanes in a chunk, and physics steps in a call."""
 
 
 @final

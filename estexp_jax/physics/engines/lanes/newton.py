@@ -18,9 +18,13 @@ import jax.numpy as jnp
 
 from estexp_jax.physics.engines.lanes.algebra import Scalar, mul, neg, sub
 from estexp_jax.physics.engines.lanes.plan import Dof
-from estexp_jax.physics.engines.lanes.rows import Residual, Rows
+from estexp_jax.physics.engines.lanes.rows import Residual, Rows, Rub
 from estexp_jax.physics.engines.lanes.sparse import Entries, Factor, Pending, robot_sum, times
 
+_EASY = 5
+"""Newton steps in which, without friction losses, one look at the slope does for a line search."""
+_WHOLE = 1e-4
+"""A step this near to a full one counts as one."""
 _TRIES = 12
 """Most points that a line search looks at."""
 _FLAT = 0.01
@@ -74,7 +78,9 @@ def solve(
     def residuals(x: Sequence[Scalar]) -> tuple[Residual, ...]:
         return tuple(tuple(j - a for j, a in zip(row.jacobian(dofs, x), row.reference(), strict=True)) for row in rows)
 
-    def step(settled: Any, guess: _Guess) -> tuple[Any, _Guess]:
+    sharp = any(isinstance(row, Rub) for row in rows)
+
+    def step(count: Any, settled: Any, guess: _Guess) -> tuple[Any, _Guess]:
         pulled, curved = Pending(), Pending()
         for row, r in zip(rows, guess.residuals, strict=True):
             row.pull(r, pulled)
@@ -98,8 +104,15 @@ def solve(
                 twos.append((row.k, two))
             return first + length * second + robot_sum(ones), second + robot_sum(twos)
 
-        length = _searched(slopes, downhill, settled)
-        whole = length == 1.0
+        one = jnp.ones_like(downhill)
+        if sharp:
+            length = _searched(slopes, downhill, one, settled)
+        else:
+            slope, curvature = slopes(one)
+            nudged = one - slope / jnp.maximum(curvature, 1e-20)
+            easy = count < _EASY
+            length = _searched(slopes, downhill, jnp.where(easy, nudged, one), settled | easy)
+        whole = jnp.abs(length - 1.0) < _WHOLE
         length = jnp.where(settled, 0.0, length)  # so that a robot's motion does not depend on who is in its chunk
         ahead = lambda xs, ys: tuple(x + length * y for x, y in zip(xs, ys, strict=True))  # noqa: E731
         return whole, _Guess(
@@ -114,7 +127,7 @@ def solve(
 
     def again(carry: tuple[Any, Any, _Guess]) -> tuple[Any, Any, _Guess]:
         count, settled, guess = carry
-        whole, after = step(settled, guess)
+        whole, after = step(count, settled, guess)
         moved = robot_sum([(d.k, (a - b) ** 2) for d, a, b in zip(dofs, after.x, guess.x, strict=True)])
         size = robot_sum([(d.k, a**2) for d, a in zip(dofs, after.x, strict=True)])
         pairs = zip(rows, guess.residuals, after.residuals, strict=True)
@@ -132,7 +145,7 @@ def solve(
     return Solution(list(end.x), force, list(end.residuals))
 
 
-def _searched(slopes: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scalar, settled: Any) -> Scalar:
+def _searched(slopes: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scalar, begin: Scalar, found: Any) -> Scalar:
     """Where along the way the cost is least: Newton's method on its slope, which never falls, between two bounds.
 
     Friction losses bend the cost so sharply that without bounds the method would jump to and fro over the bend.
@@ -152,6 +165,5 @@ def _searched(slopes: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scala
         ahead = jnp.where((ahead > low) & (ahead < high), ahead, halfway)
         return count + 1, jnp.where(found, length, ahead), low, high, found
 
-    one, none = jnp.ones_like(downhill), jnp.zeros_like(downhill)
-    begin = (0, one, none, jnp.full_like(downhill, jnp.inf), settled)
-    return jax.lax.while_loop(searching, narrow, begin)[1]
+    low, high = jnp.zeros_like(downhill), jnp.full_like(downhill, jnp.inf)
+    return jax.lax.while_loop(searching, narrow, (0, begin, low, high, found))[1]

@@ -17,16 +17,15 @@ from estexp_jax.physics.engines.lanes.model import LanesModel, field_of, lanes_m
 from estexp_jax.physics.engines.lanes.numbers import Numbers
 from estexp_jax.physics.engines.lanes.sensors import Reader
 from estexp_jax.physics.engines.lanes.states import packed, unpacked
-from estexp_jax.physics.engines.lanes.step import LaneState, Stepper
+from estexp_jax.physics.engines.lanes.step import TOLERANCE, LaneState, Stepper
 from estexp_jax.physics.engines.lanes.terms import Acting
-from estexp_jax.physics.engines.lanes.walk import TOLERANCE
 from estexp_jax.physics.engines.lanes.xla import compiled
 from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.engines.replay_inputs import Drive
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
 
-LANES_WIDTH = 104
-"""Lanes in a chunk."""
+LANES_REPLAY = (200, 32)
+"""Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
 
 
 @final

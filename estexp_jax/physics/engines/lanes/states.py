@@ -25,23 +25,30 @@ def packed(plan: Plan, qpos: jax.Array, qvel: jax.Array, warmstart: jax.Array) -
     return LaneState(coordinates, speed, tuple(start))
 
 
+def coordinates(plan: Plan, state: LaneState) -> list[jax.Array]:
+    """The configuration, one array (N,) for each of its nq numbers."""
+    qpos: list[Scalar] = [None] * plan.model.nq
+    for joint, q in zip(plan.joints, state.qpos, strict=True):
+        if joint.free:
+            qpos[joint.qpos[0] : joint.qpos[0] + 7] = q
+        else:
+            _put(qpos, joint.qpos, q[0])
+    return qpos
+
+
 def unpacked(plan: Plan, state: LaneState) -> tuple[jax.Array, jax.Array, jax.Array]:
     """The inverse of `packed`: (nq, N), (nv, N), (nv, N)."""
-    qpos: list[Scalar] = [None] * plan.model.nq
     qvel: list[Scalar] = [None] * plan.model.nv
     warmstart: list[Scalar] = [None] * plan.model.nv
     start = list(state.warmstart)
     for joint, q in zip(plan.joints, state.qpos, strict=True):
         if joint.free:
-            qpos[joint.qpos[0] : joint.qpos[0] + 7] = q
             first = joint.dofs[0] + 3
             start[first : first + 3] = apply(transposed(from_quaternion(*q[3:])), start[first : first + 3])
-        else:
-            _put(qpos, joint.qpos, q[0])
     for dof in plan.dofs:
         _put(qvel, dof.addresses, state.qvel[dof.index])
         _put(warmstart, dof.addresses, start[dof.index])
-    return jnp.stack(qpos), jnp.stack(qvel), jnp.stack(warmstart)
+    return jnp.stack(coordinates(plan, state)), jnp.stack(qvel), jnp.stack(warmstart)
 
 
 def _rows(table: jax.Array, members: tuple[int, ...]) -> jax.Array:

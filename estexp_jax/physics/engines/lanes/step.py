@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, final
 import jax
 import jax.numpy as jnp
 import mujoco
+import numpy as np
 
 from estexp_jax.physics.engines.lanes.algebra import (
     Scalar,
@@ -40,6 +41,8 @@ from estexp_jax.physics.engines.lanes.sparse import Factor
 
 _INTEGRATOR, _OFF = mujoco.mjtIntegrator, mujoco.mjtDisableBit
 
+TOLERANCE = {np.dtype(np.float32): 1e-9, np.dtype(np.float64): 1e-22}
+"""Squared relative change of the accelerations at which the solver stops."""
 ITERATIONS = 10
 """Most Newton steps; a robot that has not converged by then keeps what it has, as in MuJoCo."""
 
