@@ -196,7 +196,7 @@ def shared_replayer(name: str) -> Replayer:
     return replayer(nominal(name), catalogue(CONFIG.effects), [nominal(name)])
 
 
-def _shared(robot: Robot, *_: Any) -> Replayer:
+def _shared(robot: Robot, *_: Any, **__: Any) -> Replayer:
     return shared_replayer(robot.source.removesuffix(".xml"))
 
 

@@ -27,7 +27,7 @@ def shared() -> Replayer:
     return replayer(leg, catalogue(CONFIG.effects), [leg])
 
 
-def _shared(*_: object) -> Replayer:
+def _shared(*_: object, **__: object) -> Replayer:
     return shared()
 
 
