@@ -20,11 +20,11 @@ from estexp_jax.physics.engines.lanes.states import coordinates, packed, unpacke
 from estexp_jax.physics.engines.lanes.step import TOLERANCE, LaneState, Stepper
 from estexp_jax.physics.engines.lanes.terms import Acting
 from estexp_jax.physics.engines.mjx_terms import Hidden
-from estexp_jax.physics.engines.walking import BodyState, Walk, Walker
+from estexp_jax.physics.engines.walking import BodyState, Walker
 from estexp_jax.physics.travel import travel_map
 
-_ROWS = 25
-"""Control steps that are noted down together: XLA copies what it adds a row to, and the whole walk is large."""
+ROWS = 25
+"""Control steps in a call: XLA copies the rows of a call at each of its steps, so they are few."""
 
 
 class Batch(NamedTuple):
@@ -39,12 +39,20 @@ class Batch(NamedTuple):
     start: BodyState
 
 
+class Block(NamedTuple):
+    """What a call gives, robots last."""
+
+    final: BodyState
+    neurons: Any  #: (HIDDEN, N)
+    rows: Any  #: (ROWS, n_inputs + n_outputs + 3, N): readings, commands, position; only the steps taken are filled
+
+
 class _Carry(NamedTuple):
     state: LaneState
     felt: tuple[Any, ...]  # of each touch sensor, (N,)
     hidden: Hidden
     neurons: tuple[Any, ...]
-    rows: Any  # (_ROWS, n_inputs + n_outputs + 3, N): readings, commands, position
+    rows: Any
 
 
 @final
@@ -63,37 +71,29 @@ class ClosedLoop:
         self._touches = np.flatnonzero(kinds == touch).tolist()
         self._travel = travel_map(walker.robot)
 
-    def walk(self, steps: Any, active: Any) -> Walk:
-        """The robots' walks."""
+    def advance(self, neurons: Any, steps: Any, active: Any) -> Block:
+        """The robots some control steps later.
+
+        Args:
+            neurons: (HIDDEN, N) their last outputs.
+            steps: at most `ROWS`.
+            active: false: all motors at home.
+        """
         start, face = self._batch.start, self._face
         columns = self._plan.model.sensor_adr[self._touches].tolist()
-        n_blocks = -(-self._walker.rows // _ROWS)
-        width = face.n_inputs + face.n_outputs + 3
         carry = _Carry(
             packed(self._plan, start.qpos, start.qvel, start.warmstart),
             tuple(start.sensordata[c] for c in columns),
             start.hidden,
-            tuple(jnp.zeros(self._n, self._dtype) for _ in range(HIDDEN)),
-            jnp.zeros((_ROWS, width, self._n), self._dtype),
+            tuple(neurons[i] for i in range(HIDDEN)),
+            jnp.zeros((ROWS, face.n_inputs + face.n_outputs + 3, self._n), self._dtype),
         )
-
-        def block(b: Any, both: tuple[_Carry, Any]) -> tuple[_Carry, Any]:
-            carry, table = both
-            left = jnp.minimum(steps - b * _ROWS, _ROWS)
-            carry = jax.lax.fori_loop(0, left, lambda row, c: self._control_step(row, c, active), carry)
-            return carry, table.at[b].set(carry.rows)
-
-        table = jnp.zeros((n_blocks, _ROWS, width, self._n), self._dtype)
-        carry, table = jax.lax.fori_loop(0, (steps + _ROWS - 1) // _ROWS, block, (carry, table))
-        table = table.reshape(-1, width, self._n)[: self._walker.rows]
-        readings, commands, position = jnp.split(table, (face.n_inputs, face.n_inputs + face.n_outputs), axis=1)
+        carry = jax.lax.fori_loop(0, steps, lambda row, c: self._control_step(row, c, active), carry)
         sensordata = start.sensordata
         for column, felt in zip(columns, carry.felt, strict=True):
             sensordata = sensordata.at[column].set(felt)
         final = BodyState(*unpacked(self._plan, carry.state), sensordata, carry.hidden)
-        sound = jnp.all(jnp.abs(final.qpos) < mujoco.mjMAXVAL, axis=0)  # false for NaN
-        sound &= jnp.all(jnp.abs(final.qvel) < mujoco.mjMAXVAL, axis=0)
-        return Walk(readings, commands, position, final, ~sound)
+        return Block(final, jnp.stack(carry.neurons), carry.rows)
 
     def _control_step(self, row: Any, carry: _Carry, active: Any) -> _Carry:
         qpos = coordinates(self._plan, carry.state)

@@ -10,12 +10,14 @@ from typing import Any, final
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.changes import Values
+from estexp_jax.physics.controllers import HIDDEN
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import cores, in_chunks
-from estexp_jax.physics.engines.lanes.loop import Batch, ClosedLoop
+from estexp_jax.physics.engines.lanes.loop import ROWS, Batch, Block, ClosedLoop
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
 from estexp_jax.physics.engines.lanes.xla import compiled
 from estexp_jax.physics.engines.walking import Lane, Walk, Walker
@@ -58,20 +60,28 @@ class LanesWalker(Walker):
         return in_chunks(lambda part: self._chunk(part, steps, active), batch, self.width)
 
     def _chunk(self, lanes: Lane, steps: int, active: bool) -> Walk:
-        prepare, walk = self._compiled(lanes)
-        found = walk(prepare(lanes), np.int32(steps), np.bool_(active))
-        return jax.tree.map(lambda x: np.moveaxis(np.asarray(x), -1, 0), found)
+        prepare, advance = self._compiled(lanes)
+        batch, neurons, rows = prepare(lanes), np.zeros((HIDDEN, self.width), np.float32), []
+        for done in range(0, steps, ROWS):
+            block = advance(batch, neurons, np.int32(min(ROWS, steps - done)), np.bool_(active))
+            batch, neurons = batch._replace(start=block.final), block.neurons
+            rows.append(block.rows)
+        table = np.moveaxis(np.concatenate([np.asarray(r) for r in rows])[:steps], -1, 0)
+        i, o = self.interface.n_inputs, self.interface.n_outputs
+        final = jax.tree.map(lambda x: np.moveaxis(np.asarray(x), -1, 0), batch.start)
+        sound = [np.all(np.abs(x) < mujoco.mjMAXVAL, axis=1) for x in (final.qpos, final.qvel)]  # false for NaN
+        return Walk(table[..., :i], table[..., i : i + o], table[..., i + o :], final, ~(sound[0] & sound[1]))
 
     def _compiled(self, lanes: Lane) -> tuple[Any, Any]:
         """Both executables, compiled at the first call."""
         with self._lock:
             if not self._programs:
                 prepare = jax.jit(jax.vmap(self._prepared, out_axes=-1)).lower(lanes)
-                batch = prepare.out_info
-                walk = jax.jit(self._walked).lower(batch, np.int32(0), np.bool_(True))
+                neurons = np.zeros((HIDDEN, self.width), np.float32)
+                advance = jax.jit(self._advanced).lower(prepare.out_info, neurons, np.int32(0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
-                    self._programs["walk"], self._programs["fast"] = compiled(walk)
+                    self._programs["walk"], self._programs["fast"] = compiled(advance)
                     self._programs["prepare"] = preparing.result()
         return self._programs["prepare"], self._programs["walk"]
 
@@ -98,6 +108,6 @@ class LanesWalker(Walker):
         shift = distorted(0.0)
         return distorted(1.0) - shift, shift
 
-    def _walked(self, batch: Batch, steps: Any, active: Any) -> Walk:
-        """All robots' walks."""
-        return ClosedLoop(self, self.lanes, batch).walk(steps, active)
+    def _advanced(self, batch: Batch, neurons: Any, steps: Any, active: Any) -> Block:
+        """All robots, some control steps later."""
+        return ClosedLoop(self, self.lanes, batch).advance(neurons, steps, active)
