@@ -57,7 +57,7 @@ def test_killed_and_resumed_it_ends_the_same(finished: tuple[Path, str], tmp_pat
                 break
     assert not (out / "run.json").exists()
     resumed = subprocess.run(command(out, "--resume"), capture_output=True, text=True, check=True)
-    assert "going on with pass 1" in resumed.stdout
+    assert "going on with pass " in resumed.stdout
     for name in FILES:
         assert (out / name).read_bytes() == (finished[0] / name).read_bytes(), name
 
