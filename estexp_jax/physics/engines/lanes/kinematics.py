@@ -27,7 +27,6 @@ from estexp_jax.physics.engines.lanes.algebra import (
     scale,
     spread_all,
     sub,
-    transposed,
     turn,
     vadd,
 )
@@ -185,8 +184,3 @@ def shifted(pose: Pose, arm: Vector) -> Pose:
     other = Pose(pose.rotation, pose.position, pose.spin, pose.spin_rate, pose.acceleration, pose.velocity)
     _move(other, arm)
     return other
-
-
-def in_axes(rotation: Matrix, v: Vector) -> Vector:
-    """A world vector in the axes of a body."""
-    return apply(transposed(rotation), v)

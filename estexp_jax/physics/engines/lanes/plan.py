@@ -138,14 +138,6 @@ class Plan:
         """Group and member of each moving body."""
         return {b: (g.index, i) for g in self.groups for i, b in enumerate(g.bodies)}
 
-    @cached_property
-    def root(self) -> tuple[int, ...]:
-        """The group at the bottom of each group's tree."""
-        roots: list[int] = []
-        for g in self.groups:
-            roots.append(g.index if g.parent is None else roots[g.parent])
-        return tuple(roots)
-
 
 def plan(model: mujoco.MjModel) -> Plan:
     """The structure of a compiled model that `refusal` finds nothing against."""
