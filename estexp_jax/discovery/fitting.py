@@ -85,6 +85,7 @@ def fit(
         Progress after each step.
     """
     fits, moving, first = _remembered(problem, tasks, stage) or (*_screened(problem, tasks, windows, price), 0)
+    moving = [i for i in moving if _movable(fits[i].hypothesis).any()]
     for iteration in range(first, iterations):
         _remember(problem, stage, fits, moving, iteration)
         yield Progress(stage, iteration, iterations, _note(fits))
@@ -172,13 +173,13 @@ def _paired(fits: list[Fit], candidates: list[np.ndarray]) -> list[tuple[Fit, np
 
 def _newest(hypothesis: Hypothesis) -> np.ndarray:
     """Which parameters (n_free,) belong to the place claimed last."""
-    own = np.array([(f.effect, f.site) == hypothesis.places[-1] for f in hypothesis.free])
+    own = np.array([(f.effect, f.site) == hypothesis.places[-1] for f in hypothesis.free], dtype=bool)
     return own & _movable(hypothesis)
 
 
 def _movable(hypothesis: Hypothesis) -> np.ndarray:
     """Which parameters (n_free,) are amounts."""
-    return np.array([not f.chosen for f in hypothesis.free])
+    return np.array([not f.chosen for f in hypothesis.free], dtype=bool)
 
 
 def jacobian(problem: Problem, fitted: Fit, windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -227,7 +228,7 @@ def _normal_equations(
     fitted: Fit, price: float, residual: np.ndarray, derivative: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Gradient (n_free,) and Gauss-Newton matrix (n_free, n_free) of half the cost."""
-    j = derivative.reshape(-1, derivative.shape[-1])
+    j = derivative.reshape(int(np.prod(derivative.shape[:-1])), derivative.shape[-1])
     curvature = price / np.array([f.spread for f in fitted.hypothesis.free]) ** 2
     offset = fitted.vector - fitted.hypothesis.start()
     return j.T @ residual.reshape(-1) + curvature * offset, j.T @ j + np.diag(curvature)

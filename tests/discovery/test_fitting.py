@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.fitting import fit
-from estexp_jax.discovery.hypotheses import claiming, parameters_only
+from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.starts import starts
 from estexp_jax.physics.registry import effect
 from tests.discovery.planted import CASES, case_of, finished, problem_of
@@ -51,6 +51,12 @@ def test_more_steps_never_worsen_a_fit_and_never_leave_the_bounds(setting):
             assert all(p.low <= v <= p.high for p, v in zip(f.hypothesis.free, f.vector, strict=True))
     assert np.all(np.diff(costs, axis=0) <= 0.0)
     assert np.all(np.array(costs[-1]) < 0.5 * np.array(costs[0]))
+
+
+def test_a_hypothesis_without_parameters_stays_what_it_is(setting):
+    problem, windows, _ = setting
+    (found,) = run(problem, [(Hypothesis((), ()), [np.zeros(0)])], windows, 3, "nothing free")
+    assert found.vector.shape == (0,) and 0.0 < found.cost < np.inf
 
 
 class Rugged:
