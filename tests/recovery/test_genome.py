@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estexp_jax.physics.changes import encode
+from estexp_jax.physics.changes import encode, neutral
 from estexp_jax.physics.registry import PAPER, catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.edits import TILT, Place, change_of, merged, places
@@ -79,4 +79,7 @@ def test_every_place_takes_every_amount(quadruped: Robot) -> None:
     effects = catalogue(PAPER)
     for name in PAPER:
         for place in places(quadruped, name):
-            encode(quadruped, effects, [change_of(quadruped, place, 0.5)])
+            values = encode(quadruped, effects, [change_of(quadruped, place, 0.5)])
+            nominal = neutral(quadruped, effects)
+            differing = {key for key in values if not np.array_equal(values[key], nominal[key])}
+            assert differing == {name}

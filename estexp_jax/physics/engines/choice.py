@@ -9,8 +9,8 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.base import CommandShift, ReadingShift
+from estexp_jax.physics.engines.agreement import Agreement, agreement_of, visited
 from estexp_jax.physics.engines.batching import Choice
-from estexp_jax.physics.engines.lanes.check import TOLERANCE, disagreement
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.lanes.replay import LANES_REPLAY, LanesReplayer
 from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
@@ -25,6 +25,8 @@ from estexp_jax.physics.robot import Robot
 
 Engine = Literal["auto", "lanes", "mjx"]
 ENGINES: Sequence[Engine] = ("auto", "lanes", "mjx")
+_STATES = 32
+"""States from which lanes are tried against the C engine before they are believed."""
 
 
 def chosen(engine: str, on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> Choice:
@@ -82,10 +84,10 @@ def walker(
     choice, face = chosen(engine, on_mjx), interface_of(robot)
     if choice.engine == "lanes":
         fast = LanesWalker(on_mjx, face, rows, substeps, gain, lanes_width(population), choice)
-        off = disagreement(fast)
-        if off < TOLERANCE:
+        found = agreement_of(fast, visited(robot, face, _STATES))
+        if found.agrees:
             return fast
-        choice = _distrusted(engine, off, robot)
+        choice = _distrusted(engine, found, robot)
     return MjxWalker(on_mjx, face, rows, substeps, gain, mjx_width(population), choice)
 
 
@@ -119,9 +121,9 @@ def replayer(
     return kind(nominal, differs, width or usual[0], block or usual[1], choice)
 
 
-def _distrusted(engine: str, off: float, robot: Robot) -> Choice:
-    """MJX instead of lanes that do not move a robot as they should."""
-    what = f"the lanes engine, as compiled here, differs from MuJoCo by {100 * off:.2g} % of a speed"
+def _distrusted(engine: str, found: Agreement, robot: Robot) -> Choice:
+    """MJX instead of lanes that do not move a robot as they should: the engine depends on how XLA compiles it."""
+    what = f"the lanes engine, as compiled here, {found.sentence()}"
     if engine == "lanes":
         raise InputError(what, where=robot.source, right="use --engine mjx")
     return Choice("mjx", what)

@@ -104,7 +104,7 @@ def test_its_sentence_names_the_place(e: Effect, name: str) -> None:
 
 @every_effect
 @every_robot
-def test_text_json_and_arrays_carry_a_change_unchanged(e: Effect, name: str) -> None:
+def test_text_json_and_arrays_carry_a_change_assert_unchanged(e: Effect, name: str) -> None:
     subject = robot(name)
     for row, site in enumerate(_sites(e, subject)):
         change = Change(e.name, site or None, _middle(e, subject, site))
@@ -126,10 +126,10 @@ def test_neutral_values_change_nothing(e: Effect, name: str) -> None:
     subject = robot(name)
     sites = _sites(e, subject)
     values = jnp.asarray(neutral_values(e, len(sites)), jnp.float32).reshape(-1, len(e.parameters))
-    _unchanged(e, subject, values, exact=True)
+    _assert_unchanged(e, subject, values, exact=True)
 
 
-def _unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bool) -> None:
+def _assert_unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bool) -> None:
     model = subject.model
     match e:
         case Edit():
@@ -191,6 +191,19 @@ def test_restoring_undoes_a_distortion(e: Distortion) -> None:
         if e.name == "sensor_stuck":
             true[:, column] = np.nan  # what is not seen cannot be restored
         np.testing.assert_allclose(e.restore(subject, faulty, values), true, atol=1e-6)
+
+
+@pytest.mark.parametrize("e", [e for e in ALL if isinstance(e, Distortion)], ids=lambda e: e.name)
+def test_a_distortion_scales_and_shifts_each_reading(e: Distortion) -> None:
+    """Lanes rely on it: they work out both numbers once for a walk."""
+    subject = robot("quadruped")
+    changes = [Change(e.name, site, _middle(e, subject, site)) for site in e.sites(subject)]
+    values = jnp.asarray(encode(subject, (e,), changes)[e.name])
+    true = np.random.default_rng(1).normal(size=(5, subject.model.nsensordata)).astype(np.float32)
+    shift, one = (np.asarray(e.distort(subject, jnp.full_like(true, x), values)) for x in (0.0, 1.0))
+    faulty = np.asarray(e.distort(subject, jnp.asarray(true), values))
+    assert np.abs(faulty - true).max() > 1e-3
+    np.testing.assert_allclose(faulty, (one - shift) * true + shift, atol=1e-5)
 
 
 def test_a_dead_sensor_cannot_be_restored() -> None:

@@ -13,11 +13,15 @@ from hypothesis import strategies as st
 
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
+from estexp_jax.physics.engines import choice
+from estexp_jax.physics.engines.agreement import Agreement
 from estexp_jax.physics.engines.choice import chosen
 from estexp_jax.physics.engines.lanes.support import refusal
 from estexp_jax.physics.engines.mjx_model import mjx_model
+from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
 from tests.physics.engines.lanes_twin import exact, stepped, visited
+from tests.physics.robots import robot
 
 _GEOMS = {
     "sphere": 'type="sphere" size="0.05"',
@@ -146,11 +150,21 @@ def test_what_lanes_cannot_do_they_refuse_by_name(change: tuple[str, str], words
 
 def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> None:
     on_mjx = mjx_model(Robot.from_string(BALL, "ball.xml"), ())
-    choice = chosen("auto", on_mjx)
-    assert choice.engine == "mjx" and choice.reason == "ball joint 'neck' is not supported by the lanes engine"
+    taken = chosen("auto", on_mjx)
+    assert taken.engine == "mjx" and taken.reason == "ball joint 'neck' is not supported by the lanes engine"
     with pytest.raises(
         InputError, match="ball.xml: ball joint 'neck' is not supported by the lanes engine; use --engine"
     ):
         chosen("lanes", on_mjx)
     with pytest.raises(InputError, match="auto, lanes, mjx"):
         chosen("warp", on_mjx)
+
+
+def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = Agreement(states=32, physics_steps=2, median=0.2, high=0.4, largest=0.6)
+    monkeypatch.setattr(choice, "agreement_of", lambda *_: wrong)
+    given_: Any = {"rows": 5, "control_step": 0.01}
+    instead = choice.walker(robot("cartpole"), catalogue(["body_mass"]), **given_)
+    assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
+    with pytest.raises(InputError, match="use --engine mjx"):
+        choice.walker(robot("cartpole"), catalogue(["body_mass"]), **given_, engine="lanes")
