@@ -163,8 +163,8 @@ def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> N
 def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = Agreement(states=32, physics_steps=2, median=0.2, high=0.4, largest=0.6)
     monkeypatch.setattr(choice, "agreement_of", lambda *_: wrong)
-    given_: Any = {"rows": 5, "control_step": 0.01}
-    instead = choice.walker(robot("cartpole"), catalogue(["body_mass"]), **given_)
+    short: Any = {"rows": 5, "control_step": 0.01}
+    instead = choice.walker(robot("cartpole"), catalogue(["body_mass"]), **short)
     assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
-        choice.walker(robot("cartpole"), catalogue(["body_mass"]), **given_, engine="lanes")
+        choice.walker(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
