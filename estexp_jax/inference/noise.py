@@ -5,26 +5,68 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.signal import savgol_coeffs, savgol_filter
 
 from estexp_jax.inference.channels import Channels, spans
 from estexp_jax.physics.recording import Recording
 
+_ORDERS = (3, 4, 5, 6)
+_NINE = 9
 
-def noise_deviation(samples: np.ndarray) -> float:
+
+def noise_deviation(time: np.ndarray, samples: np.ndarray) -> float:
     """Standard deviation of the noise in a slowly changing signal, in its unit; NaN for fewer than five samples.
 
-    Third differences remove any locally quadratic motion; of white noise of deviation s they leave sqrt(20) s.
-    Their median size counts, so that jolts do not. A quantised signal at rest shows no differences at all, so the
-    deviation is at least that of its step, step / sqrt(12).
+    Divided differences of order d remove motion that is locally a polynomial of lower degree, on any clock; scaled so
+    that white noise keeps its deviation, their median size is it, whatever jolts. The least of several orders counts,
+    because a low one leaves some of a fast motion sampled slowly. A quantised signal at rest shows no differences at
+    all, so the deviation is at least that of its step, step / sqrt(12).
 
     Args:
+        time: (rows,) s, increasing.
         samples: (rows,), NaN where there is no sample.
     """
-    y = samples[np.isfinite(samples)]
+    good = np.isfinite(samples)
+    t, y = time[good], samples[good]
     if len(y) < 5:
         return float("nan")
-    spread = float(np.median(np.abs(np.diff(y, 3)))) / 0.6745 / np.sqrt(20.0)
+    spread = min(_typical_difference(t, y, d) for d in _ORDERS if d < len(y) - 1)
     return max(spread, _quantum(y) / np.sqrt(12.0))
+
+
+def _typical_difference(time: np.ndarray, samples: np.ndarray, order: int) -> float:
+    """Deviation of white noise whose divided differences of an order are as large as these."""
+    near = np.arange(len(time) - order)[:, None] + np.arange(order + 1)
+    apart = time[near][:, :, None] - time[near][:, None, :] + np.eye(order + 1)
+    weights = 1.0 / np.prod(apart / np.abs(apart).max(axis=(1, 2), keepdims=True), axis=2)
+    weights /= np.linalg.norm(weights, axis=1, keepdims=True)
+    return float(np.median(np.abs(np.sum(weights * samples[near], axis=1)))) / 0.6745
+
+
+def loudness(differences: np.ndarray) -> np.ndarray:
+    """Standard deviation (channels,) of what is left of signals beside parabolas through nine samples at a time.
+
+    Median size counts, so that jolts do not. White noise keeps its deviation; noise that lasts for a few rows keeps
+    more of it than in differences.
+
+    Args:
+        differences: (windows, rows, channels), NaN where there is no sample.
+    """
+    found = np.full(differences.shape[2], np.nan)
+    for c in range(differences.shape[2]):
+        left = [_beside_parabolas(signal[np.isfinite(signal)]) for signal in differences[:, :, c]]
+        if any(len(part) for part in left):
+            found[c] = np.median(np.abs(np.concatenate(left))) / 0.6745
+    return found
+
+
+def _beside_parabolas(signal: np.ndarray) -> np.ndarray:
+    """What nine-sample parabolas leave, enlarged by what they take of white noise; nothing of a shorter signal."""
+    if len(signal) < _NINE:
+        return np.zeros(0)
+    middle = savgol_coeffs(_NINE, 2)[_NINE // 2]
+    inside = slice(_NINE // 2, len(signal) - _NINE // 2)
+    return ((signal - savgol_filter(signal, _NINE, 2)) / np.sqrt(1.0 - middle))[inside]
 
 
 def noise_floor(channels: Channels, recordings: Sequence[Recording]) -> float:
@@ -32,7 +74,11 @@ def noise_floor(channels: Channels, recordings: Sequence[Recording]) -> float:
     shares = []
     for recording in recordings:
         table, span = channels.recorded(recording), spans(channels, recording)
-        shares += [noise_deviation(table[:, c]) / span[c] for c in range(table.shape[1]) if np.isfinite(span[c])]
+        shares += [
+            noise_deviation(recording.time, table[:, c]) / span[c]
+            for c in range(table.shape[1])
+            if np.isfinite(span[c])
+        ]
     found = np.array([s for s in shares if np.isfinite(s)])
     return float(np.sqrt(np.mean(found**2))) if found.size else 0.0
 

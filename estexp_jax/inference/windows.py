@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estexp_jax.inference.start import path_of, start_state
+from estexp_jax.inference.start import motion_of
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, segment
@@ -32,21 +32,19 @@ def window_rows(time: np.ndarray, length: float) -> list[tuple[int, int]]:
 
 
 def segments_of(
-    robots: Sequence[Robot], recordings: Sequence[Recording], length: float, finer: int = 1, degree: int = 3
+    robots: Sequence[Robot], recordings: Sequence[Recording], length: float, finer: int = 1
 ) -> list[Segment]:
-    """All windows of all recordings, each started from a state estimated around its first row.
+    """All windows of all recordings, each started from the state estimated at its first row.
 
     Args:
         robots: the nominal robot with each recording's settings.
         recordings: one for each robot.
         length: of a window, s; infinite for whole recordings.
         finer: part of the model's step to take.
-        degree: of the polynomials that start states are read from.
     """
     found: list[Segment] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
-        path = path_of(robot, recording)
+        motion, step = motion_of(robot, recording), float(robot.model.opt.timestep) / finer
         for rows in window_rows(recording.time, length):
-            start = start_state(robot, recording, rows[0], degree=degree)
-            found.append(segment(recordings, i, rows, float(robot.model.opt.timestep) / finer, start, path))
+            found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path))
     return found

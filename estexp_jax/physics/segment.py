@@ -19,11 +19,14 @@ class Start(NamedTuple):
         qpos, qvel: (nq,), (nv,).
         sensed: (address in `sensordata`, address in qpos, address in qvel) of each joint whose position a sensor gave;
             a hypothesis that doubts the sensor starts elsewhere.
+        covariance: (nv, 2, 2) of each degree of freedom's position (in the tangent space) and speed, as far as the
+            state was measured with noise; None: it is exact.
     """
 
     qpos: np.ndarray
     qvel: np.ndarray
     sensed: tuple[tuple[int, int, int], ...] = ()
+    covariance: np.ndarray | None = None
 
 
 @final

@@ -1,0 +1,27 @@
+"""Lost rows come back with commands between their neighbours and no readings; nothing else changes."""
+
+import numpy as np
+
+from estexp_jax.inference.gaps import bridged
+
+
+def test_lost_rows_come_back_where_the_clock_lacks_them(mixed, blank):
+    whole = np.arange(60) / 50.0 + 1e-4 * np.random.default_rng(61).standard_normal(60)
+    kept = np.delete(np.arange(60), [20, 40, 41])
+    recording = blank(whole[kept], sensor={3: np.sin(whole[kept])})
+    recording.ctrl[:] = np.linspace(0.0, 1.0, 60)[kept, None]
+    found = bridged(recording)
+    assert found.rows == 60
+    np.testing.assert_allclose(found.time, whole, atol=1e-3)
+    np.testing.assert_allclose(found.ctrl[:, 0], np.linspace(0.0, 1.0, 60), atol=1e-9)
+    assert np.isnan(found.sensor[[20, 40, 41], 3]).all()
+    np.testing.assert_array_equal(found.sensor[kept, 3], recording.sensor[:, 3])
+    np.testing.assert_array_equal(found.time[kept], recording.time)
+
+
+def test_an_uneven_clock_and_a_long_pause_stay_as_they_are(mixed, blank):
+    rng = np.random.default_rng(62)
+    uneven = blank(np.cumsum(rng.uniform(0.6, 1.4, 50)))
+    assert bridged(uneven) is uneven
+    paused = blank(np.concatenate([np.arange(20) / 50.0, 1.0 + np.arange(20) / 50.0]))
+    assert bridged(paused) is paused
