@@ -26,6 +26,7 @@ from estexp_jax.physics.effects.joint_jam import JointJam
 from estexp_jax.physics.effects.joint_limit import JointLimit
 from estexp_jax.physics.effects.joint_offset import JointOffset
 from estexp_jax.physics.effects.joint_stiffness import JointStiffness
+from estexp_jax.physics.effects.load_bristles import LoadBristles
 from estexp_jax.physics.effects.load_dependent_friction import LoadDependentFriction
 from estexp_jax.physics.effects.motor_fade import MotorFade
 from estexp_jax.physics.effects.motor_weakness import MotorWeakness
@@ -36,6 +37,8 @@ from estexp_jax.physics.effects.sensor_bias import SensorBias
 from estexp_jax.physics.effects.sensor_delay import SensorDelay
 from estexp_jax.physics.effects.sensor_gain import SensorGain
 from estexp_jax.physics.effects.sensor_stuck import SensorStuck
+from estexp_jax.physics.effects.servo_damping import ServoDamping
+from estexp_jax.physics.effects.stribeck_bristles import StribeckBristles
 from estexp_jax.physics.effects.stribeck_friction import StribeckFriction
 from estexp_jax.physics.effects.tied_outputs import TiedOutputs
 from estexp_jax.physics.effects.torque_offset import TorqueOffset
@@ -83,6 +86,9 @@ ALL: Catalogue = (
 )
 """Every effect the program knows. Terms act in this order: what changes a motor's torque, then what passes it on."""
 
+VARIANTS: Catalogue = (StribeckBristles(), LoadBristles(), ServoDamping())
+"""Other forms of effects of the catalogue, told under its names."""
+
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")
 """The six edits of the paper's estimation phase, in the order of its genome."""
 
@@ -93,7 +99,7 @@ def effect(name: str) -> Effect:
     Raises:
         InputError: there is none; the message lists the catalogue.
     """
-    for candidate in ALL:
+    for candidate in (*ALL, *VARIANTS):
         if candidate.name == name:
             return candidate
     raise InputError(f"there is no effect '{name}'", right=known(e.name for e in ALL))

@@ -83,6 +83,10 @@ class Effect(abc.ABC):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         """What it says about the robot, in plain words with numbers."""
 
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        """The name under which it is reported at these values, and those of them that this name has."""
+        return self.name, values
+
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Put the effect into a description, where MJCF has a place for it; `values` holds every parameter."""
         raise NotImplementedError(f"{self.name} has no place in MJCF")

@@ -7,18 +7,17 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.bristles import rest, rubbed
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.robot import Robot
+
+_AT_ONCE = 5e-3
+"""A presliding way, rad or m, too short for anyone to call it anything but Coulomb friction."""
 
 
 @final
 class Hysteresis(Term):
-    """dF/dq = sigma (1 - F/T sign(w)), tau = -F: Dahl friction.
-
-    Between two steps the joint moved by dq, over which the law has the exact solution
-    F' = T s + (F - T s) exp(-sigma |dq| / T), s = sign(dq). The step ahead takes F linearised about the present speed,
-    with its slope as implicit damping, so that a stiff sigma does not chatter.
-    """
+    """dF/dq = sigma (1 - F/T sign(w)), tau = -F: Dahl friction, bristles of presliding way T / sigma."""
 
     name: ClassVar[str] = "hysteresis"
     kind: ClassVar[str] = "joint"
@@ -43,18 +42,13 @@ class Hysteresis(Term):
             f"built up like a spring of {values['sigma']:.3g} N m/rad"
         )
 
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        at_once = values["T"] <= _AT_ONCE * values["sigma"]
+        return ("coulomb_friction", {"T": values["T"]}) if at_once else (self.name, values)
+
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return jnp.zeros_like(q), q
+        return rest(q)
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        (T, sigma), (force, q_before), (w, dt) = p, state, (moment.w, moment.dt)
-        force = _followed(T, sigma, force, moment.q - q_before)
-        ahead = _followed(T, sigma, force, w * dt)
-        slope = sigma * dt * jnp.maximum(T - ahead * jnp.sign(w), 0.0) / jnp.maximum(T, 1e-9)
-        return JointForce(force=slope * w - ahead, damping=slope), (force, moment.q)
-
-
-def _followed(T: Array, sigma: Array, force: Array, moved: Array) -> Array:
-    """The force after a displacement in one direction."""
-    end = T * jnp.sign(moved)
-    return end + (force - end) * jnp.exp(-sigma * jnp.abs(moved) / jnp.maximum(T, 1e-9))
+        T, sigma = p
+        return rubbed(T, jnp.maximum(T, 1e-9) / sigma, moment, state)

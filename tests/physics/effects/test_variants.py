@@ -1,0 +1,73 @@
+"""Forms of effects that go by another name: they act as written and are told as an effect of the catalogue."""
+
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+import pytest
+
+from estexp_jax.physics.effects.base import JointMoment
+from estexp_jax.physics.effects.hysteresis import Hysteresis
+from estexp_jax.physics.effects.load_bristles import LoadBristles
+from estexp_jax.physics.effects.servo_damping import ServoDamping, servo_damping
+from estexp_jax.physics.effects.stribeck_bristles import StribeckBristles
+from estexp_jax.physics.registry import ALL, VARIANTS, effect
+from estexp_jax.physics.robot import Robot
+
+SERVO = """
+<mujoco>
+  <worldbody><body><joint name="j" axis="0 1 0"/><geom size="0.1" mass="1" pos="0.2 0 0"/></body></worldbody>
+  <actuator><position name="s" joint="j" kp="20" kv="0.8" gear="2"/></actuator>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize("variant", VARIANTS, ids=lambda e: e.name)
+def test_a_variant_is_told_under_a_name_and_with_values_of_the_catalogue(variant):
+    values = {p.name: 0.3 for p in variant.parameters}
+    name, told = variant.told(values)
+    assert name in {e.name for e in ALL}
+    assert set(told) == {p.name for p in effect(name).parameters}
+    assert effect(variant.name) is variant
+
+
+def test_bristles_that_give_by_a_millimetre_are_told_as_coulomb_friction():
+    assert Hysteresis().told({"T": 0.2, "sigma": 130.0}) == ("coulomb_friction", {"T": 0.2})
+    assert Hysteresis().told({"T": 0.2, "sigma": 2.0})[0] == "hysteresis"
+
+
+def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
+    """Force of a term at the end of a slide at constant speed, with its implicit damping taken."""
+    state, q, does = term.initial(p, jnp.zeros(1), jnp.zeros(1)), jnp.zeros(1), None
+    for _ in range(round(seconds / dt)):
+        moment = JointMoment(q, jnp.full(1, speed), jnp.full(1, torque), *[jnp.ones(1)] * 1, dt, 1.0, 0.0, None, None)
+        does, state = term.act(p, moment, state)
+        q = q + dt * speed
+    return float((does.force - does.damping * speed)[0])
+
+
+def test_bristles_slide_at_their_law():
+    p = tuple(jnp.full(1, x) for x in (0.4, 0.3, 0.2, 1e-3))
+    for speed in (0.05, -0.2, 1.5):
+        level = 0.4 + 0.3 * np.exp(-((speed / 0.2) ** 2))
+        assert slid(StribeckBristles(), p, speed) == pytest.approx(-np.sign(speed) * level, rel=1e-3)
+    load = tuple(jnp.full(1, x) for x in (0.2, 1e-3))
+    assert slid(LoadBristles(), load, 0.3, torque=-5.0) == pytest.approx(-1.0, rel=1e-3)
+
+
+def test_bristles_give_like_a_spring_before_they_slide():
+    p = tuple(jnp.full(1, x) for x in (0.4, 0.0, 0.2, 1e-2))
+    assert slid(StribeckBristles(), p, 1e-3, seconds=0.5) == pytest.approx(-0.4 / 1e-2 * 5e-4, rel=0.05)
+
+
+def test_servo_damping_changes_the_motors_own_force():
+    robot = Robot.from_string(SERVO, "servo.xml")
+    assert servo_damping(robot) == pytest.approx([0.8 * 4.0])
+    spec = robot.spec.copy()
+    ServoDamping().write_mjcf(robot, spec, "s", {"k": 0.4})
+    forces = []
+    for model in (robot.model, spec.compile()):
+        data = mujoco.MjData(model)
+        data.qvel[0] = 3.0
+        mujoco.mj_forward(model, data)
+        forces.append(float(data.qfrc_actuator[0]))
+    assert forces[1] - forces[0] == pytest.approx(-0.4 * 3.0)
