@@ -12,15 +12,15 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.hypotheses import claiming, known_values, parameters_only
+from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.location import where
-from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.resolution import resolution
-from estexp_jax.discovery.selection import Selection, folds_of, probabilities, select, windows_to_fit
+from estexp_jax.discovery.problem import Problem, deviations
+from estexp_jax.discovery.selection import Selection, dearer, folds_of, probabilities, select, windows_to_fit
 from estexp_jax.discovery.uncertainty import gain_interval, parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.inference.channels import channels_of
+from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.noise import noise_floor
 from estexp_jax.inference.windows import segments_of
 from estexp_jax.physics.changes import Change
@@ -30,7 +30,7 @@ from estexp_jax.physics.registry import catalogue
 FINER = 4
 """The explained simulator steps at this part of the nominal step."""
 _PRICE = 1e-3
-"""Price of a model's value being off by 10 %, as a share of the nominal simulator's squared error: breaks ties only."""
+"""Price of a model's value being off by an ordinary error, where noise alone costs 1: decides what data do not."""
 
 
 def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
@@ -39,9 +39,13 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    simulator = replayer(case.robot, catalogue(config.effects), case.robots, engine=config.engine)
-    coarse, fine = (tuple(segments_of(case.robots, case.recordings, config.window, finer)) for finer in (1, FINER))
-    return Problem(simulator, case.recordings, coarse, fine, channels_of(case.robot, case.recordings), [0], memory)
+    simulator = replayer(case.robot, catalogue(simulated(config.effects)), case.robots, engine=config.engine)
+    places = tuple(singles(case.robot, catalogue(claimable(config.effects))))
+    recordings = tuple(map(bridged, case.recordings))
+    coarse, fine = (tuple(segments_of(case.robots, recordings, config.window, finer)) for finer in (1, FINER))
+    channels = channels_of(case.robot, recordings)
+    noise = deviations(channels, recordings)
+    return Problem(simulator, recordings, coarse, fine, channels, [0], memory, noise, places)
 
 
 def explain(
@@ -63,36 +67,37 @@ def explain(
     problem = problem_of(case, config, {} if memory is None else memory)
     engine, reason = problem.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
-    train = problem.windows_of(case.indices("train"))
     settings = {name for r in case.recordings for name in r.settings}
     parameters = parameters_only(case.robot, problem.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
-    price = _PRICE * problem.error(nominal.member, train) ** 2
     fitted = windows_to_fit(problem, case.indices("train"))
     folds = folds_of(problem, case.indices("train"))
-    level = resolution(case, config, problem, nominal.member, _floors(case, problem)["train"])
-    selection, problem = yield from select(problem, parameters, folds, price, config.most, level)
-    final, sayable, own = yield from _refitted(problem, selection, fitted, price)
+    selection, problem = yield from select(problem, parameters, folds, _PRICE, config.most)
+    final, sayable, own = yield from _refitted(problem, selection, fitted)
     yield Progress("test recordings", 0, 1)
-    return _diagnosis(case, config, problem, selection, (nominal, own, final, sayable), price, level)
+    return _diagnosis(case, config, problem, selection, (nominal, own, final, sayable))
 
 
 def _refitted(
-    problem: Problem, selection: Selection, windows: np.ndarray, price: float
+    problem: Problem, selection: Selection, windows: np.ndarray
 ) -> Generator[Progress, None, tuple[Fit, Fit, Fit]]:
     """The chosen explanation, its part that MJCF can say, and parameters alone, fitted to all training windows."""
     chosen, parameters = selection.chosen.fitted, selection.parameters.fitted
     changes = chosen.hypothesis.changes(chosen.vector, claimed=True)
-    said = [(c.effect, c.name or "") for c in changes if expressible(c)]
-    sayable = claiming(problem.replayer.robot, parameters.hypothesis, said)
+    said = [c for c in map(tell.told_change, changes) if expressible(c)]
+    sayable = claiming(problem.replayer.robot, parameters.hypothesis, [(c.effect, c.name or "") for c in said])
     known = {(f.effect, f.site, f.parameter): v for f, v in zip(chosen.hypothesis.free, chosen.vector, strict=True)}
+    known |= {(c.effect, c.name or "", name): v for c in said for name, v in c.parameters.items()}
     start = np.array([known.get((f.effect, f.site, f.parameter), f.neutral) for f in sayable.free])
     tasks: list[Task] = [
         (chosen.hypothesis, [chosen.vector]),
         (sayable, [start]),
-        (parameters.hypothesis, [parameters.vector]),
     ]
-    final, said_fit, own = yield from fit(problem, tasks, windows, price, stage="all training recordings")
+    fine, stage, price = problem.finer(), "all training recordings", dearer(_PRICE, selection.chosen)
+    final, said_fit = yield from fit(fine, tasks, windows, price, stage=stage, iterations=20)
+    tasks = [(parameters.hypothesis, [parameters.vector])]
+    about = problem.about(parameters.member).finer()
+    [own] = yield from fit(about, tasks, windows, _PRICE, stage=f"{stage}, parameters only", iterations=30)
     return final, said_fit, own
 
 
@@ -102,14 +107,12 @@ def _diagnosis(
     problem: Problem,
     selection: Selection,
     fits: tuple[Fit, Fit, Fit, Fit],
-    price: float,
-    level: float,
 ) -> Diagnosis:
     nominal, own, final, sayable = fits
     claimed = final.hypothesis.changes(final.vector, claimed=True)
     fitted = windows_to_fit(problem, case.indices("train"))
     floors = _floors(case, problem)
-    found = verdict(case.robot, selection, level, claimed)
+    found = verdict(case.robot, selection, claimed)
     if found == "consistent":  # then nothing is changed, not even what a refit would bend
         final = sayable = nominal
         claimed = ()
@@ -119,7 +122,7 @@ def _diagnosis(
         if found == "parameters"
         else ()
     )
-    intervals = parameter_intervals(problem, final, fitted, price)
+    intervals = parameter_intervals(problem, final, fitted, _PRICE)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
     test, exact = problem.windows_of(case.indices("test")), problem.exact()
     body: dict[str, Any] = {
@@ -139,7 +142,7 @@ def _diagnosis(
             case, config, problem, {"nominal": nominal, "parameters_only": own, "explained": final}, floors
         ),
         "advice": tell.advice(found, claimed, case.recordings, shares)
-        + tell.step_advice(selection, level, float(case.robot.model.opt.timestep)),
+        + tell.step_advice(selection, float(case.robot.model.opt.timestep)),
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": problem.counted[0]},
         "seed": config.seed,
@@ -152,7 +155,7 @@ def _diagnosis(
         selection,
         changes=_told(final),
         mjcf_changes=_told(sayable),
-        left_out=tuple(c for c in claimed if not expressible(c)),
+        left_out=tuple(c for c in map(tell.told_change, claimed) if not expressible(c)),
         predictions=_predictions(case, problem, nominal, final),
     )
 
@@ -182,8 +185,8 @@ def _fit_entry(
     own, exact = replace(problem, correction=None), problem.exact()
     at = {name: own if name == "nominal" else exact for name in fits}
     errors = {name: {role: at[name].error(f.member, w) for role, w in windows.items()} for name, f in fits.items()}
-    residuals = [at[n].residuals([fits[n].member], windows["test"])[0] for n in ("nominal", "explained")]
-    costs = [np.sum(np.square(r, dtype=float), axis=(1, 2)) for r in residuals]
+    shares = [at[n].shares(fits[n].member, windows["test"]) for n in ("nominal", "explained")]
+    costs = [np.nanmean(s, axis=(1, 2)) for s in shares]
     low, high = gain_interval(costs[0], costs[1], floors["test"], config.seed)
     value = gain(errors["explained"]["test"], errors["nominal"]["test"], floors["test"])
     return {
@@ -206,8 +209,9 @@ def _predictions(case: Case, problem: Problem, nominal: Fit, final: Fit) -> tupl
         pair = ((replace(problem, correction=None), nominal), (problem.exact(), final))
         simulated = [comparison.simulated([f.member], windows)[0] for comparison, f in pair]
         rows = [problem.segments[w].rows for w in windows]
-        joined = [np.concatenate([s[k, :n] for k, n in enumerate(rows)]) for s in simulated]
-        number = np.repeat(np.arange(len(windows)), rows)
+        logged = np.isin(problem.recordings[index].time, recording.time)
+        joined = [np.concatenate([s[k, :n] for k, n in enumerate(rows)])[logged] for s in simulated]
+        number = np.repeat(np.arange(len(windows)), rows)[logged]
         recorded = problem.channels.recorded(recording)
         prediction = Prediction(
             recording.name,

@@ -9,7 +9,7 @@ import numpy as np
 
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Place
-from estexp_jax.discovery.selection import Selection
+from estexp_jax.discovery.selection import NOISE, Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.recording import Recording
@@ -25,15 +25,22 @@ def presence(selection: Selection, shares: np.ndarray, place: Place) -> float:
     return float(sum(s for e, s in zip(everything, shares, strict=True) if place in e.places))
 
 
+def told_change(change: Change) -> Change:
+    """A change under the name and with the values that it is reported with."""
+    name, values = effect(change.effect).told(change.parameters)
+    return Change(name, change.name, dict(values))
+
+
 def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: float) -> dict[str, Any]:
     """One claimed effect with its numbers."""
     e = effect(change.effect)
+    told = told_change(change)
     rows = {
         f.parameter: i
         for i, f in enumerate(fitted.hypothesis.free)
         if (f.effect, f.site) == (e.name, change.name or "")
     }
-    units = {p.name: p.unit for p in e.parameters}
+    units = {p.name: p.unit for p in effect(told.effect).parameters}
     parameters = {
         name: {
             "value": value,
@@ -41,16 +48,16 @@ def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: 
             "high": float(intervals[rows[name], 1]),
             "unit": units[name],
         }
-        for name, value in change.parameters.items()
+        for name, value in told.parameters.items()
     }
     return {
-        "effect": e.name,
+        "effect": told.effect,
         "kind": e.kind,
         "name": change.name,
         "probability": probability,
-        "in_mjcf": e.in_mjcf,
-        "sentence": change.sentence(),
-        "equation": e.equation,
+        "in_mjcf": effect(told.effect).in_mjcf,
+        "sentence": told.sentence(),
+        "equation": effect(told.effect).equation,
         "parameters": parameters,
     }
 
@@ -74,7 +81,7 @@ def alternatives(selection: Selection, shares: np.ndarray, test_error: Callable[
     told = [i for rank, i in enumerate(others) if rank < 3 or shares[i] >= _TOLD]
     return [
         {
-            "effects": [f"{e}@{s}" if s else e for e, s in everything[i].places],
+            "effects": [told_change(c).place for c in everything[i].claims],
             "probability": float(shares[i]),
             "test_error": test_error(everything[i].fitted),
         }
@@ -111,16 +118,15 @@ def data_entries(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
     return [{"file": r.name, "role": r.role, "rows": r.rows, "hz": r.rate, "notes": list(r.notes)} for r in recordings]
 
 
-def step_advice(selection: Selection, level: float, timestep: float) -> list[str]:
+def step_advice(selection: Selection, timestep: float) -> list[str]:
     """A line if the nominal step alone gives an error that can be told from noise.
 
     Args:
         selection: all explanations.
-        level: the smallest error that means something, an nrmse.
         timestep: of the nominal simulator, s.
     """
     nominal, corrected = selection.nominal.error, selection.corrected.error
-    if nominal <= level or corrected > 0.5 * nominal:
+    if nominal <= NOISE or corrected > 0.5 * nominal:
         return []
     share, step = f"{1.0 - corrected / nominal:.0%}", f"{1e3 * timestep:g} ms"
     return [f"Take a smaller time step: {share} of the nominal simulator's error comes from its step of {step}."]

@@ -1,6 +1,6 @@
 """Fitting many hypotheses at once: bounded Levenberg-Marquardt on finite differences, all of it in batched replays.
 
-Source: Nocedal and Wright, Numerical Optimization (2006), chapter 10; the damping is chosen each time among three
+Source: Nocedal and Wright, Numerical Optimization (2006), chapter 10; the damping is chosen each time among four
 candidates simulated together, which costs no extra round trip.
 """
 
@@ -19,7 +19,9 @@ _STEP = 0.01
 """Finite-difference step, as a share of a parameter's present size ..."""
 _LEAST_STEP = 1e-3
 """... and at least this share of its largest."""
-_DAMPINGS = (1e-4, 1e-2, 1.0)
+_DAMPINGS = (1e-7, 1e-4, 1e-2, 1.0)
+_SMALL = 0.7
+"""Steps up to this share of a value are taken by factors."""
 _MOST_MEMBERS = 4096
 """Derivatives are taken by so many windows of simulations at once, to bound memory."""
 _CONVERGED = 1e-3
@@ -46,7 +48,7 @@ class Fit:
     Attributes:
         hypothesis: what is claimed.
         vector: (n_free,).
-        cost: sum of squared residuals, i.e. nrmse^2, with the price of unusual values of the model.
+        cost: sum of squared residuals, 1 for noise, with the price of unusual values of the model.
     """
 
     hypothesis: Hypothesis
@@ -75,7 +77,7 @@ def fit(
         problem: the comparison.
         tasks: hypotheses with the vectors (n_free,) to start from; the best start is pursued.
         windows: indices of the windows.
-        price: cost of a value of the model being off by its `spread`, in nrmse^2.
+        price: cost of a value of the model being off by its `spread`, where noise costs 1.
         stage: what to call it while it goes on.
         iterations: most steps.
 
@@ -147,7 +149,7 @@ def _costs(
     problem: Problem, members: Sequence[tuple[Hypothesis, np.ndarray]], windows: np.ndarray, price: float
 ) -> np.ndarray:
     residuals = problem.residuals(members, windows)
-    data = np.sum(np.square(residuals, dtype=np.float64), axis=(1, 2, 3))
+    data = np.sum(np.square(residuals, dtype=np.float64), axis=(1, 2))
     return data + np.array([np.sum(_prior(h, v, price) ** 2) for h, v in members])
 
 
@@ -201,7 +203,7 @@ def _jacobians(
     for group in np.unique(groups):
         chosen = np.flatnonzero(groups == group).tolist()
         members = [(fits[i].hypothesis, v) for i in chosen for v in shifted[i][0]]
-        residuals = problem.residuals(members, windows).reshape(len(members), len(windows), -1)
+        residuals = problem.residuals(members, windows)
         first = 0
         for i in chosen:
             vectors, steps = shifted[i]
@@ -254,5 +256,20 @@ def _candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: n
     found = []
     for damping in _DAMPINGS:
         regular = normal + np.diag(np.where(held, 1.0, damping + 1e-12))
-        found.append(np.clip(vector - unit * np.linalg.solve(regular, unit * gradient), low, high))
+        found.append(np.clip(_moved(fitted, -unit * np.linalg.solve(regular, unit * gradient)), low, high))
     return found
+
+
+def _moved(fitted: Fit, step: np.ndarray) -> np.ndarray:
+    """The vector after a step, taken by factors where it is not too large for that.
+
+    Masses, motors, dampings and frictions that all grow by one factor leave most motions as they are. Factors follow
+    this valley where sums would leave it.
+    """
+    free, vector = fitted.hypothesis.free, fitted.vector
+    sign = np.array([-1.0 if f.loss else 1.0 for f in free])
+    base = np.array([f.present for f in free])
+    total = base + sign * vector
+    share = sign * step / np.where(total > 0.0, total, np.inf)
+    by_factor = (total > 0.0) & (np.abs(share) < _SMALL)
+    return np.where(by_factor, sign * (total * np.exp(np.clip(share, -1.0, 1.0)) - base), vector + step)

@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 
 from estexp_jax.physics.changes import Change, Values, neutral
+from estexp_jax.physics.effects.servo_damping import servo_damping
 from estexp_jax.physics.effects.sites import ALL_ALIKE, joint_dofs
 from estexp_jax.physics.registry import Catalogue, effect
 from estexp_jax.physics.robot import Robot
@@ -27,8 +28,27 @@ _BENT = {
     ("joint", "armature"): "armature",
 }
 
+BENT = ("viscous_friction", "coulomb_friction", "armature", "motor_weakness", "body_mass", "servo_damping")
+"""The effects that change values a model has; all of them are fitted beside whatever is claimed."""
+
+VARIANTS = {"stribeck_bristles": "stribeck_friction", "load_bristles": "load_dependent_friction"}
+"""Other forms of effects, tried wherever these are."""
+
 TOLERANCE = 0.3
 """Share by which a value of the model may be off and still count as a wrong parameter."""
+_ORDINARY = 0.03
+"""Share by which values of models usually are off."""
+
+
+def claimable(effects: Sequence[str]) -> tuple[str, ...]:
+    """Names of effects with their other forms."""
+    return (*effects, *(variant for variant, name in VARIANTS.items() if name in effects))
+
+
+def simulated(effects: Sequence[str]) -> tuple[str, ...]:
+    """Names of all that a simulator must know for these to be claimed, values of the model bent beside them."""
+    claimed = claimable(effects)
+    return (*claimed, *(name for name in BENT if name not in claimed))
 
 
 @final
@@ -43,6 +63,8 @@ class Free:
         neutral: where it does nothing.
         spread: deviation that counts as ordinary for a value of the model; infinite for an effect's own parameter.
         chosen: whether it names an element: then only starts choose it, no step moves it.
+        present: the model's own value that it adds to; that times (1 - it) for a loss.
+        loss: whether it is one.
     """
 
     effect: str
@@ -55,6 +77,8 @@ class Free:
     neutral: float
     spread: float
     chosen: bool = False
+    present: float = 0.0
+    loss: bool = False
 
     @property
     def origin(self) -> float:
@@ -135,7 +159,7 @@ def known_values(robot: Robot, settings: Iterable[str]) -> set[Place]:
         element, _, rest = setting.partition(".")
         name, _, attribute = rest.rpartition(".")
         if element == "actuator":
-            found.add(("motor_weakness", name))
+            found |= {("motor_weakness", name), ("servo_damping", name)}
         elif (element, attribute) in _BENT:
             found.add((_BENT[element, attribute], name))
     return found
@@ -176,13 +200,14 @@ def _nuisance(robot: Robot, name: str) -> list[Free]:
         "viscous_friction": lambda: model.dof_damping[joint_dofs(robot)],
         "coulomb_friction": lambda: model.dof_frictionloss[joint_dofs(robot)],
         "armature": lambda: model.dof_armature[joint_dofs(robot)],
+        "servo_damping": lambda: servo_damping(robot),
     }.get(name)
     if present is None:
         return []
-    p = e.parameters[0]
+    p, loses = e.parameters[0], name == "motor_weakness"
     reach = TOLERANCE * np.asarray(present())
     return [
-        Free(name, site, p.name, row, 0, -r, r, p.neutral, r / 3.0)
+        Free(name, site, p.name, row, 0, -r, r, 0.0, _ORDINARY / TOLERANCE * r, present=r / TOLERANCE, loss=loses)
         for row, (site, r) in enumerate(zip(sites, reach, strict=True))
         if r > 0.0
     ]

@@ -7,12 +7,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
 
+import mujoco
 import numpy as np
 
-from estexp_jax.discovery.hypotheses import Hypothesis, batch
+from estexp_jax.discovery.doubt import directions, other_starts, whitened
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, batch
 from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
+from estexp_jax.inference.noise import loudness, noise_deviation
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.segment import Segment
@@ -24,6 +27,23 @@ _BLOWN_UP = 10.0
 """Normalised error of a simulation that is no longer a number: worse than any that stays on its scale."""
 _MOST_LANES = 4096
 """Lanes replayed together, to bound memory."""
+_LEFT_OUT = (1.0, 0.9, 0.8, 0.0)
+"""Shares of the coarse step's error that a robot may lack: all of it, or it was simulated at a tenth, a fifth or the
+whole of that step."""
+_FAR = 1e6
+"""Deviations; further is a simulation that blew up."""
+_LEAST_SHARE = 5e-4
+"""Of a channel's range: no simulator is right to more."""
+
+
+def deviations(channels: Channels, recordings: Sequence[Recording]) -> np.ndarray:
+    """`Problem.noise` of recordings: what sensors add, and what no simulator gets right."""
+    found = []
+    for recording in recordings:
+        table, span = channels.recorded(recording), spans(channels, recording)
+        noise = np.array([noise_deviation(recording.time, table[:, c]) for c in range(table.shape[1])])
+        found.append(np.sqrt(np.nan_to_num(noise) ** 2 + (_LEAST_SHARE * span) ** 2))
+    return np.array(found)
 
 
 @final
@@ -38,8 +58,12 @@ class Problem:
         fine: the same windows at a fraction of it, standing for the time that a robot does not cut into steps.
         channels: the readings compared.
         counted: robot steps simulated so far, a list of one number.
-        correction: (windows, rows, channels) what the coarse step changes, found at one member by `corrected_at`; added
+        noise: (recordings, channels) deviation that counts as one, in the channel's unit; NaN where it has no sample.
+        places: what may be claimed.
+        correction: (windows, rows, channels) what the coarse step changes, found at one member by `about`; added
             to everything simulated, because a step of some milliseconds alone may look like friction or delay.
+        correction_finer: the same for the fine step.
+        doubt: directions and factors of `doubt.directions` for each window, found there too.
         memory: the state of each stage of fitting, plain numbers and arrays by its name: kept by the caller, it lets an
             interrupted explanation go on where it was.
     """
@@ -51,17 +75,74 @@ class Problem:
     channels: Channels
     counted: list[int]
     memory: dict[str, Any]
+    noise: np.ndarray
+    places: tuple[Place, ...]
     correction: np.ndarray | None = None
+    correction_finer: np.ndarray | None = None
+    doubt: tuple[np.ndarray, np.ndarray] | None = None
 
     def windows_of(self, recordings: Sequence[int]) -> np.ndarray:
         """Indices of the windows of some recordings."""
         return np.array([i for i, s in enumerate(self.segments) if s.recording in recordings], dtype=int)
 
-    def corrected_at(self, member: Member) -> Problem:
-        """The same comparison, with the error of the coarse step taken out as it is for one member."""
+    def about(self, member: Member) -> Problem:
+        """The same comparison with what one member shows: the error of the coarse step, and of uncertain starts.
+
+        A robot does not step, but one that was simulated did, perhaps as coarsely as its nominal simulator: of the
+        steps it may have taken, the one that fits the training windows best counts.
+        """
         windows = np.arange(len(self.segments))
-        pair = [self._replayed([member], windows, segments)[0] for segments in (self.fine, self.segments)]
-        return replace(self, correction=np.nan_to_num(pair[0] - pair[1]))
+        fine, coarse = (self._replayed([member], windows, segments)[0] for segments in (self.fine, self.segments))
+        uncertain = replace(self, correction=None, doubt=self._doubt(member, coarse))
+        step = np.nan_to_num(fine - coarse) * self._whole
+        found = [replace(uncertain, correction=share * step) for share in _LEFT_OUT]
+        costs = [float(np.sum(np.square(p.residuals([member], self.trained), dtype=np.float64))) for p in found]
+        best = int(np.argmin(costs))
+        left = np.nan_to_num(coarse - fine) + found[best].correction
+        return replace(found[best], correction_finer=left)
+
+    def finer(self) -> Problem:
+        """The same comparison at the fine step, for what a coarse one distorts (dry friction); `about` came before."""
+        return replace(self, segments=self.fine, correction=self.correction_finer)
+
+    @property
+    def trained(self) -> np.ndarray:
+        """Indices of the windows of training recordings."""
+        return self.windows_of([i for i, r in enumerate(self.recordings) if r.role == "train"])
+
+    def _doubt(self, member: Member, simulated: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """`doubt` of all windows about one member, whose readings (windows, rows, channels) are known."""
+        windows = np.arange(len(self.segments))
+        starts = other_starts(self.replayer.robot.model, self.segments)
+        if not starts:
+            return None
+        others = np.stack([self._replayed([member], windows, segments)[0] for segments in starts], axis=3)
+        change = (others - simulated[..., None]) / self._deviation(windows)[:, None, :, None]
+        sampled = np.isfinite(self._compared(windows))[..., None]
+        effect = np.where(sampled, np.clip(np.nan_to_num(change), -_FAR, _FAR), 0.0)
+        return directions(effect.reshape(len(windows), -1, len(starts)))
+
+    @property
+    def _whole(self) -> float:
+        """What makes the difference between coarse and fine steps that to no steps at all (Richardson)."""
+        if int(self.replayer.robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4):
+            return 1.0
+        steps, finer = self.segments[0].steps.n_steps, self.fine[0].steps.n_steps
+        return finer / max(finer - steps, 1)
+
+    def heard(self, member: Member) -> Problem:
+        """The same comparison with noise as loud as one member's residuals are from row to row.
+
+        Differences of a reading see little of noise that lasts for some rows. Residuals hold no motion, so there it
+        can be told from a mismatch, which lasts as long as motions do.
+        """
+        windows = self.trained
+        difference = self.simulated([member], windows)[0] - self._compared(windows)
+        noise = self.noise.copy()
+        for recording in {self.segments[w].recording for w in windows}:
+            own = np.array([self.segments[w].recording == recording for w in windows])
+            noise[recording] = np.fmax(noise[recording], loudness(difference[own]))
+        return replace(self, noise=noise)
 
     def simulated(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
         """Readings (members, windows, rows, channels) with the correction, NaN beyond a window's end."""
@@ -70,7 +151,7 @@ class Problem:
 
     def exact(self) -> Problem:
         """The same comparison at the fine step, without correction: slow, and right for every member."""
-        return replace(self, segments=self.fine, correction=None)
+        return replace(self, segments=self.fine, correction=None, doubt=None)
 
     def _replayed(self, members: Sequence[Member], windows: np.ndarray, segments: Sequence[Segment]) -> np.ndarray:
         found = []
@@ -105,33 +186,48 @@ class Problem:
             found[i, : s.rows] = self.channels.recorded(self.recordings[s.recording])[s.first : s.last + 1]
         return found
 
-    def residuals(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
-        """Normalised differences (members, windows, rows, channels): their squares sum to nrmse^2 over the windows.
+    def _compared(self, windows: np.ndarray) -> np.ndarray:
+        """`recorded` without the first row of each recording: its forces belong to a command that nobody logged."""
+        found = self.recorded(windows)
+        found[[self.segments[w].first == 0 for w in windows], 0] = np.nan
+        return found
 
-        0 where there is no sample. A simulation that blew up counts as off by ten times the channel's range.
+    def residuals(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
+        """Differences (members, windows, samples) in deviations: their squares sum to 1 where only noise is left.
+
+        Samples are rows by channels; 0 where there is none. What other start states would explain counts little, once
+        `about` has found what they do. A simulation that blew up counts as off by ten times the channel's range.
         """
-        recorded, scale = self.recorded(windows), self._scale(windows)
-        difference = (self.simulated(members, windows) - recorded) * scale[:, None, :]
+        recorded, deviation = self._compared(windows), self._deviation(windows)[:, None, :]
+        difference = (self.simulated(members, windows) - recorded) / deviation
         sampled = np.isfinite(recorded)
-        limit = _BLOWN_UP * scale[:, None, :] * self._span(windows)[:, None, :]
+        limit = _BLOWN_UP * self._span(windows)[:, None, :] / deviation
         bounded = np.clip(np.nan_to_num(difference, nan=np.inf, posinf=np.inf), -limit, limit)
-        return np.where(sampled, bounded, 0.0).astype(np.float32)
+        flat = np.where(sampled, bounded, 0.0).astype(np.float32).reshape(len(members), len(windows), -1)
+        if self.doubt is not None:
+            basis, kept = self.doubt
+            flat = whitened(flat, self._cut(basis, recorded.shape)[windows], kept[windows])
+        return flat / np.float32(np.sqrt(sampled.sum()))
 
     def error(self, member: Member, windows: np.ndarray) -> float:
         """The nrmse of one hypothesis on windows."""
-        recorded, span = self.recorded(windows), self._span(windows)
-        squares = ((self.simulated([member], windows)[0] - recorded) / span[:, None, :]) ** 2
+        shares = self.shares(member, windows)
         owner = np.array([self.segments[w].recording for w in windows])
-        return nrmse([squares[owner == r].reshape(-1, squares.shape[2]) for r in np.unique(owner)])
+        return nrmse([shares[owner == r].reshape(-1, shares.shape[2]) for r in np.unique(owner)])
+
+    def shares(self, member: Member, windows: np.ndarray) -> np.ndarray:
+        """Squared errors over squared ranges (windows, rows, channels) of one hypothesis, NaN without a sample."""
+        difference = self.simulated([member], windows)[0] - self.recorded(windows)
+        return (difference / self._span(windows)[:, None, :]) ** 2
 
     def _span(self, windows: np.ndarray) -> np.ndarray:
         each = {r: spans(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}}
         return np.nan_to_num(np.array([each[self.segments[w].recording] for w in windows]), nan=1.0)
 
-    def _scale(self, windows: np.ndarray) -> np.ndarray:
-        """(windows, channels): 1 / (range sqrt(samples of the channel in the recording's windows, times parts))."""
-        sampled = np.isfinite(self.recorded(windows)).sum(axis=1)
-        owner = np.array([self.segments[w].recording for w in windows])
-        total = np.array([sampled[owner == r].sum(axis=0) for r in owner])
-        parts = sum(int((sampled[owner == r].sum(axis=0) > 0).sum()) for r in np.unique(owner))
-        return 1.0 / (self._span(windows) * np.sqrt(np.maximum(total, 1) * parts))
+    def _deviation(self, windows: np.ndarray) -> np.ndarray:
+        return np.nan_to_num(self.noise[[self.segments[w].recording for w in windows]], nan=1.0)
+
+    def _cut(self, basis: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+        """Directions of all windows for windows of `shape` (windows, rows, channels), perhaps fewer rows."""
+        _, rows, channels = shape
+        return basis.reshape(len(basis), -1, channels, basis.shape[2])[:, :rows].reshape(len(basis), -1, basis.shape[2])

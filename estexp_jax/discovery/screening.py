@@ -24,6 +24,24 @@ def extended(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place
     return hypothesis, [np.where(is_new, start, settled) for start in [hypothesis.start(), *own]]
 
 
+def restarted(problem: Problem, fitted: Fit) -> Task:
+    """A hypothesis to be fitted once more: from where it is, and from all starts of what it claims last.
+
+    Also with the model's values as nominal: without the effect they were bent to stand in for it, and along a valley in
+    which all masses and motors shrink alike they would be slow to come back.
+    """
+    hypothesis = fitted.hypothesis
+    place = hypothesis.places[-1]
+    is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
+    own = starts(problem.replayer.robot, effect(place[0]), place[1], problem.seen)
+    claimed = np.array([(f.effect, f.site) in hypothesis.places for f in hypothesis.free])
+    return hypothesis, [
+        fitted.vector,
+        np.where(claimed, fitted.vector, hypothesis.start()),
+        *(np.where(is_new, hypothesis.with_values(place, values), fitted.vector) for values in own),
+    ]
+
+
 def _keys(hypothesis: Hypothesis) -> list[tuple[str, str, str]]:
     return [(f.effect, f.site, f.parameter) for f in hypothesis.free]
 

@@ -10,21 +10,19 @@ import numpy as np
 from scipy import stats
 
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.hypotheses import Hypothesis, Place, singles
+from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.screening import extended, looked_at, with_rungs
+from estexp_jax.discovery.screening import extended, looked_at, restarted, with_rungs
+from estexp_jax.physics.changes import Change
 
 NOISE = 1.2
-"""An error up to this many times what noise and uncertain start states give is no mismatch."""
+"""An error, in deviations of noise and uncertain start states, up to which there is no mismatch."""
 _WORTH = 0.85
 """An added effect must bring the held-out squared error under this share of what it was ..."""
 _CHANCE = 0.05
 """... and the windows must agree on it, at this level of a signed-rank test."""
 _TIE = 1.03
 """Held-out squared errors this near are no reason to prefer one explanation to another."""
-_RIVAL = 1.5
-"""Up to so many times the best one's error, explanations are judged again once the coarse step's error is known there:
-what the step does to friction hid a Stribeck peak behind plain Coulomb friction."""
 _FOLDS = 3
 _MOST_WINDOWS = 48
 """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
@@ -45,7 +43,7 @@ class Explanation:
 
     Attributes:
         fitted: the hypothesis with its parameters, on all training windows.
-        held_out: (windows,) sums of squared residuals on the held-out windows; their total is nrmse^2 there.
+        held_out: (windows,) sums of squared residuals on the held-out windows; their total is 1 for noise.
     """
 
     fitted: Fit
@@ -57,8 +55,13 @@ class Explanation:
         return self.fitted.hypothesis.places
 
     @property
+    def claims(self) -> tuple[Change, ...]:
+        """What it claims, with values."""
+        return self.fitted.hypothesis.changes(self.fitted.vector, claimed=True)
+
+    @property
     def error(self) -> float:
-        """Nrmse on the held-out windows."""
+        """Deviations that the held-out windows are off, 1 for noise."""
         return float(np.sqrt(self.held_out.sum()))
 
 
@@ -105,9 +108,9 @@ def folds_of(problem: Problem, recordings: Sequence[int]) -> list[Fold]:
 
 
 def select(
-    problem: Problem, parameters: Hypothesis, folds: Sequence[Fold], price: float, most: int, floor: float
+    problem: Problem, parameters: Hypothesis, folds: Sequence[Fold], price: float, most: int
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
-    """Forward selection of up to `most` effects.
+    """Forward selection of up to `most` effects, then backward.
 
     Args:
         problem: the comparison.
@@ -115,48 +118,80 @@ def select(
         folds: windows to fit, and held out.
         price: of unusual values of the model, as in `fit`.
         most: largest number of effects.
-        floor: `resolution` of the training recordings, an nrmse; an explanation that reaches it needs no more effects.
 
     Yields:
         Progress of each round's fits.
 
     Returns:
-        The selection, and the comparison with the error of the coarse step taken out at the chosen explanation.
+        The selection, and the comparison about the chosen explanation.
     """
-    robot, catalogue = problem.replayer.robot, problem.replayer.catalogue
     windows = np.unique(np.concatenate([held for _, held in folds]))
-    unfitted = [[Fit(parameters, parameters.start(), np.inf)] * len(folds)]
-    [nominal] = _held_out(problem, unfitted, folds)
-    problem = problem.corrected_at(nominal.fitted.member)
-    [corrected] = _held_out(problem, unfitted, folds)
-    stage = "parameters only"
-    fits = yield from fit(problem, [(parameters, [parameters.start()])], windows, price, stage=stage)
-    [own] = yield from _cross_validated(problem, fits, folds, price, stage)
-    chosen, tried = own, []
+    start = Fit(parameters, parameters.start(), np.inf)
+    tasks: list[Task] = [(parameters, [start.vector])]
+    around = problem.about(start.member)
+    price_there = dearer(price, _held_out(around, [[start] * len(folds)], folds)[0])
+    [bent] = yield from fit(around, tasks, windows, price_there, stage="parameters")
+    problem = problem.heard(bent.member).about(start.member)
+    [nominal] = _held_out(replace(problem, correction=None), [[start] * len(folds)], folds)
+    [corrected] = _held_out(problem, [[start] * len(folds)], folds)
+    tasks = [(parameters, [bent.vector])]
+    [own], problem = yield from _judged_there(problem, tasks, folds, price, "parameters only")
+    tried: list[Explanation] = []
+    chosen = own
     for n in range(1, most + 1):
-        if chosen.error <= NOISE * floor:
+        if chosen.error <= NOISE:
             break
         stage = f"explanations with {n} effect{'s' * (n > 1)}"
-        tasks = [
-            extended(problem, parameters, chosen.fitted, p) for p in singles(robot, catalogue) if p not in chosen.places
-        ]
-        looked = yield from looked_at(problem, tasks, windows, price, stage, _PROMISING + 2)
-        fits = yield from fit(problem, [(f.hypothesis, [f.vector]) for f in looked], windows, price, stage=stage)
-        promising = with_rungs(sorted(fits, key=lambda f: f.cost), _PROMISING)
-        found = yield from _cross_validated(problem, promising, folds, price, stage)
+        found = yield from _grown(problem, parameters, chosen.fitted, windows, folds, dearer(price, chosen), stage)
         tried += found
         best = simplest(found)
         if not worth(best, chosen):
             break
-        problem = problem.corrected_at(best.fitted.member)
-        rivals = [e for e in found if e.error <= _RIVAL * best.error]
-        tasks = [(e.fitted.hypothesis, [e.fitted.vector]) for e in rivals]
-        fits = yield from fit(problem, tasks, windows, price, stage=f"{stage}, finer step")
-        again = yield from _cross_validated(problem, fits, folds, price, f"{stage}, finer step")
-        anew = dict(zip(map(id, rivals), again, strict=True))
-        tried = [anew[id(e)] if id(e) in anew else e for e in tried]
+        tasks = [restarted(problem, e.fitted) for e in sorted(found, key=lambda e: e is not best)]
+        again, problem = yield from _judged_there(problem, tasks, folds, price, f"{stage}, finer step")
+        anew: dict[tuple[Place, ...], Explanation] = {e.places: e for e in again}
+        tried = [anew.get(e.places, e) for e in tried]
         chosen = simplest(again)
     return Selection(nominal, corrected, own, tuple(tried), chosen), problem
+
+
+def dearer(price: float, explanation: Explanation) -> float:
+    """The price of unusual values while an explanation is the best: where it leaves more than noise, less can be read.
+
+    Else values of the model would be bent to the utmost to stand in for an effect that is not yet known.
+    """
+    return price * max(1.0, explanation.error**2)
+
+
+def _grown(
+    problem: Problem,
+    parameters: Hypothesis,
+    chosen: Fit,
+    windows: np.ndarray,
+    folds: Sequence[Fold],
+    price: float,
+    stage: str,
+) -> Generator[Progress, None, list[Explanation]]:
+    """The best explanations with one effect more."""
+    tasks = [extended(problem, parameters, chosen, p) for p in problem.places if p not in chosen.hypothesis.places]
+    looked = yield from looked_at(problem, tasks, windows, price, stage, _PROMISING + 2)
+    fits = yield from fit(problem, [(f.hypothesis, [f.vector]) for f in looked], windows, price, stage=stage)
+    promising = with_rungs(sorted(fits, key=lambda f: f.cost), _PROMISING)
+    return (yield from _cross_validated(problem, promising, folds, price, stage))
+
+
+def _judged_there(
+    problem: Problem, tasks: Sequence[Task], folds: Sequence[Fold], price: float, stage: str
+) -> Generator[Progress, None, tuple[list[Explanation], Problem]]:
+    """Hypotheses fitted and judged by the comparison about the first one's fit, which is returned too."""
+    windows = np.unique(np.concatenate([held for _, held in folds]))
+    [first, *_] = yield from fit(problem, tasks[:1], windows, price, stage=f"{stage}, at first")
+    price *= max(1.0, first.cost)
+    again: list[Task] = [(first.hypothesis, [first.vector, *tasks[0][1]]), *tasks[1:]]
+    there = problem.about(first.member).finer()
+    fits = yield from fit(there, again, windows, price, stage=stage)
+    judged = yield from _cross_validated(there, fits, folds, price, stage)
+    return judged, problem.about(fits[0].member)
 
 
 def _cross_validated(
@@ -177,7 +212,7 @@ def _held_out(problem: Problem, fits: Sequence[Sequence[Fit]], folds: Sequence[F
     parts = []
     for k, (_, held) in enumerate(folds):
         residuals = problem.residuals([each[k].member for each in fits], held).astype(np.float64)
-        parts.append(np.sum(residuals**2, axis=(2, 3)) / len(folds))
+        parts.append(np.sum(residuals**2, axis=2) / len(folds))
     return [Explanation(each[0], np.concatenate([p[i] for p in parts])) for i, each in enumerate(fits)]
 
 

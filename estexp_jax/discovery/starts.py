@@ -27,6 +27,7 @@ Bounds = Sequence[tuple[float, float]]
 RUNGS = {
     "stribeck_friction": "coulomb_friction",
     "hysteresis": "coulomb_friction",
+    "stribeck_bristles": "hysteresis",
     "motor_fade": "motor_weakness",
     "joint_stiffness": "torque_offset",
     "quadratic_drag": "viscous_friction",
@@ -57,8 +58,14 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
     match e.name:
         case "stribeck_friction":
             return [(s * bounds[0][1], s * bounds[1][1], w) for s, w in product(SHARES, (0.03, 0.2, 0.8))]
+        case "stribeck_bristles":
+            shares, speeds = (0.01, 0.05, 0.2), (0.03, 0.2, 0.8)
+            return [(0.7 * s * bounds[0][1], 0.5 * s * bounds[0][1], w, 2e-3) for s, w in product(shares, speeds)]
+        case "load_bristles":
+            return [(mu, 2e-3) for mu in (0.03, 0.1, 0.3)]
         case "hysteresis":
-            return [(s * bounds[0][1], s * bounds[0][1] / x) for s, x in product((0.01, 0.05, 0.2), (0.01, 0.05, 0.2))]
+            shares, ways = (0.01, 0.03, 0.1, 0.3), (0.0015, 0.01, 0.05, 0.2)
+            return [(s * bounds[0][1], s * bounds[0][1] / x) for s, x in product(shares, ways)]
         case "joint_stiffness":
             low, high = _range(robot, site, seen)
             return [(s * bounds[0][1], q) for s, q in product(SHARES, (low, 0.5 * (low + high), high))]
@@ -94,7 +101,10 @@ def climbed(name: str, simpler: Mapping[str, float]) -> Vectors:
         case "stribeck_friction":
             return [(0.8 * simpler["T"], 0.4 * simpler["T"], w) for w in (0.05, 0.3)]
         case "hysteresis":
-            return [(simpler["T"], simpler["T"] / x) for x in (0.01, 0.05)]
+            return [(simpler["T"], simpler["T"] / x) for x in (0.0015, 0.01, 0.05)]
+        case "stribeck_bristles":
+            t, way = simpler["T"], simpler["T"] / simpler["sigma"]
+            return [(0.8 * t, 0.4 * t, w, way) for w in (0.05, 0.3)]
         case "motor_fade":
             return [(min(max(2.0 * simpler["loss"], 0.05), 0.95), tau) for tau in (1.0, 5.0)]
         case _:

@@ -6,28 +6,30 @@ from estexp_jax.discovery.hypotheses import TOLERANCE, Hypothesis
 from estexp_jax.discovery.selection import NOISE, Selection, worth
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.servo_damping import servo_damping, servos
 from estexp_jax.physics.robot import Robot
 
-_ENOUGH = 0.5
+_ENOUGH = 0.7
 """Share of the excess error on held-out windows that an explanation must remove to be called one."""
+_QUIET = 2.5
+"""Deviations up to which an error that nothing explains is put down to noise that lasts longer than thought."""
 
 
-def verdict(robot: Robot, selection: Selection, floor: float, changes: tuple[Change, ...]) -> str:
+def verdict(robot: Robot, selection: Selection, changes: tuple[Change, ...]) -> str:
     """`consistent`, `parameters`, `missing_physics` or `unexplained`.
 
     Args:
         robot: the nominal robot.
         selection: what was tried and chosen, judged on held-out windows of training recordings.
-        floor: their `resolution`, an nrmse.
         changes: the chosen claims with their fitted values.
     """
     # A robot does not step; but where it was simulated itself, at the same step, there is nothing to correct.
     as_it_is, chosen = min(selection.nominal, selection.corrected, key=lambda e: e.error), selection.chosen
-    refitted = selection.parameters
-    improved = worth(refitted, as_it_is) and refitted.error < _ENOUGH * as_it_is.error
-    if as_it_is.error <= NOISE * floor and not improved:
+    if as_it_is.error <= NOISE:
         return "consistent"
-    explained = chosen.error <= NOISE * floor or gain(chosen.error, as_it_is.error, floor) >= _ENOUGH
+    if not changes and min(as_it_is.error, chosen.error) <= _QUIET and not worth(chosen, as_it_is):
+        return "consistent"
+    explained = chosen.error <= _QUIET or (changes and gain(chosen.error, as_it_is.error, 1.0) >= _ENOUGH)
     if not explained:
         return "unexplained"
     return "parameters" if all(is_wrong_value(robot, change) for change in changes) else "missing_physics"
@@ -46,6 +48,9 @@ def _present(robot: Robot, change: Change) -> float:
         return 1.0
     if change.effect == "body_mass":
         return float(model.body_mass[robot.index("body", name)])
+    if change.effect in ("servo_damping", "back_emf"):
+        named = [robot.names("actuator")[a] for a in servos(robot)]
+        return float(servo_damping(robot)[named.index(name)]) if name in named else 0.0
     fields = {"viscous_friction": "dof_damping", "coulomb_friction": "dof_frictionloss", "armature": "dof_armature"}
     if change.effect not in fields:
         return 0.0

@@ -11,6 +11,7 @@ import numpy as np
 
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
+from estexp_jax.discovery.hypotheses import simulated
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Replayer
@@ -193,7 +194,7 @@ CONFIG = ExplainConfig(window=1.25, most=2, effects=FEW)
 @cache
 def shared_replayer(name: str) -> Replayer:
     """One replayer, so one compilation, for all cases of a robot."""
-    return replayer(nominal(name), catalogue(CONFIG.effects), [nominal(name)])
+    return replayer(nominal(name), catalogue(simulated(CONFIG.effects)), [nominal(name)])
 
 
 def _shared(robot: Robot, *_: Any, **__: Any) -> Replayer:

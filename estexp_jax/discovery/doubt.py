@@ -1,0 +1,65 @@
+"""What uncertain start states do to a window's residuals, taken out of the comparison.
+
+A window starts from a state read from noisy samples. To first order its error adds B z to the residuals, with z
+standard normal and B the readings' derivatives by the state times the square root of the state's covariance. Under
+white noise of deviation 1 the residuals' covariance is then I + B B', and multiplying them by its inverse square root
+makes them white again: what a slightly other start would explain counts for little, everything else in full.
+
+Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), section 2.7 (parameters integrated out).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.segment import Segment, Start
+
+_INFLATED = 2.0
+"""Factor on the states' variance: jolts are smoothed away more than steady motion."""
+
+
+def other_starts(model: mujoco.MjModel, segments: Sequence[Segment]) -> list[list[Segment]]:
+    """Each segment started a deviation off: two copies of all of them for each degree of freedom."""
+    return [
+        [replace(s, start=_shifted(model, s.start, dof, k)) for s in segments]
+        for dof in range(model.nv)
+        for k in range(2)
+        if any(s.start.covariance is not None and s.start.covariance[dof].any() for s in segments)
+    ]
+
+
+def _shifted(model: mujoco.MjModel, start: Start, dof: int, k: int) -> Start:
+    """A start with column `k` of the square root of its covariance added to one degree of freedom."""
+    if start.covariance is None:
+        return start
+    spread, turn = np.linalg.eigh(_INFLATED * start.covariance[dof])
+    shift = turn[:, k] * np.sqrt(max(spread[k], 0.0))
+    qpos, qvel, move = start.qpos.copy(), start.qvel.copy(), np.zeros(model.nv)
+    move[dof] = shift[0]
+    mujoco.mj_integratePos(model, qpos, move, 1.0)
+    qvel[dof] += shift[1]
+    return start._replace(qpos=qpos, qvel=qvel)
+
+
+def directions(effect: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Orthonormal directions in which residuals are uncertain, and what remains of residuals along them.
+
+    Args:
+        effect: (windows, samples, n) change of the residuals, in deviations of their noise, by n independent errors of
+            one deviation each.
+
+    Returns:
+        Directions (windows, samples, n) and factors (windows, n) between 0 and 1.
+    """
+    basis, size, _ = np.linalg.svd(effect, full_matrices=False)
+    return basis.astype(np.float32), 1.0 / np.sqrt(1.0 + size**2)
+
+
+def whitened(residuals: np.ndarray, basis: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Residuals (members, windows, samples) with what other starts would explain scaled down, by `directions`."""
+    along = np.einsum("wsn,mws->mwn", basis, residuals, optimize=True)
+    return residuals - np.einsum("wsn,mwn->mws", basis, along * (1.0 - kept).astype(np.float32), optimize=True)
