@@ -58,7 +58,7 @@ class LanesReplayer(Replayer):
         with self._lock:
             if "block" not in self._programs:
                 block = jax.jit(self._blocked).lower(self._programs["shapes"], *last)
-                self._programs["block"], self._programs["fast"] = compiled(block)
+                self._programs["block"], self._programs["fast"] = compiled(block, self.width)
         state, seen = self._programs["block"](prepared, *last)
         return jax.tree.map(_lanes_first, state), jax.tree.map(_lanes_first, seen)
 

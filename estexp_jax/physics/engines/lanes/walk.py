@@ -81,7 +81,7 @@ class LanesWalker(Walker):
                 advance = jax.jit(self._advanced).lower(prepare.out_info, neurons, np.int32(0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
-                    self._programs["walk"], self._programs["fast"] = compiled(advance)
+                    self._programs["walk"], self._programs["fast"] = compiled(advance, self.width)
                     self._programs["prepare"] = preparing.result()
         return self._programs["prepare"], self._programs["walk"]
 
