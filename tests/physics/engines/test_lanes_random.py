@@ -183,3 +183,13 @@ def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPat
     assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
         choice.walker(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
+
+
+def test_replays_in_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = Agreement(states=32, physics_steps=1, median=0.2, high=0.4, largest=0.6)
+    monkeypatch.setattr(choice, "replay_agreement", lambda *_: wrong)
+    one, effects = robot("cartpole"), catalogue(["body_mass"])
+    instead = choice.replayer(one, effects, [one])
+    assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
+    with pytest.raises(InputError, match="use --engine mjx"):
+        choice.replayer(one, effects, [one], engine="lanes")
