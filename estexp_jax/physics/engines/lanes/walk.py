@@ -55,6 +55,16 @@ class LanesWalker(Walker):
         """Whether XLA compiled the walk with the options that make it fast; after the first walk."""
         return self._programs["fast"]
 
+    @property
+    def flops(self) -> float | None:
+        """Floating-point operations of one robot in one control step, a lower bound; after the first walk.
+
+        XLA's count of the compiled walk, with the body of each loop counted once: a control step with a single physics
+        step, in which the solver takes a single Newton step. None where XLA does not say.
+        """
+        counted = self._programs["walk"].cost_analysis().get("flops")
+        return None if counted is None else float(counted) / self.width
+
     def _run(self, lanes: Lane, steps: int, *, active: bool) -> Walk:
         batch = jax.tree.map(np.asarray, lanes)
         return in_chunks(lambda part: self._chunk(part, steps, active), batch, self.width)
