@@ -28,12 +28,14 @@ _WIDEST = 104
 
 
 def lanes_width(population: int) -> int:
-    """Robots in a chunk: a share of half the population for each core, at most as many as stay in the cache.
+    """Robots in a chunk: each core's share of half the population, in equal parts as large as stay in the cache.
 
-    Multiples of 32 are left out: arrays a power of two apart fall on the same lines of the cache.
+    Equal, so that no core takes a last chunk while the others wait. Multiples of 32 are left out: arrays a power of two
+    apart fall on the same lines of the cache.
     """
     share = -(-population // (2 * cores()))
-    width = int(np.clip(-(-share // _VECTOR) * _VECTOR, _VECTOR, _WIDEST))
+    parts = -(-share // _WIDEST)
+    width = -(-share // (parts * _VECTOR)) * _VECTOR
     return width + _VECTOR if width % 32 == 0 else width
 
 
