@@ -19,7 +19,7 @@ from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import cores, in_chunks
 from estexp_jax.physics.engines.lanes.loop import ROWS, Batch, Block, ClosedLoop
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
-from estexp_jax.physics.engines.lanes.xla import compiled
+from estexp_jax.physics.engines.lanes.xla import compiled, lowered
 from estexp_jax.physics.engines.walking import Lane, Walk, Walker
 
 _VECTOR = 8
@@ -88,11 +88,11 @@ class LanesWalker(Walker):
         """Both executables, compiled at the first call."""
         with self._lock:
             if not self._programs:
-                prepare = jax.jit(jax.vmap(self._prepared, out_axes=-1)).lower(lanes)
+                prepare = lowered(jax.vmap(self._prepared, out_axes=-1), lanes)
                 neurons = np.zeros((HIDDEN, self.width), np.float32)
-                advance = jax.jit(self._advanced).lower(prepare.out_info, neurons, np.int32(0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
+                    advance = lowered(self._advanced, prepare.out_info, neurons, np.int32(0), np.bool_(True))
                     self._programs["walk"], self._programs["fast"] = compiled(advance, self.width)
                     self._programs["prepare"] = preparing.result()
         return self._programs["prepare"], self._programs["walk"]
