@@ -179,7 +179,7 @@ def replay_agreement(replayer: Replayer, robot: Robot, n: int) -> Agreement:
         return low + (high - low) * (outputs + 1.0) / 2.0
 
     states = _wandered(robot, commands, n, seed=0)
-    told, step = commands(states.outputs.astype(float)), float(replayer.robot.model.opt.timestep)
+    told, step = commands(states.outputs.astype(float)), float(robot.model.opt.timestep)
     time, on = np.array([0.0, step]), np.ones((2, robot.model.nu))
     parts = [
         Segment(0, 0, 1, schedule(time, step), CommandHistory(time, np.stack([ctrl, ctrl])), on, Start(qpos, qvel))
