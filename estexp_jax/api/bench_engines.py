@@ -17,6 +17,7 @@ from estexp_jax.physics.changes import encode, stack
 from estexp_jax.physics.engines.agreement import Agreement, agreement, agreement_of, commands_of, converged_speeds
 from estexp_jax.physics.engines.c_walk import CWalker, OpenLoop, Pool, Serial
 from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.lanes.walk import LanesWalker
 from estexp_jax.physics.engines.walking import Walker
 from estexp_jax.physics.registry import catalogue
 
@@ -141,10 +142,11 @@ class JaxRunner(Runner):
 
     def facts(self) -> dict[str, Any]:
         """Width of a chunk, work of a step, and whether XLA took the options that make lanes fast."""
+        lanes = self.walker if isinstance(self.walker, LanesWalker) else None
         return {
             "width": self.walker.width,
-            "flops_per_robot_step": flops(self.walker),
-            "fast": getattr(self.walker, "fast", None),
+            "flops_per_robot_step": lanes and lanes.flops,
+            "fast": lanes and lanes.fast,
         }
 
 
@@ -159,19 +161,6 @@ def runner(name: str, field: Field) -> Runner:
 
 Made = Callable[[str, Field], Runner]
 """Gives an engine by name, as `runner` does."""
-
-
-def flops(engine: Walker) -> float | None:
-    """Floating-point operations of one robot in one physics step, a lower bound: XLA's count of the compiled walk.
-
-    XLA counts the body of each loop once: a control step with a single physics step, in which the solver takes a single
-    Newton step. None where the engine keeps no executable.
-    """
-    program = getattr(engine, "_programs", {}).get("walk")
-    if program is None:
-        return None
-    counted = program.cost_analysis()
-    return float(counted["flops"]) / engine.width if "flops" in counted else None
 
 
 def agreement_json(found: Agreement) -> dict[str, Any]:

@@ -15,7 +15,8 @@ from estexp_jax.discovery.export import explained_spec
 from estexp_jax.errors import InputError
 from estexp_jax.inference.excitation import multisine, steps
 from estexp_jax.physics.changes import Change
-from estexp_jax.physics.effects.base import CommandRoute, ControllerFault, Effect
+from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.write import write_csv

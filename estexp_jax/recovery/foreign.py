@@ -18,7 +18,8 @@ import numpy as np
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, encode
 from estexp_jax.physics.controllers import Network
-from estexp_jax.physics.effects.base import ControllerFault, Distortion, Edit
+from estexp_jax.physics.effects.base import Distortion, Edit
+from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.interface import Interface
 from estexp_jax.physics.registry import catalogue, effect
 from estexp_jax.physics.robot import Robot, spec_element

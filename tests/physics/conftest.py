@@ -106,7 +106,7 @@ class LanesLab(Lab):
         step = jax.jit(partial(_lanes_run, self, lanes.plan)).lower(
             first.out_info, *(np.zeros((*s, WIDTH), np.float32) for s in shapes)
         )
-        return (first.compile(), *compiled(step))
+        return (first.compile(), *compiled(step, WIDTH))
 
 
 def _lanes_run(self: LanesLab, plan: Plan, prepared: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:

@@ -243,22 +243,6 @@ class Distortion(Effect):
         """The true readings of faulty ones: the inverse of `distort`, for arrays of numpy or JAX."""
 
 
-class ControllerFault(Effect):
-    """Acts inside the controller: network -> network."""
-
-    @abc.abstractmethod
-    def damage(self, robot: Robot, network: Any, values: jax.Array) -> Any:
-        """The network with the fault in it."""
-
-
-class CommandRoute(ControllerFault):
-    """Gives a motor another's command: inside the controller, and in open loop on the commands."""
-
-    @abc.abstractmethod
-    def route(self, robot: Robot, values: Any) -> Any:
-        """Index of the command that each motor obeys, (nu,), or -1 for its own; for arrays of numpy or JAX."""
-
-
 def neutral_values(effect: Effect, n_sites: int) -> list[list[float]]:
     """Values (n_sites, n_parameters) at which an effect does nothing."""
     return [[p.neutral for p in effect.parameters] for _ in range(n_sites)]

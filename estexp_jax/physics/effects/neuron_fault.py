@@ -6,7 +6,8 @@ from typing import ClassVar, final
 import jax
 
 from estexp_jax.physics.controllers import HIDDEN, Network
-from estexp_jax.physics.effects.base import ControllerFault, Parameter
+from estexp_jax.physics.effects.base import Parameter
+from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.robot import Robot
 
 

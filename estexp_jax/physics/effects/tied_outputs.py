@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.controllers import Network
-from estexp_jax.physics.effects.base import CommandRoute, Parameter
+from estexp_jax.physics.effects.base import Parameter
+from estexp_jax.physics.effects.controller_fault import CommandRoute
 from estexp_jax.physics.robot import Robot
 
 

@@ -1,4 +1,4 @@
-"""Whether an engine simulates the same physics as MuJoCo's C engine: one control step from states that robots visit.
+"""Whether an engine simulates the same physics as MuJoCo's C engine: one step from states that robots visit.
 
 The C engine is the referee, with its solver run until it has converged, on models compiled with the robots' changes in
 their description. So the check covers what an engine makes of an edit as well as its step.
@@ -6,7 +6,7 @@ their description. So the check covers what an engine makes of an edit as well a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, final
 
@@ -16,10 +16,13 @@ import numpy as np
 from estexp_jax.physics.changes import Change, encode, stack
 from estexp_jax.physics.controllers import HIDDEN
 from estexp_jax.physics.effects.base import Edit, Term
+from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.engines.walking import Walker
 from estexp_jax.physics.interface import Interface
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.schedule import CommandHistory, schedule
+from estexp_jax.physics.segment import Segment, Start
 
 MEDIAN, HIGH = 1e-4, 1e-2
 """Largest errors with which an engine counts as right: the median, and the 95th percentile. Single precision gives
@@ -77,6 +80,10 @@ class Agreement:
 
 def visited(robot: Robot, face: Interface, n: int, seed: int = 0) -> Visited:
     """States that the nominal robot passes through in the C engine under random commands, rounded to float32."""
+    return _wandered(robot, lambda outputs: commands_of(face, outputs), n, seed)
+
+
+def _wandered(robot: Robot, commands: Callable[[np.ndarray], np.ndarray], n: int, seed: int) -> Visited:
     rng, model = np.random.default_rng(seed), robot.model
     data, rows = mujoco.MjData(model), []
     for k in range(n):
@@ -84,7 +91,7 @@ def visited(robot: Robot, face: Interface, n: int, seed: int = 0) -> Visited:
             mujoco.mj_resetData(model, data)
             data.qpos[:] = robot.home()
         outputs = rng.uniform(-1.0, 1.0, model.nu)
-        data.ctrl[:] = commands_of(face, outputs)
+        data.ctrl[:] = commands(outputs)
         mujoco.mj_step(model, data, _EVERY)
         outputs = rng.uniform(-1.0, 1.0, model.nu)
         rows.append((data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy(), outputs))
@@ -109,13 +116,17 @@ def converged_speeds(
         sets: changes of robots, taken in turns by the states; none of them loses a part.
     """
     models = [_changed(robot, changes) for changes in sets]
+    return _stepped(models, states, commands_of(face, states.outputs), substeps)
+
+
+def _stepped(models: Sequence[mujoco.MjModel], states: Visited, commands: np.ndarray, steps: int) -> np.ndarray:
     found = []
-    for k, ctrl in enumerate(commands_of(face, states.outputs)):
+    for k, ctrl in enumerate(commands):
         model = models[k % len(models)]
         data = mujoco.MjData(model)
         data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = states.qpos[k], states.qvel[k], states.warmstart[k]
         data.ctrl[:] = ctrl
-        mujoco.mj_step(model, data, substeps)
+        mujoco.mj_step(model, data, steps)
         found.append(data.qvel.copy())
     return np.array(found)
 
@@ -152,6 +163,31 @@ def agreement_of(walker: Walker, states: Visited, sets: Sequence[Sequence[Change
     """
     expected = converged_speeds(walker.robot, walker.interface, states, walker.substeps, sets)
     return agreement(engine_speeds(walker, states, sets), expected, walker.substeps)
+
+
+def replay_agreement(replayer: Replayer, robot: Robot, n: int) -> Agreement:
+    """How far a replayer is from the referee after one physics step, with the executable of its replays.
+
+    Args:
+        replayer: the engine.
+        robot: as it was in the first of the replayer's recordings.
+        n: states to start from.
+    """
+    low, high = np.where(robot.model.actuator_ctrllimited[:, None], robot.model.actuator_ctrlrange, (-1.0, 1.0)).T
+
+    def commands(outputs: np.ndarray) -> np.ndarray:
+        return low + (high - low) * (outputs + 1.0) / 2.0
+
+    states = _wandered(robot, commands, n, seed=0)
+    told, step = commands(states.outputs.astype(float)), float(robot.model.opt.timestep)
+    time, on = np.array([0.0, step]), np.ones((2, robot.model.nu))
+    parts = [
+        Segment(0, 0, 1, schedule(time, step), CommandHistory(time, np.stack([ctrl, ctrl])), on, Start(qpos, qvel))
+        for ctrl, qpos, qvel in zip(told, states.qpos, states.qvel, strict=True)
+    ]
+    values = stack([encode(replayer.robot, replayer.catalogue, ())] * n)
+    found = replayer.replay(values, parts, np.arange(n)).qvel[:, 1]
+    return agreement(found, _stepped([_changed(robot, ())], states, told, 1), 1)
 
 
 def _changed(robot: Robot, changes: Sequence[Change]) -> mujoco.MjModel:

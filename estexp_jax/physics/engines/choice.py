@@ -9,7 +9,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.base import CommandShift, ReadingShift
-from estexp_jax.physics.engines.agreement import Agreement, agreement_of, visited
+from estexp_jax.physics.engines.agreement import Agreement, agreement_of, replay_agreement, visited
 from estexp_jax.physics.engines.batching import Choice
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.lanes.replay import LANES_REPLAY, LanesReplayer
@@ -116,9 +116,13 @@ def replayer(
     nominal = mjx_model(robot, catalogue)
     differs = differing(nominal, per_recording)
     choice = chosen(engine, nominal, differs.fields)
-    lanes = choice.engine == "lanes"
-    kind, usual = (LanesReplayer, LANES_REPLAY) if lanes else (MjxReplayer, MJX_REPLAY)
-    return kind(nominal, differs, width or usual[0], block or usual[1], choice)
+    if choice.engine == "lanes":
+        fast = LanesReplayer(nominal, differs, width or LANES_REPLAY[0], block or LANES_REPLAY[1], choice)
+        found = replay_agreement(fast, per_recording[0], _STATES)
+        if found.agrees:
+            return fast
+        choice = _distrusted(engine, found, robot)
+    return MjxReplayer(nominal, differs, width or MJX_REPLAY[0], block or MJX_REPLAY[1], choice)
 
 
 def _distrusted(engine: str, found: Agreement, robot: Robot) -> Choice:

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.effects.base import CommandRoute, CommandShift, Distortion, ReadingShift
+from estexp_jax.physics.effects.base import CommandShift, Distortion, ReadingShift
+from estexp_jax.physics.effects.controller_fault import CommandRoute
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Path, Segment

@@ -13,7 +13,7 @@ import numpy as np
 
 from estexp_jax.physics.changes import Values
 from estexp_jax.physics.controllers import Network, decode, n_weights
-from estexp_jax.physics.effects.base import ControllerFault
+from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.engines.batching import Choice
 from estexp_jax.physics.engines.mjx_model import MjxModel
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now

@@ -14,7 +14,6 @@ from estexp_jax.physics.effects.base import (
     BodyPull,
     CommandLaw,
     CommandShift,
-    ControllerFault,
     Distortion,
     Edit,
     Effect,
@@ -24,6 +23,7 @@ from estexp_jax.physics.effects.base import (
     Term,
     neutral_values,
 )
+from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.registry import ALL, PAPER, catalogue, effect
 from estexp_jax.physics.robot import Robot

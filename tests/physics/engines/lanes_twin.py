@@ -80,7 +80,7 @@ def stepped(model: mujoco.MjModel, states: Visited, fields: dict[str, np.ndarray
     varying = {k: np.moveaxis(v, 0, -1) for k, v in (fields or {}).items()}
     dtype = jnp.zeros(()).dtype
     arguments = jax.tree.map(lambda x: np.asarray(x, dtype), (varying, *last))
-    program, fast = compiled(jax.jit(lambda *a: _step(structure, *a)).lower(*arguments))
+    program, fast = compiled(jax.jit(lambda *a: _step(structure, *a)).lower(*arguments), len(states.qpos))
     qpos, qvel, sensordata = (np.moveaxis(np.asarray(x), -1, 0) for x in program(*arguments))
     return Stepped(qpos, qvel, sensordata, fast)
 

@@ -4,10 +4,18 @@ import numpy as np
 import pytest
 
 from estexp_jax.physics.changes import parse_change
-from estexp_jax.physics.engines.agreement import agreement, agreement_of, converged_speeds, engine_speeds, visited
-from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.agreement import (
+    agreement,
+    agreement_of,
+    converged_speeds,
+    engine_speeds,
+    replay_agreement,
+    visited,
+)
+from estexp_jax.physics.engines.choice import replayer, walker
 from estexp_jax.physics.interface import interface_of
 from estexp_jax.physics.registry import catalogue
+from estexp_jax.recordings.settings import apply_settings
 from tests.physics.robots import robot
 
 CHANGES = [(), ("body_mass@pole dm=0.1", "joint_jam@swing f=0.4", "motor_weakness@push loss=0.3")]
@@ -27,6 +35,15 @@ def test_engines_agree_and_a_wrong_one_does_not(engine: str) -> None:
     # The edits are not where the referee has them: every other state is off.
     speeds = engine_speeds(walks, states, SETS)
     assert not agreement(speeds, converged_speeds(one, walks.interface, states, 2), 2).agrees
+
+
+def test_a_replayer_is_tried_as_the_first_recording_knew_the_robot() -> None:
+    one = robot("cartpole")
+    heavy = apply_settings(one, {"body.pole.mass": 0.5, "option.timestep": 0.002})
+    replays = replayer(one, catalogue(["body_mass"]), [heavy, one], width=8, block=4, engine="lanes")
+    found = replay_agreement(replays, heavy, 20)
+    assert found.agrees and found.states == 20 and found.physics_steps == 1
+    assert not replay_agreement(replays, one, 20).agrees
 
 
 def test_states_are_visited_ones_and_the_same_for_one_seed() -> None:

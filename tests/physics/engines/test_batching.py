@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.physics.engines.batching import cores, in_chunks
+from estexp_jax.physics.engines.lanes import walk
 
 
 @pytest.mark.parametrize("n", [1, 3, 4, 5, 8, 17])
@@ -37,3 +38,15 @@ def test_an_error_in_one_chunk_is_raised() -> None:
 
 def test_there_is_a_core() -> None:
     assert cores() >= 1
+
+
+@pytest.mark.parametrize("n_cores", [1, 2, 16])
+def test_chunks_of_lanes_keep_all_cores_busy_whatever_the_population(n_cores, monkeypatch) -> None:
+    monkeypatch.setattr(walk, "cores", lambda: n_cores)
+    for population in range(8 * n_cores, 6401):
+        width = walk.lanes_width(2 * population)
+        rounds = -(-population // (width * n_cores))
+        assert width % 8 == 0 and width % 32 != 0 and width <= 104
+        assert population >= 0.5 * rounds * n_cores * width
+        if population >= 200 * n_cores:
+            assert population >= 0.75 * rounds * n_cores * width

@@ -87,7 +87,9 @@ def _joint(draw: st.DrawFn, index: int, motors: list[str]) -> str:
 
 def _agrees(xml: str) -> None:
     model = mujoco.MjModel.from_xml_string(xml)
-    assert refusal(model) is None
+    if (reason := refusal(model)) is not None:
+        assert "integrator implicitfast for the lone free joint" in reason
+        return
     states = visited(exact(model), 64, seed=5, every=31)
     if np.abs(states.next_qvel).max() > 1e3:  # thrown far beyond what any robot does: rounding grows with it
         return
@@ -117,6 +119,11 @@ HIP = '<joint name="hip_f" axis="0 1 0"/>'
 SHIN = '<geom class="leg" fromto="0 0 0 0 0 -0.16" mass="0.2"/>'
 LINK = '<joint name="linked" joint1="hip_f" joint2="hip_b"/>'
 LAZY = '<intvelocity name="lazy" joint="hip_f" kp="1" actrange="-1 1"/>'
+LONE = """
+<mujoco><option integrator="implicitfast"/><worldbody>
+  <body><freejoint name="thrown"/><geom type="box" size="0.1 0.2 0.3"/></body>
+</worldbody></mujoco>
+"""
 BALL = """
 <mujoco><worldbody><body><joint type="ball" name="neck"/><geom size="0.1" mass="1"/></body></worldbody></mujoco>
 """
@@ -148,6 +155,14 @@ def test_what_lanes_cannot_do_they_refuse_by_name(change: tuple[str, str], words
     assert reason is not None and words in reason and reason.endswith("supported")
 
 
+def test_a_lone_free_body_is_refused_where_c_takes_its_gyroscopic_forces_implicitly() -> None:
+    model = mujoco.MjModel.from_xml_string(LONE)
+    reason = refusal(model)
+    assert reason == "integrator implicitfast for the lone free joint 'thrown' is not supported"
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    assert refusal(model) is None
+
+
 def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> None:
     on_mjx = mjx_model(Robot.from_string(BALL, "ball.xml"), ())
     taken = chosen("auto", on_mjx)
@@ -168,3 +183,13 @@ def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPat
     assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
         choice.walker(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
+
+
+def test_replays_in_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = Agreement(states=32, physics_steps=1, median=0.2, high=0.4, largest=0.6)
+    monkeypatch.setattr(choice, "replay_agreement", lambda *_: wrong)
+    one, effects = robot("cartpole"), catalogue(["body_mass"])
+    instead = choice.replayer(one, effects, [one])
+    assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
+    with pytest.raises(InputError, match="use --engine mjx"):
+        choice.replayer(one, effects, [one], engine="lanes")

@@ -35,7 +35,8 @@ from estexp_jax.physics.engines.lanes.algebra import (
 from estexp_jax.physics.engines.lanes.kinematics import Motion
 from estexp_jax.physics.engines.lanes.numbers import Numbers, rotation_matrix, world_pose
 from estexp_jax.physics.engines.lanes.plan import Group, Plan
-from estexp_jax.physics.engines.lanes.rows import Push, Pyramid, Residual, Rows, Softness, regularised
+from estexp_jax.physics.engines.lanes.rows import Push, Pyramid, Residual, Rows
+from estexp_jax.physics.engines.lanes.softness import Softness, regularised
 from estexp_jax.physics.engines.lanes.touching import Candidate, mixed
 
 _GEOM = mujoco.mjtGeom

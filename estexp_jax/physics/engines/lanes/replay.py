@@ -19,7 +19,7 @@ from estexp_jax.physics.engines.lanes.sensors import Reader
 from estexp_jax.physics.engines.lanes.states import packed, unpacked
 from estexp_jax.physics.engines.lanes.step import TOLERANCE, LaneState, Stepper
 from estexp_jax.physics.engines.lanes.terms import Acting
-from estexp_jax.physics.engines.lanes.xla import compiled
+from estexp_jax.physics.engines.lanes.xla import compiled, lowered
 from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.engines.replay_inputs import Drive
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
@@ -44,7 +44,7 @@ class LanesReplayer(Replayer):
     def _prepared(self, values: Values, overrides: tuple) -> Any:
         with self._lock:
             if "prepare" not in self._programs:
-                prepare = jax.jit(jax.vmap(self._edited, out_axes=-1)).lower(values, overrides)
+                prepare = lowered(jax.vmap(self._edited, out_axes=-1), values, overrides)
                 self._programs["shapes"] = prepare.out_info
                 self._programs["prepare"] = prepare.compile()
         return self._programs["prepare"](values, overrides)
@@ -57,8 +57,8 @@ class LanesReplayer(Replayer):
         last = jax.tree.map(_lanes_last, (state, drive))
         with self._lock:
             if "block" not in self._programs:
-                block = jax.jit(self._blocked).lower(self._programs["shapes"], *last)
-                self._programs["block"], self._programs["fast"] = compiled(block)
+                block = lowered(self._blocked, self._programs["shapes"], *last)
+                self._programs["block"], self._programs["fast"] = compiled(block, self.width)
         state, seen = self._programs["block"](prepared, *last)
         return jax.tree.map(_lanes_first, state), jax.tree.map(_lanes_first, seen)
 

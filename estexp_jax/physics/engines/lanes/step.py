@@ -32,11 +32,12 @@ from estexp_jax.physics.engines.lanes.algebra import (
 from estexp_jax.physics.engines.lanes.contacts import Contact, contacts
 from estexp_jax.physics.engines.lanes.dynamics import Inertias, mass_and_bias
 from estexp_jax.physics.engines.lanes.forces import Drive, Pull, pull
+from estexp_jax.physics.engines.lanes.joint_rows import rubs, stops
 from estexp_jax.physics.engines.lanes.kinematics import Motion, motion
 from estexp_jax.physics.engines.lanes.newton import Solution, solve
 from estexp_jax.physics.engines.lanes.numbers import Numbers
-from estexp_jax.physics.engines.lanes.plan import Joint, Plan
-from estexp_jax.physics.engines.lanes.rows import Push, Rows, Rub, Softness, regularised
+from estexp_jax.physics.engines.lanes.plan import Plan
+from estexp_jax.physics.engines.lanes.rows import Rows
 from estexp_jax.physics.engines.lanes.sparse import Factor
 
 _INTEGRATOR, _OFF = mujoco.mjtIntegrator, mujoco.mjtDisableBit
@@ -144,8 +145,8 @@ class Stepper:
         smooth = [sub(f, b) for f, b in zip(pulled.force, bias, strict=True)]
         touched = contacts(plan, numbers, moving, dt)
         rows: list[Rows] = [c.rows for c in touched]
-        rows += self._stops(state, dt)
-        rows += self._rubs(moving.speed, dt, added)
+        rows += stops(plan, numbers, state.qpos, state.qvel, dt)
+        rows += rubs(plan, numbers, moving.speed, dt, added.friction)
         start = state.warmstart
         solution = solve(plan.dofs, matrix, smooth, rows, start, ITERATIONS, self.tolerance)
         whole = [jnp.broadcast_to(a, s.shape) for a, s in zip(solution.acceleration, start, strict=True)]
@@ -215,46 +216,6 @@ class Stepper:
         ]
         speed = tuple(v + dt * a for v, a in zip(state.qvel, mean[1], strict=True))
         return LaneState(self._moved(state.qpos, mean[0], dt), speed, warm), first
-
-    def _stops(self, state: LaneState, dt: Scalar) -> list[Rows]:
-        model, rows = self.plan.model, []
-        if model.opt.disableflags & (_OFF.mjDSBL_LIMIT | _OFF.mjDSBL_CONSTRAINT):
-            return rows
-        for joint, q in zip(self.plan.joints, state.qpos, strict=True):
-            if joint.limited and not joint.free:
-                rows.append(self._stop(joint, q[0], state.qvel[joint.dofs[0]], dt))
-        return rows
-
-    def _stop(self, joint: Joint, q: Scalar, speed: Scalar, dt: Scalar) -> Rows:
-        numbers, ids, dof = self.numbers, list(joint.ids), self.plan.dofs[joint.dofs[0]]
-        low, high = (sub(q, numbers.get("jnt_range", ids, 0)), sub(numbers.get("jnt_range", ids, 1), q))
-        sign = jnp.where(low < high, 1.0, -1.0).astype(q.dtype)
-        violation = sub(jnp.minimum(low, high), numbers.get("jnt_margin", ids))
-        soft = Softness.of(numbers, numbers.model.jnt_solref[ids], numbers.model.jnt_solimp[ids])
-        impedance = soft.impedance(violation)
-        spring, damper = soft.spring(dt, safe=self._safe)
-        weight = numbers.get("dof_invweight0", dof.addresses)
-        stiffness = jnp.where(violation < 0, regularised(weight, impedance), 0.0)
-        return Push(dof.k, (dof.index,), (sign,), stiffness, -damper * sign * speed - spring * impedance * violation)
-
-    def _rubs(self, speed: Sequence[Scalar], dt: Scalar, added: Added) -> list[Rows]:
-        model, numbers, rows = self.plan.model, self.numbers, []
-        if model.opt.disableflags & (_OFF.mjDSBL_FRICTIONLOSS | _OFF.mjDSBL_CONSTRAINT):
-            return rows
-        for dof in self.plan.dofs:
-            if dof.rubs:
-                at = list(dof.addresses)
-                soft = Softness.of(numbers, model.dof_solref[at], model.dof_solimp[at])
-                _, damper = soft.spring(dt, safe=self._safe)
-                impedance = soft.impedance(jnp.zeros_like(speed[dof.index]))
-                stiffness = regularised(numbers.get("dof_invweight0", at), impedance)
-                bound = add(numbers.get("dof_frictionloss", at), added.friction[dof.index])
-                rows.append(Rub(dof.k, dof.index, stiffness, bound, -damper * speed[dof.index]))
-        return rows
-
-    @property
-    def _safe(self) -> bool:
-        return not self.plan.model.opt.disableflags & _OFF.mjDSBL_REFSAFE
 
 
 def _floated(q: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:

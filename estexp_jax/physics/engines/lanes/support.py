@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.engines.lanes.sensors import SENSORS, TOUCH_SHAPES
+from estexp_jax.physics.engines.lanes.rays import TOUCH_SHAPES
+from estexp_jax.physics.engines.lanes.sensors import SENSORS
 from estexp_jax.physics.engines.lanes.touching import SHAPES, touching_pairs
 
 _GEOM, _JOINT, _OFF, _ON = mujoco.mjtGeom, mujoco.mjtJoint, mujoco.mjtDisableBit, mujoco.mjtEnableBit
@@ -91,6 +92,7 @@ def _options(model: mujoco.MjModel) -> Iterator[str]:
 
 
 def _joints(model: mujoco.MjModel) -> Iterator[str]:
+    fast = model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     for j in range(model.njnt):
         name, dof = _name(model, mujoco.mjtObj.mjOBJ_JOINT, j), int(model.jnt_dofadr[j])
         if int(model.jnt_type[j]) == _JOINT.mjJNT_BALL:
@@ -100,6 +102,8 @@ def _joints(model: mujoco.MjModel) -> Iterator[str]:
                 yield f"stiffness of free joint '{name}' is not supported"
             if np.any(model.dof_frictionloss[dof : dof + 6]):
                 yield f"friction loss of free joint '{name}' is not supported"
+            if fast and model.tree_dofnum[model.dof_treeid[dof]] == 6:  # MuJoCo takes its gyroscopic forces implicitly
+                yield f"integrator implicitfast for the lone free joint '{name}' is not supported"
     for body in range(1, model.nbody):
         if model.body_weldid[body] != 0 and model.body_jntnum[body] > 1:
             first = int(model.body_jntadr[body])

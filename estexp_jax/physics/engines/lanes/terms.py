@@ -1,4 +1,4 @@
-"""Terms, command laws and pulls at work in one step, in lanes.
+"""Terms and command laws at work in one step, in lanes.
 
 The laws are elementwise over their sites; here each site is a row of an array (n_sites, N).
 """
@@ -17,11 +17,11 @@ import numpy as np
 from estexp_jax.physics.changes import Values
 from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, JointForce, JointMoment, Term
 from estexp_jax.physics.effects.sites import driven_actuators
-from estexp_jax.physics.engines.lanes.algebra import Scalar, Vector, apply, vadd
+from estexp_jax.physics.engines.lanes.algebra import Scalar
 from estexp_jax.physics.engines.lanes.forces import Drive
-from estexp_jax.physics.engines.lanes.kinematics import motion
 from estexp_jax.physics.engines.lanes.numbers import Numbers
 from estexp_jax.physics.engines.lanes.plan import Dof, Plan
+from estexp_jax.physics.engines.lanes.pulls import pulled
 from estexp_jax.physics.engines.lanes.step import Added, LaneState
 from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.motors import drives
@@ -226,29 +226,11 @@ class Acting:
 
     def _added(self, state: LaneState, sums: _Sums) -> Added:
         per_dof = {what: [_collected(dof, table) for dof in self._plan.dofs] for what, table in sums.rows.items()}
+        pulls = pulled(self._robot, self._pulls, self._plan, self._numbers, self._values, state) if self._pulls else {}
         return Added(
             *(per_dof.get(what, [0] * len(self._plan.dofs)) for what in ("force", "damping", "friction", "inertia")),
-            pull=self._pulled(state) if self._pulls else {},
+            pull=pulls,
         )
-
-    def _pulled(self, state: LaneState) -> dict[int, Vector]:
-        """Force on the centre of mass of each group's bodies, N, world axes."""
-        plan, numbers, found = self._plan, self._numbers, {}
-        moving = motion(plan, numbers, state.qpos, state.qvel)
-        for effect in self._pulls:
-            sites = [self._robot.index("body", site) for site in effect.sites(self._robot)]
-            values = self._parameters(effect.name)
-            for group in plan.groups:
-                if not set(group.bodies) & set(sites):
-                    continue
-                pose = moving.poses[group.index]
-                arm = apply(pose.rotation, numbers.vector("body_ipos", group.bodies))
-                centre = vadd(vadd(pose.position, arm), moving.origin[group.index])
-                mine = tuple(_members(group.bodies, sites, v) for v in values)
-                force = effect.pull(mine, tuple(centre))
-                before = found.get(group.index)
-                found[group.index] = force if before is None else vadd(before, force)
-        return found
 
 
 def _row(x: jax.Array, i: int) -> jax.Array:
@@ -263,8 +245,3 @@ def _collected(dof: Dof, table: dict[int, Scalar]) -> Scalar:
         return 0
     whole = [jnp.zeros_like(there[0]) if row is None else row for row in rows]
     return whole[0] if len(whole) == 1 else jnp.stack(whole)
-
-
-def _members(bodies: Sequence[int], sites: list[int], values: Any) -> Any:
-    rows = [values[sites.index(b)] if b in sites else jnp.zeros_like(values[0]) for b in bodies]
-    return rows[0] if len(rows) == 1 else jnp.stack(rows)

@@ -19,7 +19,7 @@ from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import cores, in_chunks
 from estexp_jax.physics.engines.lanes.loop import ROWS, Batch, Block, ClosedLoop
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
-from estexp_jax.physics.engines.lanes.xla import compiled
+from estexp_jax.physics.engines.lanes.xla import compiled, lowered
 from estexp_jax.physics.engines.walking import Lane, Walk, Walker
 
 _VECTOR = 8
@@ -28,12 +28,14 @@ _WIDEST = 104
 
 
 def lanes_width(population: int) -> int:
-    """Robots in a chunk: a share of half the population for each core, at most as many as stay in the cache.
+    """Robots in a chunk: each core's share of half the population, in equal parts as large as stay in the cache.
 
-    Multiples of 32 are left out: arrays a power of two apart fall on the same lines of the cache.
+    Equal, so that no core takes a last chunk while the others wait. Multiples of 32 are left out: arrays a power of two
+    apart fall on the same lines of the cache.
     """
     share = -(-population // (2 * cores()))
-    width = int(np.clip(-(-share // _VECTOR) * _VECTOR, _VECTOR, _WIDEST))
+    parts = -(-share // _WIDEST)
+    width = -(-share // (parts * _VECTOR)) * _VECTOR
     return width + _VECTOR if width % 32 == 0 else width
 
 
@@ -54,6 +56,16 @@ class LanesWalker(Walker):
     def fast(self) -> bool:
         """Whether XLA compiled the walk with the options that make it fast; after the first walk."""
         return self._programs["fast"]
+
+    @property
+    def flops(self) -> float | None:
+        """Floating-point operations of one robot in one control step, a lower bound; after the first walk.
+
+        XLA's count of the compiled walk, with the body of each loop counted once: a control step with a single physics
+        step, in which the solver takes a single Newton step. None where XLA does not say.
+        """
+        counted = self._programs["walk"].cost_analysis().get("flops")
+        return None if counted is None else float(counted) / self.width
 
     def _run(self, lanes: Lane, steps: int, *, active: bool) -> Walk:
         batch = jax.tree.map(np.asarray, lanes)
@@ -76,12 +88,12 @@ class LanesWalker(Walker):
         """Both executables, compiled at the first call."""
         with self._lock:
             if not self._programs:
-                prepare = jax.jit(jax.vmap(self._prepared, out_axes=-1)).lower(lanes)
+                prepare = lowered(jax.vmap(self._prepared, out_axes=-1), lanes)
                 neurons = np.zeros((HIDDEN, self.width), np.float32)
-                advance = jax.jit(self._advanced).lower(prepare.out_info, neurons, np.int32(0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
-                    self._programs["walk"], self._programs["fast"] = compiled(advance)
+                    advance = lowered(self._advanced, prepare.out_info, neurons, np.int32(0), np.bool_(True))
+                    self._programs["walk"], self._programs["fast"] = compiled(advance, self.width)
                     self._programs["prepare"] = preparing.result()
         return self._programs["prepare"], self._programs["walk"]
 

@@ -2,7 +2,7 @@
 
 `xla_cpu_use_multi_output_fusion`: without it XLA recomputes shared values in every fusion that reads them, which is
 twenty times slower and not even right: recomputed copies of one value differ in rounding, and the solver's steps with
-them. `xla_cpu_small_while_loop_byte_threshold`: lets the solver's loop be compiled with the code around it.
+them. `xla_cpu_small_while_loop_byte_threshold`: lets the solver's loop be compiled as one function.
 
 Neither may be set for the whole process: the first makes XLA abort on MJX's programs. `jit(compiler_options=...)`
 refuses this kind of option, a map. So it is put into the serialised options of the one compilation under way: fields
@@ -11,17 +11,18 @@ of a protobuf message that are appended are merged into it.
 
 from __future__ import annotations
 
+import gc
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 import jax
 
-_OPTIONS = {
-    "xla_cpu_use_multi_output_fusion": "true",
-    "xla_cpu_small_while_loop_byte_threshold": "2000000000",
-}
+_LOOP_BYTES = 30_000
+"""Memory that a loop may touch for each robot in one pass and still be compiled as one function, which saves it XLA's
+executor: enough for the solver, too little for the step around it. With the step in it as well, LLVM takes half as long
+again over the walk of the quadruped, in one thread instead of all, and the walk is no faster."""
 _EXACT = {"xla_disable_hlo_passes": "fusion,cpu-instruction-fusion"}
 """A public option under which the program is right and slow: no fusion, no copies of values."""
 _BUILD_OPTIONS, _DEBUG_OPTIONS, _BACKEND_EXTRA = 3, 3, 500
@@ -35,22 +36,36 @@ class NotHonoured(Exception):
     """The options did not reach XLA."""
 
 
-def compiled(lowered: Any) -> tuple[Any, bool]:
-    """Compile a lowered lanes program.
+def lowered(function: Callable[..., Any], *arguments: Any) -> Any:
+    """`jax.jit(function).lower(*arguments)`, without Python's garbage collector.
+
+    What tracing makes all stays; looking through it again and again takes the collector a third of the time.
+    """
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        return jax.jit(function).lower(*arguments)
+    finally:
+        if collects:
+            gc.enable()
+
+
+def compiled(program: Any, robots: int) -> tuple[Any, bool]:
+    """Compile a lowered lanes program for so many robots.
 
     Returns:
         The executable, and whether it is the fast one; else it is right, but some twenty times slower.
     """
     if jax.default_backend() != "cpu":
-        return lowered.compile(), True
+        return program.compile(), True
     try:
-        with _extra_options():
-            program = lowered.compile()
-        if not _has_multi_output_fusion(program.as_text()):
+        with _extra_options(robots):
+            fast = program.compile()
+        if not _has_multi_output_fusion(fast.as_text()):
             raise NotHonoured
     except (NotHonoured, ImportError, AttributeError, TypeError, ValueError):
-        return lowered.compile(compiler_options=_EXACT), False
-    return program, True
+        return program.compile(compiler_options=_EXACT), False
+    return fast, True
 
 
 def _has_multi_output_fusion(text: str) -> bool:
@@ -58,14 +73,17 @@ def _has_multi_output_fusion(text: str) -> bool:
 
 
 @contextmanager
-def _extra_options() -> Iterator[None]:
+def _extra_options(robots: int) -> Iterator[None]:
     """Within the block, compilations of this thread get the options."""
     _install()
-    _now.wanted = True
+    _now.wanted = {
+        "xla_cpu_use_multi_output_fusion": "true",
+        "xla_cpu_small_while_loop_byte_threshold": str(robots * _LOOP_BYTES),
+    }
     try:
         yield
     finally:
-        _now.wanted = False
+        _now.wanted = None
 
 
 def _install() -> None:
@@ -77,23 +95,23 @@ def _install() -> None:
         return
 
     def get_compile_options(*args: Any, **kwargs: Any) -> Any:
-        options = original(*args, **kwargs)
-        return _with_options(options) if getattr(_now, "wanted", False) else options
+        options, wanted = original(*args, **kwargs), getattr(_now, "wanted", None)
+        return _with_options(options, wanted) if wanted else options
 
     get_compile_options._estexp_wraps = True  # type: ignore[attr-defined]
     compiler.get_compile_options = get_compile_options
 
 
-def _with_options(options: Any) -> Any:
+def _with_options(options: Any, wanted: Mapping[str, str]) -> Any:
     from jax._src.lib import xla_client  # pyright: ignore[reportPrivateImportUsage]
 
     entries = b"".join(
         _message(_BACKEND_EXTRA, _message(1, key.encode()) + _message(2, value.encode()))
-        for key, value in _OPTIONS.items()
+        for key, value in wanted.items()
     )
     appended = _message(_BUILD_OPTIONS, _message(_DEBUG_OPTIONS, entries))
     changed = xla_client.CompileOptions.ParseFromString(options.SerializeAsString() + appended)
-    if not all(key.encode() in changed.SerializeAsString() for key in _OPTIONS):
+    if not all(key.encode() in changed.SerializeAsString() for key in wanted):
         raise NotHonoured
     return changed
 
