@@ -12,11 +12,12 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem, deviations
-from estexp_jax.discovery.rivals import RIVALS, fit_entry
+from estexp_jax.discovery.rivals import RIVALS, black_box_errors, fit_entry, refitted_models
 from estexp_jax.discovery.selection import Selection, dearer, folds_of, probabilities, select, windows_to_fit
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
@@ -74,8 +75,12 @@ def explain(
     folds = folds_of(problem, case.indices("train"))
     selection, problem = yield from select(problem, parameters, folds, _PRICE, config.most)
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection, fitted))}
+    yield Progress("black box", 0, 1)
+    models = refitted_models(case, fits["parameters_only"])
+    seen = force_residuals(problem, models, case.indices("train"))
+    learned = black_box_errors(case, config, problem, models, seen)
     yield Progress("test recordings", 0, 1)
-    return _diagnosis(case, config, problem, selection, fits)
+    return _diagnosis(case, config, problem, selection, fits, learned)
 
 
 def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Generator[Progress, None, dict[str, Fit]]:
@@ -108,6 +113,7 @@ def _diagnosis(
     problem: Problem,
     selection: Selection,
     fits: dict[str, Fit],
+    learned: dict[str, float],
 ) -> Diagnosis:
     nominal, final, sayable = fits["nominal"], fits["explained"], fits["sayable"]
     claimed = final.hypothesis.changes(final.vector, claimed=True)
@@ -126,6 +132,7 @@ def _diagnosis(
     intervals = parameter_intervals(problem, final, fitted, _PRICE)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
     test, exact = problem.windows_of(case.indices("test")), problem.exact()
+    errors = fit_entry(case, config, problem, {name: f for name, f in fits.items() if name in RIVALS}, learned)
     body: dict[str, Any] = {
         "schema": "estexp.findings/1",
         "verdict": found,
@@ -139,9 +146,10 @@ def _diagnosis(
             for c in named
         ],
         "alternatives": tell.alternatives(selection, shares, lambda f: exact.error(f.member, test)),
-        "fit": fit_entry(case, config, problem, {name: f for name, f in fits.items() if name in RIVALS}),
+        "fit": errors,
         "advice": tell.advice(found, claimed, case.recordings, shares)
-        + tell.step_advice(selection, float(case.robot.model.opt.timestep)),
+        + tell.step_advice(selection, float(case.robot.model.opt.timestep))
+        + tell.black_box_advice(found, errors),
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": problem.counted[0]},
         "seed": config.seed,
