@@ -12,7 +12,7 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.force_residual import force_residuals
+from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.placebo import placebo
@@ -21,6 +21,7 @@ from estexp_jax.discovery.rivals import RIVALS, black_box_errors, fit_entry, ref
 from estexp_jax.discovery.selection import Selection, dearer, folds_of, probabilities, select, windows_to_fit
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
+from estexp_jax.discovery.when import never, when
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import segments_of
@@ -80,7 +81,7 @@ def explain(
     seen = force_residuals(problem, models, case.indices("train"))
     learned = black_box_errors(case, config, problem, models, seen)
     yield Progress("test recordings", 0, 1)
-    return _diagnosis(case, config, problem, selection, fits, learned)
+    return _diagnosis(case, config, problem, selection, fits, learned, seen)
 
 
 def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Generator[Progress, None, dict[str, Fit]]:
@@ -114,6 +115,7 @@ def _diagnosis(
     selection: Selection,
     fits: dict[str, Fit],
     learned: dict[str, float],
+    seen: list[ForceResidual],
 ) -> Diagnosis:
     nominal, final, sayable = fits["nominal"], fits["explained"], fits["sayable"]
     claimed = final.hypothesis.changes(final.vector, claimed=True)
@@ -132,13 +134,14 @@ def _diagnosis(
     intervals = parameter_intervals(problem, final, fitted, _PRICE)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
     test, exact = problem.windows_of(case.indices("test")), problem.exact()
+    places = [] if found == "consistent" else where(case.robot, selection)
     errors = fit_entry(case, config, problem, {name: f for name, f in fits.items() if name in RIVALS}, learned)
     body: dict[str, Any] = {
         "schema": "estexp.findings/1",
         "verdict": found,
         "side": tell.side(named),
-        "where": [] if found == "consistent" else where(case.robot, selection),
-        "when": {"regime": "throughout", "onset_s": {case.recordings[i].name: None for i in case.indices("train")}},
+        "where": places,
+        "when": when(case, problem, seen, places, final, config.seed) if found != "consistent" else never(case),
         "what": [
             tell.what_entry(
                 c, final, intervals, tell.presence(selection, shares, (c.effect, c.name or "")) if c in claimed else 1.0
