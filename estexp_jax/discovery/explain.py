@@ -14,6 +14,7 @@ from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.location import where
+from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.problem import Problem, deviations
 from estexp_jax.discovery.selection import Selection, dearer, folds_of, probabilities, select, windows_to_fit
 from estexp_jax.discovery.uncertainty import gain_interval, parameter_intervals
@@ -116,6 +117,11 @@ def _diagnosis(
     if found == "consistent":  # then nothing is changed, not even what a refit would bend
         final = sayable = nominal
         claimed = ()
+    step = None
+    if found == "parameters" and not claimed:
+        error = replace(problem, correction=None).error(nominal.member, problem.trained)
+        step = step_to_blame(selection, error, float(case.robot.model.opt.timestep))
+        found = found if step is None else "missing_physics"
     shares = probabilities(selection, config.seed)
     told = (
         bent_values(case.robot, final.hypothesis, final.hypothesis.changes(final.vector))
@@ -128,10 +134,12 @@ def _diagnosis(
     body: dict[str, Any] = {
         "schema": "estexp.findings/1",
         "verdict": found,
-        "side": tell.side(named),
-        "where": [] if found == "consistent" else where(case.robot, selection),
+        "side": "numerics" if step else tell.side(named),
+        "where": [step_place(selection)] if step else [] if found == "consistent" else where(case.robot, selection),
         "when": {"regime": "throughout", "onset_s": {case.recordings[i].name: None for i in case.indices("train")}},
-        "what": [
+        "what": [step_entry(step)]
+        if step
+        else [
             tell.what_entry(
                 c, final, intervals, tell.presence(selection, shares, (c.effect, c.name or "")) if c in claimed else 1.0
             )
