@@ -12,17 +12,18 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
+from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem, deviations
+from estexp_jax.discovery.rivals import RIVALS, black_box_errors, fit_entry, refitted_models
 from estexp_jax.discovery.selection import Selection, dearer, folds_of, probabilities, select, windows_to_fit
-from estexp_jax.discovery.uncertainty import gain_interval, parameter_intervals
+from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
-from estexp_jax.inference.accuracy import gain
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
-from estexp_jax.inference.noise import noise_floor
 from estexp_jax.inference.windows import segments_of
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.engines.choice import replayer
@@ -74,15 +75,17 @@ def explain(
     fitted = windows_to_fit(problem, case.indices("train"))
     folds = folds_of(problem, case.indices("train"))
     selection, problem = yield from select(problem, parameters, folds, _PRICE, config.most)
-    final, sayable, own = yield from _refitted(problem, selection, fitted)
+    fits = {"nominal": nominal, **(yield from _refitted(problem, selection, fitted))}
+    yield Progress("black box", 0, 1)
+    models = refitted_models(case, fits["parameters_only"])
+    seen = force_residuals(problem, models, case.indices("train"))
+    learned = black_box_errors(case, config, problem, models, seen)
     yield Progress("test recordings", 0, 1)
-    return _diagnosis(case, config, problem, selection, (nominal, own, final, sayable))
+    return _diagnosis(case, config, problem, selection, fits, learned)
 
 
-def _refitted(
-    problem: Problem, selection: Selection, windows: np.ndarray
-) -> Generator[Progress, None, tuple[Fit, Fit, Fit]]:
-    """The chosen explanation, its part that MJCF can say, and parameters alone, fitted to all training windows."""
+def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Generator[Progress, None, dict[str, Fit]]:
+    """The chosen explanation, its part that MJCF can say, and its rivals, fitted to all training windows."""
     chosen, parameters = selection.chosen.fitted, selection.parameters.fitted
     changes = chosen.hypothesis.changes(chosen.vector, claimed=True)
     said = [c for c in map(tell.told_change, changes) if expressible(c)]
@@ -94,12 +97,15 @@ def _refitted(
         (chosen.hypothesis, [chosen.vector]),
         (sayable, [start]),
     ]
+    wrong = placebo(problem.replayer.robot, parameters.hypothesis, selection)
+    tasks += [wrong] if wrong else []
     fine, stage, price = problem.finer(), "all training recordings", dearer(_PRICE, selection.chosen)
-    final, said_fit = yield from fit(fine, tasks, windows, price, stage=stage, iterations=20)
+    final, said_fit, *others = yield from fit(fine, tasks, windows, price, stage=stage, iterations=20)
     tasks = [(parameters.hypothesis, [parameters.vector])]
     about = problem.about(parameters.member).finer()
     [own] = yield from fit(about, tasks, windows, _PRICE, stage=f"{stage}, parameters only", iterations=30)
-    return final, said_fit, own
+    found = {"parameters_only": own, "explained": final, "sayable": said_fit}
+    return found | dict(zip(["placebo"], others, strict=False))
 
 
 def _diagnosis(
@@ -107,15 +113,16 @@ def _diagnosis(
     config: ExplainConfig,
     problem: Problem,
     selection: Selection,
-    fits: tuple[Fit, Fit, Fit, Fit],
+    fits: dict[str, Fit],
+    learned: dict[str, float],
 ) -> Diagnosis:
-    nominal, own, final, sayable = fits
+    nominal, final, sayable = fits["nominal"], fits["explained"], fits["sayable"]
     claimed = final.hypothesis.changes(final.vector, claimed=True)
     fitted = windows_to_fit(problem, case.indices("train"))
-    floors = _floors(case, problem)
     found = verdict(case.robot, selection, claimed)
     if found == "consistent":  # then nothing is changed, not even what a refit would bend
         final = sayable = nominal
+        fits = {"nominal": nominal, "parameters_only": fits["parameters_only"], "explained": nominal}
         claimed = ()
     step = None
     if found == "parameters" and not claimed:
@@ -131,6 +138,7 @@ def _diagnosis(
     intervals = parameter_intervals(problem, final, fitted, _PRICE)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
     test, exact = problem.windows_of(case.indices("test")), problem.exact()
+    errors = fit_entry(case, config, problem, {name: f for name, f in fits.items() if name in RIVALS}, learned)
     body: dict[str, Any] = {
         "schema": "estexp.findings/1",
         "verdict": found,
@@ -146,11 +154,10 @@ def _diagnosis(
             for c in named
         ],
         "alternatives": tell.alternatives(selection, shares, lambda f: exact.error(f.member, test)),
-        "fit": _fit_entry(
-            case, config, problem, {"nominal": nominal, "parameters_only": own, "explained": final}, floors
-        ),
+        "fit": errors,
         "advice": tell.advice(found, claimed, case.recordings, shares)
-        + tell.step_advice(selection, float(case.robot.model.opt.timestep)),
+        + tell.step_advice(selection, float(case.robot.model.opt.timestep))
+        + tell.black_box_advice(found, errors),
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": problem.counted[0]},
         "seed": config.seed,
@@ -168,46 +175,10 @@ def _diagnosis(
     )
 
 
-_ROLES = ("train", "test")
-
-
 def _told(fitted: Fit) -> tuple[Change, ...]:
     """The changes of a fit, without those that change nothing."""
     off = {(f.effect, f.site) for f, v in zip(fitted.hypothesis.free, fitted.vector, strict=True) if v != f.neutral}
     return tuple(c for c in fitted.hypothesis.changes(fitted.vector) if (c.effect, c.name or "") in off)
-
-
-def _floors(case: Case, problem: Problem) -> dict[str, float]:
-    """Noise floors of training and test recordings."""
-    return {role: noise_floor(problem.channels, [case.recordings[i] for i in case.indices(role)]) for role in _ROLES}
-
-
-def _fit_entry(
-    case: Case, config: ExplainConfig, problem: Problem, fits: dict[str, Fit], floors: dict[str, float]
-) -> dict[str, Any]:
-    """Errors of nominal, rivals and explanation on training and test recordings, and the gain on the test recordings.
-
-    The nominal simulator runs at its own step, the others at the finer one.
-    """
-    windows = {role: problem.windows_of(case.indices(role)) for role in _ROLES}
-    own, exact = replace(problem, correction=None), problem.exact()
-    at = {name: own if name == "nominal" else exact for name in fits}
-    errors = {name: {role: at[name].error(f.member, w) for role, w in windows.items()} for name, f in fits.items()}
-    shares = [at[n].shares(fits[n].member, windows["test"]) for n in ("nominal", "explained")]
-    costs = [np.nanmean(s, axis=(1, 2)) for s in shares]
-    low, high = gain_interval(costs[0], costs[1], floors["test"], config.seed)
-    value = gain(errors["explained"]["test"], errors["nominal"]["test"], floors["test"])
-    return {
-        "metric": "nrmse",
-        "window_s": config.window,
-        "noise_floor": floors,
-        "nominal": errors["nominal"],
-        "parameters_only": errors["parameters_only"],
-        "black_box": {},
-        "placebo": {},
-        "explained": errors["explained"],
-        "gain": {"value": value, "low": float(low), "high": float(high)},
-    }
 
 
 def _predictions(case: Case, problem: Problem, nominal: Fit, final: Fit) -> tuple[Prediction, ...]:

@@ -211,14 +211,22 @@ class Problem:
 
     def error(self, member: Member, windows: np.ndarray) -> float:
         """The nrmse of one hypothesis on windows."""
-        shares = self.shares(member, windows)
+        return self.error_of(self.simulated([member], windows)[0], windows)
+
+    def error_of(self, simulated: np.ndarray, windows: np.ndarray) -> float:
+        """The nrmse of any readings (windows, rows, channels) on windows; infinite if one of them is no number."""
+        shares = self._shares(simulated, windows)
+        if not np.isfinite(shares[np.isfinite(self.recorded(windows))]).all():
+            return float("inf")
         owner = np.array([self.segments[w].recording for w in windows])
         return nrmse([shares[owner == r].reshape(-1, shares.shape[2]) for r in np.unique(owner)])
 
     def shares(self, member: Member, windows: np.ndarray) -> np.ndarray:
         """Squared errors over squared ranges (windows, rows, channels) of one hypothesis, NaN without a sample."""
-        difference = self.simulated([member], windows)[0] - self.recorded(windows)
-        return (difference / self._span(windows)[:, None, :]) ** 2
+        return self._shares(self.simulated([member], windows)[0], windows)
+
+    def _shares(self, simulated: np.ndarray, windows: np.ndarray) -> np.ndarray:
+        return ((simulated - self.recorded(windows)) / self._span(windows)[:, None, :]) ** 2
 
     def _span(self, windows: np.ndarray) -> np.ndarray:
         each = {r: spans(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}}
