@@ -15,6 +15,7 @@ from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.location import where
+from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem, deviations
 from estexp_jax.discovery.rivals import RIVALS, black_box_errors, fit_entry, refitted_models
@@ -125,6 +126,11 @@ def _diagnosis(
         final = sayable = nominal
         fits = {"nominal": nominal, "parameters_only": fits["parameters_only"], "explained": nominal}
         claimed = ()
+    step = None
+    if found == "parameters" and not claimed:
+        error = replace(problem, correction=None).error(nominal.member, problem.trained)
+        step = step_to_blame(selection, error, float(case.robot.model.opt.timestep))
+        found = found if step is None else "missing_physics"
     shares = probabilities(selection, config.seed)
     told = (
         bent_values(case.robot, final.hypothesis, final.hypothesis.changes(final.vector))
@@ -134,15 +140,17 @@ def _diagnosis(
     intervals = parameter_intervals(problem, final, fitted, _PRICE)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
     test, exact = problem.windows_of(case.indices("test")), problem.exact()
-    places = [] if found == "consistent" else where(case.robot, selection)
+    places = [] if found == "consistent" else [step_place(selection)] if step else where(case.robot, selection)
     errors = fit_entry(case, config, problem, {name: f for name, f in fits.items() if name in RIVALS}, learned)
     body: dict[str, Any] = {
         "schema": "estexp.findings/1",
         "verdict": found,
-        "side": tell.side(named),
+        "side": "numerics" if step else tell.side(named),
         "where": places,
-        "when": when(case, problem, seen, places, final, config.seed) if found != "consistent" else never(case),
-        "what": [
+        "when": never(case) if step or found == "consistent" else when(case, problem, seen, places, final, config.seed),
+        "what": [step_entry(step)]
+        if step
+        else [
             tell.what_entry(
                 c, final, intervals, tell.presence(selection, shares, (c.effect, c.name or "")) if c in claimed else 1.0
             )

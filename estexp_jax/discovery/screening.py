@@ -24,22 +24,30 @@ def extended(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place
     return hypothesis, [np.where(is_new, start, settled) for start in [hypothesis.start(), *own]]
 
 
-def restarted(problem: Problem, fitted: Fit) -> Task:
-    """A hypothesis to be fitted once more: from where it is, and from all starts of what it claims last.
+def without(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place) -> Task:
+    """A hypothesis with one place fewer, started from what the others were; a value of the model stays bent."""
+    left = [p for p in chosen.hypothesis.places if p != place]
+    hypothesis = claiming(problem.replayer.robot, parameters, left)
+    known = dict(zip(_keys(chosen.hypothesis), chosen.vector, strict=True))
+    low, high = np.array([[f.low, f.high] for f in hypothesis.free]).T
+    kept = [known.get(k, f.neutral) for k, f in zip(_keys(hypothesis), hypothesis.free, strict=True)]
+    return hypothesis, [np.clip(kept, low, high)]
 
-    Also with the model's values as nominal: without the effect they were bent to stand in for it, and along a valley in
-    which all masses and motors shrink alike they would be slow to come back.
+
+def restarted(problem: Problem, fitted: Fit) -> list[Task]:
+    """A hypothesis to be fitted once more, from where it is; and apart from that, from all starts of its last claim.
+
+    The others start with the model's values as nominal: without the effect these were bent to stand in for it, and
+    along a valley in which all masses and motors shrink alike they would be slow to come back.
     """
     hypothesis = fitted.hypothesis
     place = hypothesis.places[-1]
-    is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
-    own = starts(problem.replayer.robot, effect(place[0]), place[1], problem.seen)
     claimed = np.array([(f.effect, f.site) in hypothesis.places for f in hypothesis.free])
-    return hypothesis, [
-        fitted.vector,
-        np.where(claimed, fitted.vector, hypothesis.start()),
-        *(np.where(is_new, hypothesis.with_values(place, values), fitted.vector) for values in own),
-    ]
+    is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
+    nominal = np.where(claimed, fitted.vector, hypothesis.start())
+    own = starts(problem.replayer.robot, effect(place[0]), place[1], problem.seen)
+    fresh = [np.where(is_new, hypothesis.with_values(place, values), nominal) for values in own]
+    return [(hypothesis, [fitted.vector, nominal]), (hypothesis, fresh or [nominal])]
 
 
 def _keys(hypothesis: Hypothesis) -> list[tuple[str, str, str]]:

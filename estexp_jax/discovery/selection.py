@@ -12,7 +12,7 @@ from scipy import stats
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.screening import extended, looked_at, restarted, with_rungs
+from estexp_jax.discovery.screening import extended, looked_at, restarted, with_rungs, without
 from estexp_jax.physics.changes import Change
 
 NOISE = 1.2
@@ -147,11 +147,20 @@ def select(
         best = simplest(found)
         if not worth(best, chosen):
             break
-        tasks = [restarted(problem, e.fitted) for e in sorted(found, key=lambda e: e is not best)]
+        others = [task for e in found if e is not best for task in restarted(problem, e.fitted)]
+        tasks = [*restarted(problem, best.fitted), *others]
         again, problem = yield from _judged_there(problem, tasks, folds, price, f"{stage}, finer step")
         anew: dict[tuple[Place, ...], Explanation] = {e.places: e for e in again}
         tried = [anew.get(e.places, e) for e in tried]
         chosen = simplest(again)
+    while len(chosen.places) > 1:
+        stage = f"{len(chosen.places)} effects without one of them"
+        tasks = [without(problem, parameters, chosen.fitted, place) for place in chosen.places]
+        fewer, _ = yield from _judged_there(problem, tasks, folds, price, stage)
+        best = min(fewer, key=lambda e: e.error)
+        if worth(chosen, best):
+            break
+        tried, chosen, problem = [*tried, *fewer], best, problem.about(best.fitted.member)
     return Selection(nominal, corrected, own, tuple(tried), chosen), problem
 
 
@@ -183,15 +192,19 @@ def _grown(
 def _judged_there(
     problem: Problem, tasks: Sequence[Task], folds: Sequence[Fold], price: float, stage: str
 ) -> Generator[Progress, None, tuple[list[Explanation], Problem]]:
-    """Hypotheses fitted and judged by the comparison about the first one's fit, which is returned too."""
+    """Hypotheses fitted and judged by the comparison about the first one's fit, which is returned too.
+
+    Of tasks with the same hypothesis the better fit counts.
+    """
     windows = np.unique(np.concatenate([held for _, held in folds]))
     [first, *_] = yield from fit(problem, tasks[:1], windows, price, stage=f"{stage}, at first")
     price *= max(1.0, first.cost)
     again: list[Task] = [(first.hypothesis, [first.vector, *tasks[0][1]]), *tasks[1:]]
     there = problem.about(first.member).finer()
     fits = yield from fit(there, again, windows, price, stage=stage)
-    judged = yield from _cross_validated(there, fits, folds, price, stage)
-    return judged, problem.about(fits[0].member)
+    better = {f.hypothesis: f for f in sorted(fits, key=lambda f: f.cost, reverse=True)}
+    judged = yield from _cross_validated(there, list(better.values()), folds, price, stage)
+    return judged, problem.about(better[first.hypothesis].member)
 
 
 def _cross_validated(

@@ -44,5 +44,5 @@ def when(
 
 
 def never(case: Case) -> dict[str, Any]:
-    """`when` of findings in which nothing is wrong."""
+    """`when` of findings in which nothing is wrong, or only the time step."""
     return {"regime": None, "onset_s": {case.recordings[i].name: None for i in case.indices("train")}}
