@@ -14,6 +14,7 @@ from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
+from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.placebo import placebo
@@ -67,22 +68,29 @@ def explain(
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    problem = problem_of(case, config, {} if memory is None else memory)
-    engine, reason = problem.replayer.choice
+    whole = problem_of(case, config, {} if memory is None else memory)
+    engine, reason = whole.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
     settings = {name for r in case.recordings for name in r.settings}
-    parameters = parameters_only(case.robot, problem.replayer.catalogue, known_values(case.robot, settings))
+    parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
+    selection, problem = yield from select(
+        whole, parameters, folds_of(whole, case.indices("train")), _PRICE, config.most
+    )
+    began = begun(case, problem, selection, config.seed)
+    if began:
+        late = starting_late(case, config, problem, began, FINER)
+        better = yield from select_late(late, parameters, selection, _PRICE, config.most)
+        (selection, problem), began = (better, began) if better else ((selection, problem), {})
     fitted = windows_to_fit(problem, case.indices("train"))
-    folds = folds_of(problem, case.indices("train"))
-    selection, problem = yield from select(problem, parameters, folds, _PRICE, config.most)
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection, fitted))}
     yield Progress("black box", 0, 1)
+    shown = replace(whole, began=began)
     models = refitted_models(case, fits["parameters_only"])
-    seen = force_residuals(problem, models, case.indices("train"))
-    learned = black_box_errors(case, config, problem, models, seen)
+    seen = force_residuals(shown, models, case.indices("train"))
+    learned = black_box_errors(case, config, shown, models, seen)
     yield Progress("test recordings", 0, 1)
-    return _diagnosis(case, config, problem, selection, fits, learned, seen)
+    return _diagnosis(case, config, problem, shown, selection, fits, learned, seen)
 
 
 def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Generator[Progress, None, dict[str, Fit]]:
@@ -113,6 +121,7 @@ def _diagnosis(
     case: Case,
     config: ExplainConfig,
     problem: Problem,
+    shown: Problem,
     selection: Selection,
     fits: dict[str, Fit],
     learned: dict[str, float],
@@ -128,7 +137,7 @@ def _diagnosis(
         claimed = ()
     step = None
     if found == "parameters" and not claimed:
-        error = replace(problem, correction=None).error(nominal.member, problem.trained)
+        error = shown.error(nominal.member, shown.trained)
         step = step_to_blame(selection, error, float(case.robot.model.opt.timestep))
         found = found if step is None else "missing_physics"
     shares = probabilities(selection, config.seed)
@@ -139,15 +148,15 @@ def _diagnosis(
     )
     intervals = parameter_intervals(problem, final, fitted, _PRICE)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
-    test, exact = problem.windows_of(case.indices("test")), problem.exact()
+    test, exact = shown.windows_of(case.indices("test")), shown.exact()
     places = [] if found == "consistent" else [step_place(selection)] if step else where(case.robot, selection)
-    errors = fit_entry(case, config, problem, {name: f for name, f in fits.items() if name in RIVALS}, learned)
+    errors = fit_entry(case, config, shown, {name: f for name, f in fits.items() if name in RIVALS}, learned)
     body: dict[str, Any] = {
         "schema": "estexp.findings/1",
         "verdict": found,
         "side": "numerics" if step else tell.side(named),
         "where": places,
-        "when": never(case) if step or found == "consistent" else when(case, problem, seen, places, final, config.seed),
+        "when": never(case) if step or found == "consistent" else when(case, seen, places, shown.began, config.seed),
         "what": [step_entry(step)]
         if step
         else [
@@ -174,7 +183,7 @@ def _diagnosis(
         changes=_told(final),
         mjcf_changes=_told(sayable),
         left_out=tuple(c for c in map(tell.told_change, claimed) if not expressible(c)),
-        predictions=_predictions(case, problem, nominal, final),
+        predictions=_predictions(case, shown, nominal, final),
     )
 
 
