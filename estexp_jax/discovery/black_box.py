@@ -1,8 +1,8 @@
 """The black box: a small network learns the force that the joints lack. It predicts, and it explains nothing.
 
 Inputs are positions, speeds, commands and motor torques of all driven joints; outputs the missing forces there. Two
-hidden layers of tanh, trained on the force residual of the simulator with refitted parameters; the best network on
-windows held out from training counts, the silent one among them. Judged like any rival: by simulation.
+hidden layers of tanh, trained on the force residual of a simulator, refitted or not; the best network on windows held
+out from training counts, the silent one among them. Judged like any rival: by simulation.
 """
 
 from __future__ import annotations

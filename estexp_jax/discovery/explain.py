@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,14 +12,14 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
+from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem, deviations
-from estexp_jax.discovery.rivals import RIVALS, black_box_errors, fit_entry, refitted_models
+from estexp_jax.discovery.rivals import RIVALS, base_of, black_box_errors, fit_entry
 from estexp_jax.discovery.selection import Selection, dearer, folds_of, probabilities, select, windows_to_fit
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
@@ -86,11 +86,10 @@ def explain(
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection, fitted))}
     yield Progress("black box", 0, 1)
     shown = replace(whole, began=began)
-    models = refitted_models(case, fits["parameters_only"])
-    seen = force_residuals(shown, models, case.indices("train"))
-    learned = black_box_errors(case, config, shown, models, seen)
+    bases = [base_of(case, shown, fits[name]) for name in ("parameters_only", "nominal")]
+    learned = black_box_errors(case, config, shown, bases)
     yield Progress("test recordings", 0, 1)
-    return _diagnosis(case, config, problem, shown, selection, fits, learned, seen)
+    return _diagnosis(case, config, problem, shown, selection, fits, learned, bases[0][1])
 
 
 def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Generator[Progress, None, dict[str, Fit]]:
@@ -125,7 +124,7 @@ def _diagnosis(
     selection: Selection,
     fits: dict[str, Fit],
     learned: dict[str, float],
-    seen: list[ForceResidual],
+    seen: Sequence[ForceResidual],
 ) -> Diagnosis:
     nominal, final, sayable = fits["nominal"], fits["explained"], fits["sayable"]
     claimed = final.hypothesis.changes(final.vector, claimed=True)
