@@ -61,19 +61,20 @@ def planted_changes(robot: Robot, settings: Settings) -> tuple[Change, ...]:
     return situation(settings.situation, robot, settings.seed) if settings.situation is not None else ()
 
 
-def job_of(robot: Robot, settings: Settings, target: Target | None = None) -> Job:
+def job_of(robot: Robot, settings: Settings, target: Target | None = None, *, world: Simulator | None = None) -> Job:
     """Everything a run needs.
 
     Args:
         robot: the nominal robot.
         settings: of the run.
         target: the robot in the world, damaged already; None: a simulated one, with the damage of `settings`.
+        world: a simulator of the robot with such settings, to be used again; its catalogue has to hold the damage.
 
     Raises:
         InputError: the damage cannot be planted, or the robot cannot be controlled or cannot travel.
     """
     planted = planted_changes(robot, settings) if target is None else ()
-    world = simulator(robot, settings, planted)
+    world = simulator(robot, settings, planted) if world is None else world
     if target is not None:
         return Job(settings, world, (), target, None)
     if settings.robot == "foreign":

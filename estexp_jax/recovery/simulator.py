@@ -66,13 +66,17 @@ class Simulator:
         starts = jax.tree.map(lambda x: np.broadcast_to(x[0], (n, *x.shape[1:])), start)
         return self.walker.walk(stack(self._values([changes]) * n), weights, starts, steps)
 
-    def trials(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
+    def trials(
+        self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, heard: np.ndarray | None = None
+    ) -> Walk:
         """Many damaged robots, each under the same few controllers.
 
         Args:
             sets: the changes of each robot.
             weights: (controllers, n_weights).
             steps: control steps.
+            heard: (controllers, steps, n_inputs) recorded readings that drive the networks in place of the simulated
+                ones; None: closed loop.
 
         Returns:
             Arrays (sets, controllers, ...).
@@ -80,7 +84,8 @@ class Simulator:
         c, values = len(weights), self._values(sets)
         starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), self.settled(sets))
         many = {name: np.repeat(array, c, axis=0) for name, array in stack(values).items()}
-        walk = self.walker.walk(many, np.tile(weights, (len(sets), 1)), starts, steps)
+        told = None if heard is None else np.tile(heard, (len(sets), 1, 1))
+        walk = self.walker.walk(many, np.tile(weights, (len(sets), 1)), starts, steps, told)
         return jax.tree.map(lambda x: x.reshape(len(sets), c, *x.shape[1:]), walk)
 
     def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:

@@ -1,0 +1,54 @@
+"""`estexp experiment table1`: Figure 7, thirteen situations under both metrics, and how right the diagnoses are.
+
+estexp experiment table1 --quick                    one seed, very small runs
+estexp experiment table1 --workers 8                the paper's: 10 seeds, 200 genomes, 40 generations, 1000 steps
+python experiments/table1/run.py --size medium --seeds 3
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+ARMS = (("paper", "distance"), ("paper", "rolling-mean"), ("set", "rolling-mean"))
+"""The paper's control, the paper's algorithm, and the set search."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """All runs, then the table and the figures."""
+    from experiments.common.options import parsed, publish
+    from experiments.common.runs import run_all
+
+    options = parsed("table1", __doc__, seeds=10, quick_seeds=1, arguments=arguments)
+    cases = cases_of(options.size, options.n)
+    run_all(cases, options.store, options.workers)
+    report(cases, options)
+    publish(options, __file__)
+    return 0
+
+
+def cases_of(size, n: int) -> list:
+    """Seed by seed, so that a run that is stopped leaves whole seeds."""
+    from experiments.common.case import Case, seeds
+
+    return [
+        Case(situation, seed, size, method, metric)
+        for seed in seeds(n)
+        for situation in range(1, 14)
+        for method, metric in ARMS
+    ]
+
+
+def report(cases: Sequence, options) -> None:
+    """Table, numbers and figures of the finished runs."""
+    from experiments.common.tables import row, write_rows
+
+    rows = [row(case, options.store) for case in cases]
+    write_rows(options.out / "runs.csv", rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
