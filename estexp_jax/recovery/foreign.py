@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Sequence
 from typing import final
 
+import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
@@ -81,7 +82,7 @@ class ForeignTarget:
         network = controller.network()
         for e, values in self._values(ControllerFault):
             network = e.damage(self._robot, network, jnp.asarray(values))
-        return Network(*(np.asarray(weights) for weights in network))
+        return jax.tree.map(np.asarray, network)
 
     def _faults(self, face: Interface) -> tuple[np.ndarray, np.ndarray]:
         """What planted faults make of a reading x: scale x + shift, (n_inputs,) each; all are of this kind."""

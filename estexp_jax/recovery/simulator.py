@@ -19,6 +19,9 @@ from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.trial import Controller, Trial
 
+FAULTS = ("neuron_fault", "tied_outputs")
+EXTENDED = ("sensor_bias", "sensor_stuck", "ground_friction", "viscous_friction")
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -111,7 +114,8 @@ class Simulator:
 def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) -> Simulator:
     """The simulator of a run.
 
-    Its catalogue holds the paper's modifications, the controller's faults, and what else is planted.
+    Its catalogue holds all that an estimation may choose from, what the simulator's own errors are made of, and what
+    else is planted.
 
     Raises:
         InputError: a planted effect has no place in closed loop, or the robot has no controller's senses.
@@ -119,7 +123,8 @@ def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) 
     late = next((c for c in planted if isinstance(effect(c.effect), CommandShift | ReadingShift)), None)
     if late is not None:
         raise InputError(f"'{late.effect}' is not simulated in closed loop", where="--damage")
-    names = dict.fromkeys([*PAPER, "neuron_fault", "tied_outputs", *(c.effect for c in planted)])
+    extended = EXTENDED if settings.catalogue == "full" or settings.rough > 0.0 else ()
+    names = dict.fromkeys([*PAPER, *FAULTS, *extended, *(c.effect for c in planted)])
     engine = walker(
         robot,
         catalogue(names),

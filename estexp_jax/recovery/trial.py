@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, final
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -109,7 +110,7 @@ def drive(
     The equations of `controllers.respond` and `Interface` once more, in numpy: for one robot, calling JAX at each step
     takes longer than simulating it.
     """
-    face, network = interface, Network(*(np.asarray(weights) for weights in network))
+    face, network = interface, jax.tree.map(np.asarray, network)
     inputs = np.clip((np.asarray(readings) - face.centre) / face.scale, -1.0, 1.0)
     one = np.ones(1)
     drives = network.w_hidden @ np.concatenate([inputs, one]) + network.w_recurrent @ np.asarray(hidden)
