@@ -105,7 +105,10 @@ def changes_of(simulator: Simulator, items: Sequence[tuple[Place, float]]) -> tu
 
 
 class MetricResiduals:
-    """The paper's metrics on all trials so far, in closed loop.
+    """The paper's metrics on all trials so far: in closed loop for the paper's search, else under replay.
+
+    Replay takes apart what the loop ties together: a faulty sensor then shows in its own reading only, and not in all
+    that its controller does with it.
 
     Args:
         simulator: of the robot.
@@ -121,13 +124,16 @@ class MetricResiduals:
         self._weights = np.stack(list(controllers))
         self._short = settings.metric == "rolling-mean"
         self._inputs = self._seen(np.stack([t.readings[: settings.samples] for t in trials]))
+        whole = np.stack([t.readings for t in trials])
+        self._heard = whole if self._short and not settings.paper else None
         self._travelled = np.array([t.distance(settings.axis) for t in trials])
 
     def __call__(self, hypotheses: Sequence[Items], reference: Items = ()) -> np.ndarray:
         """See `Residuals`."""
         settings = self._settings
         sets = [changes_of(self._simulator, items) for items in hypotheses]
-        walk = self._simulator.trials(sets, self._weights, settings.samples if self._short else settings.steps)
+        steps = settings.samples if self._short else settings.steps
+        walk = self._simulator.trials(sets, self._weights, steps, self._heard)
         if self._short:
             seen = self._seen(walk.readings)
             values = rolling_mean(self._inputs, seen, header=settings.header, window=settings.window)
@@ -144,5 +150,5 @@ class MetricResiduals:
         return np.asarray(self._simulator.walker.interface.inputs(jnp.asarray(readings)))
 
 
-_NOTHING = 0.002
+_NOTHING = 0.0005
 """Residual that counts as none."""

@@ -24,9 +24,11 @@ _WEIGHT = 4.0
 """Of an objective in a probability: as if so many samples were independent."""
 _ALARM = 0.002
 """Residual above which no hypothesis of the catalogue reproduces the recordings."""
-_SOLVED = 0.0005
+_SOLVED = 0.0001
 """Residual below which no larger catalogue is tried."""
-_BEAM, _SEEDS = 32, 12
+_EXACT: dict[str, Any] = {"floor": 0.0002, "negligible": 0.1, "beam": 32}
+"""Settings of each search: the simulator is exact, so what is left of an error is a change still missing."""
+_SEEDS = 12
 _RIVALS, _UNLIKELY = 3, 0.01
 """Rivals told at most, and the probability below which they are not."""
 
@@ -40,8 +42,8 @@ class SetEstimation(Estimation):
         options = self._menu.options
         inside = sum(place.effect in PAPER for place in self._menu.places)  # they come first
         lost = tuple(i for i, place in enumerate(self._menu.places) if place.effect == "part_lost")
-        single, paper = SetSearch(options, most=1), SetSearch(options[:inside], kept=lost, beam=_BEAM)
-        everything = SetSearch(options, kept=lost, beam=_BEAM)
+        single, paper = SetSearch(options, most=1, **_EXACT), SetSearch(options[:inside], kept=lost, **_EXACT)
+        everything = SetSearch(options, kept=lost, **_EXACT)
         self._ladder = (single, paper) if inside == len(options) else (single, paper, everything)
 
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
