@@ -7,11 +7,12 @@ from typing import Any, Literal
 
 from estexp_jax.recovery.config import Metric, Settings
 
-Size = Literal["quick", "medium", "full"]
+Size = Literal["quick", "small", "medium", "full"]
 Method = Literal["paper", "set"]
 
 SIZES: dict[Size, dict[str, int]] = {
     "quick": {"population": 32, "generations": 5, "steps": 150},
+    "small": {"population": 48, "generations": 10, "steps": 200},
     "medium": {"population": 100, "generations": 20, "steps": 500},
     "full": {"population": 200, "generations": 40, "steps": 1000},
 }

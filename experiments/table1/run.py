@@ -2,7 +2,8 @@
 
 estexp experiment table1 --quick                    one seed, very small runs
 estexp experiment table1 --workers 8                the paper's: 10 seeds, 200 genomes, 40 generations, 1000 steps
-python experiments/table1/run.py --size medium --seeds 3
+python experiments/table1/run.py --size small --seeds 10
+python experiments/table1/run.py --size small --report      table and figures of the runs finished so far
 """
 
 from __future__ import annotations
@@ -20,12 +21,14 @@ ARMS = (("paper", "distance"), ("paper", "rolling-mean"), ("set", "rolling-mean"
 def main(arguments: Sequence[str] | None = None) -> int:
     """All runs, then the table and the figures."""
     from experiments.common.options import parsed, publish
-    from experiments.common.runs import run_all
+    from experiments.common.runs import finished, run_all
 
-    options = parsed("table1", __doc__, seeds=10, quick_seeds=1, arguments=arguments)
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    options = parsed("table1", __doc__, seeds=10, quick_seeds=1, arguments=[w for w in given if w != "--report"])
     cases = cases_of(options.size, options.n)
-    run_all(cases, options.store, options.workers)
-    report(cases, options)
+    if "--report" not in given:
+        run_all(cases, options.store, options.workers)
+    report([case for case in cases if finished(case, options.store)], options)
     publish(options, __file__)
     return 0
 
@@ -43,11 +46,19 @@ def cases_of(size, n: int) -> list:
 
 
 def report(cases: Sequence, options) -> None:
-    """Table, numbers and figures of the finished runs."""
-    from experiments.common.tables import row, write_rows
+    """Tables, numbers and figures of the runs that are finished."""
+    from experiments.common.tables import row, write_rows, write_summary
+    from experiments.table1.figure import draw_confusion, draw_distances
+    from experiments.table1.summary import confusion, diagnoses, distances, environment
 
     rows = [row(case, options.store) for case in cases]
     write_rows(options.out / "runs.csv", rows)
+    found = {"distances": distances(rows), "environment": environment(rows)}
+    found |= {"diagnoses": diagnoses(rows), "confusion": confusion(rows)}
+    seeds = sorted({case.seed for case in cases})
+    write_summary(options.out / "summary.json", found, seeds=seeds, size=options.size)
+    draw_distances(rows, options.out)
+    draw_confusion(found["confusion"], options.out)
 
 
 if __name__ == "__main__":
