@@ -13,16 +13,20 @@ import numpy as np
 
 from estexp_jax.inference import set_search
 from estexp_jax.inference.set_moves import Items as Indexed
+from estexp_jax.inference.set_moves import pruned
 from estexp_jax.inference.set_search import SetSearch
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation import Diagnosis, Estimation, Residuals, Round
-from estexp_jax.recovery.options import menu
+from estexp_jax.recovery.genome import Items
+from estexp_jax.recovery.options import Menu, menu
 from estexp_jax.recovery.simulator import Simulator
 
 _PRICE, _PRICE_OF_TRIAL = 40.0, 20.0
 """Cost of one more change, at least, and for each trial: errors of the simulator that its ensemble misses are alike in
 all samples of a trial."""
 _SEARCHES, _KEPT, _FINALISTS = 3, 12, 8
+_REFINED, _STEPS, _MOVES = 3, (0.15, 0.05, 0.02), 3
+"""Finalists that are refined; by what shares of an amount's range, and how often by each at most."""
 _FEWER: dict[str, Any] = {"bases": 2, "beam": 10, "scanned": 0, "finalists": 3, "refinements": 3, "polishes": 2}
 """Settings of each search: the first ones only have to find the neighbourhood."""
 _TEMPER = 10.0
@@ -99,15 +103,66 @@ class ReplayEstimation(Estimation):
         return {**state, **again, "seeds": seeds}
 
     def _judged(self, state: dict[str, Any], found: set_search.State, residuals: Residuals) -> dict[str, Any]:
-        """The finalists, each about itself; those that come down to the same items once."""
-        judged: dict[Any, dict[str, Any]] = {}
-        for f in found.pool[:_FINALISTS]:
-            items = self._menu.items(f.items)
-            if items not in judged:
-                cost, misfit = residuals.alone(items)
-                worth = cost + self._search.price * len(items)
-                judged[items] = {"items": [list(i) for i in f.items], "cost": worth, "misfit": misfit}
-        return {**state, "judged": sorted(judged.values(), key=lambda j: j["cost"])}
+        """The finalists and what is left of the best without each member, each about itself; the best then refined."""
+        first = [f.items for f in found.pool[:_FINALISTS]]
+        judged = Judged(self._menu, self._search.price, residuals)
+        for items in [*first, *pruned(first[:_REFINED])]:
+            judged.worth(items)
+        for items in judged.ranked()[:_REFINED]:
+            judged.refine(items)
+        return {**state, "judged": judged.to_tree()}
+
+
+@final
+class Judged:
+    """Hypotheses, the simulator's errors judged about each itself: a reference draws amounts towards its own.
+
+    Args:
+        menu: what hypotheses count.
+        price: of one more change.
+        residuals: what they are judged by.
+    """
+
+    def __init__(self, menu: Menu, price: float, residuals: Residuals) -> None:
+        self._menu, self._price, self._residuals = menu, price, residuals
+        self._known: dict[Items, tuple[Indexed, float, float]] = {}
+
+    def worth(self, hypothesis: Indexed) -> float:
+        """Cost and price of a hypothesis; lower is better."""
+        items = self._menu.items(hypothesis)
+        if items not in self._known:
+            cost, misfit = self._residuals.alone(items)
+            self._known[items] = (hypothesis, cost + self._price * len(items), misfit)
+        return self._known[items][1]
+
+    def ranked(self) -> list[Indexed]:
+        """The best of each set of options, best first."""
+        best: dict[tuple[int, ...], Indexed] = {}
+        for hypothesis, _, _ in sorted(self._known.values(), key=lambda known: known[1]):
+            best.setdefault(tuple(index for index, _ in hypothesis), hypothesis)
+        return list(best.values())
+
+    def refine(self, hypothesis: Indexed) -> None:
+        """Move one amount after the other, by smaller and smaller steps, as long as that helps."""
+        for step in _STEPS:
+            for place in range(len(hypothesis)):
+                for sign in (1.0, -1.0):
+                    for _ in range(_MOVES):
+                        moved = self._moved(hypothesis, place, sign * step)
+                        if self.worth(moved) >= self.worth(hypothesis):
+                            break
+                        hypothesis = moved
+
+    def to_tree(self) -> list[dict[str, Any]]:
+        """The best of each set, best first."""
+        known = [self._known[self._menu.items(hypothesis)] for hypothesis in self.ranked()]
+        return [{"items": [list(i) for i in items], "cost": worth, "misfit": misfit} for items, worth, misfit in known]
+
+    def _moved(self, hypothesis: Indexed, place: int, share: float) -> Indexed:
+        index, amount = hypothesis[place]
+        option = self._menu.options[index]
+        moved = float(np.clip(amount + share * (option.high - option.low), option.low, option.high))
+        return (*hypothesis[:place], (index, round(moved, 4)), *hypothesis[place + 1 :])
 
 
 def _plain(items: Any) -> Indexed:

@@ -107,7 +107,7 @@ class Reproduction:
 
     def alone(self, hypothesis: Items) -> tuple[float, float]:
         """See `Residuals`: cost and log determinant, comparable between hypotheses; and the cost of a sample."""
-        cost, about = float(self([hypothesis], hypothesis)[0]), self._reference(hypothesis)
+        cost, about = float(self([hypothesis], hypothesis)[0]), self._references.pop(hypothesis)
         return cost + about.log_det, cost / len(about.sd)
 
     def _touch_cost(self, simulated: np.ndarray, unsure: np.ndarray) -> np.ndarray:
