@@ -84,9 +84,10 @@ class Simulator:
         Returns:
             Arrays (sets, controllers, ...).
         """
-        c, values = len(weights), self._values(sets)
-        starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), self.settled(sets))
-        many = {name: np.repeat(array, c, axis=0) for name, array in stack(values).items()}
+        c, values = len(weights), stack(self._values(sets))
+        settled = self.walker.settle(values, self.settle_steps)
+        starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), settled)
+        many = {name: np.repeat(array, c, axis=0) for name, array in values.items()}
         told = None if heard is None else np.tile(heard, (len(sets), 1, 1))
         walk = self.walker.walk(many, np.tile(weights, (len(sets), 1)), starts, steps, told)
         return jax.tree.map(lambda x: x.reshape(len(sets), c, *x.shape[1:]), walk)
