@@ -53,17 +53,22 @@ def direct(case: Case, store: Path) -> dict[str, Any]:
 def compared(cases: Sequence[Case], runs: Sequence[dict[str, Any]], store: Path) -> list[dict[str, Any]]:
     """A row for each seed: trials until recovery; None where it did not come to it."""
     rows = []
-    for own, paper, run in zip(cases[::2], cases[1::2], runs, strict=True):
+    walked = courses(cases, store)
+    for i, (own, run) in enumerate(zip(cases[::2], runs, strict=True)):
         line = {"seed": run["seed"], "damage": own.damage[0], "before": run["before"], "on_the_robot": run["needed"]}
-        for name, case in (("set_search", own), ("paper", paper)):
-            found = result(case, store)
-            walked = [p["hardware_m"] for p in found["passes"]]
-            # The trial in which the robot was damaged is one, too.
-            line[name] = _needed(np.maximum.accumulate([found["distance"]["damaged"], *walked]), run["before"])
-            line[f"{name}_share"] = walked[-1] / run["before"]
+        for name, all_of_it in walked.items():
+            line[name] = _needed(np.maximum.accumulate(all_of_it[i]), run["before"])
+            line[f"{name}_share"] = all_of_it[i][-1] / run["before"]
         line |= {"on_the_robot_share": run["best"][-1] / run["before"], "trials_on_the_robot": len(run["best"])}
         rows.append(line)
     return rows
+
+
+def courses(cases: Sequence[Case], store: Path) -> dict[str, list[list[float]]]:
+    """Distances of the full algorithm's trials, m, seed by seed; the one in which the robot was damaged counts."""
+    found = [result(case, store) for case in cases]
+    walked = [[each["distance"]["damaged"], *(p["hardware_m"] for p in each["passes"])] for each in found]
+    return {"set_search": walked[::2], "paper": walked[1::2]}
 
 
 def _needed(best: np.ndarray, before: float) -> int | None:

@@ -11,8 +11,10 @@ import numpy as np
 from experiments.trial_cost.direct import RECOVERED
 
 
-def draw(runs: Sequence[dict[str, Any]], rows: Sequence[dict[str, Any]], out: Path) -> dict[str, Any]:
-    """`trial_cost.png`: share of the distance recovered over hardware trials; gives the summary."""
+def draw(
+    runs: Sequence[dict[str, Any]], walked: dict[str, list[list[float]]], rows: Sequence[dict[str, Any]], out: Path
+) -> dict[str, Any]:
+    """`trial_cost.png`: best share of the distance recovered over hardware trials; gives the summary."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.0, 3.6), layout="constrained")
@@ -21,11 +23,10 @@ def draw(runs: Sequence[dict[str, Any]], rows: Sequence[dict[str, Any]], out: Pa
         best = np.array(run["best"]) / run["before"]
         axes.plot(np.arange(1, len(best) + 1), best, color="0.6", linewidth=0.8, label=None if i else "on the robot")
     for name, label, colour in (("set_search", "set search", "#7570b3"), ("paper", "the paper's", "#1b9e77")):
-        x = [row[name] for row in rows if row[name] is not None]
-        y = [row[f"{name}_share"] for row in rows if row[name] is not None]
-        axes.plot(
-            x, y, "s", color=colour, markersize=4, label=f"estimation-exploration, {label}: needed, share at trial 4"
-        )
+        for i, (course, run) in enumerate(zip(walked[name], runs, strict=True)):
+            best = np.maximum.accumulate(course) / run["before"]
+            told = None if i else f"full algorithm, {label}"
+            axes.plot(np.arange(1, len(best) + 1), best, "o-", color=colour, markersize=3, linewidth=0.8, label=told)
     axes.axhline(RECOVERED, color="0.8", linewidth=1, zorder=0)
     axes.set(
         xscale="log",

@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from experiments.common.options import parsed, publish
     from experiments.common.runs import each, run_all
     from experiments.common.tables import write_rows, write_summary
-    from experiments.trial_cost.direct import compared, direct
+    from experiments.trial_cost.direct import compared, courses, direct
     from experiments.trial_cost.figure import draw
 
     options = parsed("trial_cost", __doc__, seeds=10, quick_seeds=2, arguments=arguments)
@@ -32,7 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     runs = each("on the robot", [(direct, case, options.store) for case in cases[::2]], options.workers)
     rows = compared(cases, runs, options.store)
     write_rows(options.out / "trials.csv", rows)
-    write_summary(options.out / "summary.json", draw(runs, rows, options.out), seeds=options.n, size=options.size)
+    found = draw(runs, courses(cases, options.store), rows, options.out)
+    write_summary(options.out / "summary.json", found, seeds=options.n, size=options.size)
     publish(options, __file__)
     return 0
 
