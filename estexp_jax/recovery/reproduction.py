@@ -39,6 +39,8 @@ _MEMBERS = 48
 _NOISE, _FLOOR, _SHARE = 0.005, 0.006, 1.0
 """Of angles: noise of the encoders and errors of the integration, rad; share of the spread that is not linear."""
 _FLIPS = 0.02
+_GENEROUS = 0.6
+"""What the truth costs a sample: V and X are as much too large, and the log determinant, beside costs in their unit, too."""
 _TOLERANCE = 0.02
 """Of a touch reading's level."""
 
@@ -108,7 +110,7 @@ class Reproduction:
     def alone(self, hypothesis: Items) -> tuple[float, float]:
         """See `Residuals`: cost and log determinant, comparable between hypotheses; and the cost of a sample."""
         cost, about = float(self([hypothesis], hypothesis)[0]), self._references.pop(hypothesis)
-        return cost + about.log_det, cost / len(about.sd)
+        return cost + _GENEROUS * about.log_det, cost / len(about.sd)
 
     def _touch_cost(self, simulated: np.ndarray, unsure: np.ndarray) -> np.ndarray:
         seen, told = self._damaged.readings[..., self._touch], simulated[..., self._touch]

@@ -74,6 +74,6 @@ class Case:
         }
 
 
-def seeds(n: int) -> tuple[int, ...]:
+def seeds(n: int, first: int = FIRST_SEED) -> tuple[int, ...]:
     """Those of n reported runs."""
-    return tuple(range(FIRST_SEED, FIRST_SEED + n))
+    return tuple(range(first, first + n))
