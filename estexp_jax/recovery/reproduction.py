@@ -40,7 +40,7 @@ _NOISE, _FLOOR, _SHARE = 0.005, 0.006, 1.0
 """Of angles: noise of the encoders and errors of the integration, rad; share of the spread that is not linear."""
 _FLIPS = 0.02
 _GENEROUS = 0.6
-"""What the truth costs a sample: V and X are as much too large, and the log determinant, beside costs in their unit, too."""
+"""Cost of a sample of the truth: V and X are so much too large, and the log determinant beside costs in their unit."""
 _TOLERANCE = 0.02
 """Of a touch reading's level."""
 

@@ -26,7 +26,7 @@ _ALARM = 0.002
 """Residual above which no hypothesis of the catalogue reproduces the recordings."""
 _SOLVED = 0.0001
 """Residual below which no larger catalogue is tried."""
-_EXACT: dict[str, Any] = {"floor": 0.0002, "negligible": 0.1, "beam": 32}
+_EXACT: dict[str, Any] = {"floor": 0.0002, "negligible": 0.1, "beam": 32, "scanned": 16}
 """Settings of each search: the simulator is exact, so what is left of an error is a change still missing."""
 _SEEDS = 12
 _RIVALS, _UNLIKELY = 3, 0.01
