@@ -49,7 +49,8 @@ class ReplayEstimation(Estimation):
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""
         search = set_search.begin().to_tree()
-        return {"search": search, "seeds": list(seeds), "about": [], "searches": 1, "dominants": 0, "judged": None}
+        first = {"searches": 1, "told": [np.inf, np.inf, 0], "judged": None}
+        return {"search": search, "seeds": list(seeds), "about": [], **first}
 
     def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
         """See `Estimation`."""
@@ -61,7 +62,8 @@ class ReplayEstimation(Estimation):
         values = residuals([self._menu.items(items) for items in asked], about)
         after = set_search.tell(self._search, before, asked, values)
         least = min((f.residual for f in before.pool), default=-np.inf)
-        state = {**state, "search": after.to_tree(), "dominants": int(np.sum(np.asarray(values) < least))}
+        costs, new = [f.residual for f in after.pool], int(np.sum(np.asarray(values) < least))
+        state = {**state, "search": after.to_tree(), "told": [costs[0], float(np.median(costs)), new]}
         return self._again(state, after) if set_search.done(after) else state
 
     def done(self, state: dict[str, Any]) -> bool:
@@ -89,8 +91,8 @@ class ReplayEstimation(Estimation):
 
     def summary(self, state: dict[str, Any]) -> Round:
         """See `Estimation`."""
-        costs = [f["residual"] for f in state["search"]["pool"]]
-        return Round(costs[0], float(np.median(costs)), state["dominants"])
+        best, median, dominants = state["told"]
+        return Round(best, median, dominants)
 
     def _again(self, state: dict[str, Any], found: set_search.State) -> dict[str, Any]:
         """Search once more about the result, unless it is the same set as before."""

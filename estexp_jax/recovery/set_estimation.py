@@ -48,7 +48,8 @@ class SetEstimation(Estimation):
 
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""
-        return {"search": set_search.begin().to_tree(), "rung": 0, "seeds": list(seeds), "dominants": 0}
+        search = set_search.begin().to_tree()
+        return {"search": search, "rung": 0, "seeds": list(seeds), "told": [np.inf, np.inf, 0]}
 
     def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
         """See `Estimation`."""
@@ -59,7 +60,9 @@ class SetEstimation(Estimation):
         values = residuals([self._menu.items(items) for items in asked])
         after = set_search.tell(search, before, asked, values)
         least = min((f.residual for f in before.pool), default=-np.inf)
-        state = {**state, "search": after.to_tree(), "dominants": int(np.sum(np.asarray(values) < least))}
+        left = [f.residual for f in after.pool]
+        told = [left[0], float(np.median(left)), int(np.sum(np.asarray(values) < least))]
+        state = {**state, "search": after.to_tree(), "told": told}
         return self._climbed(state, after) if set_search.done(after) else state
 
     def done(self, state: dict[str, Any]) -> bool:
@@ -85,8 +88,8 @@ class SetEstimation(Estimation):
 
     def summary(self, state: dict[str, Any]) -> Round:
         """See `Estimation`."""
-        residuals = [f["residual"] for f in state["search"]["pool"]]
-        return Round(residuals[0], float(np.median(residuals)), state["dominants"])
+        best, median, dominants = state["told"]
+        return Round(best, median, dominants)
 
     def _climbed(self, state: dict[str, Any], found: set_search.State) -> dict[str, Any]:
         """The next search of the ladder where this one leaves an error, with its best hypotheses as seeds."""
