@@ -21,10 +21,11 @@ def draw(counts: Sequence[Count], out: Path) -> dict[str, Any]:
     figure = Figure(figsize=(8.0, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     summary: dict[str, Any] = {}
+    most = max(count.generations for count in counts)
     for metric, axes in zip(("rolling-mean", "distance"), panels, strict=True):
         for kind in (k for k in _KINDS if k[0] == metric):
             first = _first(counts, *kind)
-            axes.hist(first, bins=np.arange(-0.5, 25.5), histtype="step", label=kind[1])
+            axes.hist(first, bins=np.arange(-0.5, most + 1.5), histtype="step", label=kind[1])
             summary[" ".join(kind)] = {"median": float(np.median(first)), "most": int(max(first)), "n": len(first)}
         axes.set(title=metric, xlabel="generations with a dominant")
         axes.legend(fontsize=7, frameon=False)

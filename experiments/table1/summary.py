@@ -35,6 +35,9 @@ def distances(rows: Sequence[Row]) -> dict[str, Any]:
         groups = {s: g for s, g in groups.items() if g}
         p = [signed_rank([r[f"trial_{LAST}"] for r in g], [r["damaged"] for r in g]) for g in groups.values()]
         corrected = holm(p)
+        pooled = [r for s in (*range(1, 9), 10) for r in groups.get(s, [])]
+        ends, starts = ([r[name] for r in pooled] for name in (f"trial_{LAST}", "damaged"))
+        told[f"{' '.join(arm)}, 1 to 8 and 10 pooled"] = {"n": len(pooled), "p": signed_rank(ends, starts)}
         told[" ".join(arm)] = {
             s: {
                 "n": len(g),
