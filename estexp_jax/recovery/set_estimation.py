@@ -22,7 +22,7 @@ from estexp_jax.recovery.simulator import Simulator
 
 _WEIGHT = 4.0
 """Of an objective in a probability: as if so many samples were independent."""
-_ALARM = 0.002
+_ALARM = 0.0005
 """Residual above which no hypothesis of the catalogue reproduces the recordings."""
 _SOLVED = 0.0001
 """Residual below which no larger catalogue is tried."""

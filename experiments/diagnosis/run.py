@@ -3,6 +3,7 @@
 estexp experiment diagnosis --quick                  few cases
 estexp experiment diagnosis --workers 8              all 13 situations, 10 seeds, both robots, and the paper's search
 python experiments/diagnosis/run.py --seeds 5 --part foreign --part same
+python experiments/diagnosis/run.py --seeds 5 --report       tables and figures of what is finished
 """
 
 from __future__ import annotations
@@ -26,9 +27,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     given = list(sys.argv[1:] if arguments is None else arguments)
     parts = [given[i + 1] for i, word in enumerate(given) if word == "--part"]
-    rest = [w for i, w in enumerate(given) if w != "--part" and (i == 0 or given[i - 1] != "--part")]
+    own = [w for i, w in enumerate(given) if w in ("--part", "--report") or (i and given[i - 1] == "--part")]
+    rest = [word for word in given if word not in own]
     options = parsed("diagnosis", __doc__, seeds=10, quick_seeds=1, arguments=rest)
-    tasks = [task for part in (parts or PARTS) for task in tasks_of(part, options.n, quick=options.size == "quick")]
+    asked = [] if "--report" in given else parts or PARTS
+    tasks = [task for part in asked for task in tasks_of(part, options.n, quick=options.size == "quick")]
     store = options.store.parent / "diagnoses"
     store.mkdir(parents=True, exist_ok=True)
     each("diagnoses", [(_kept, task, store) for task in tasks if not _path(task, store).is_file()], options.workers)
