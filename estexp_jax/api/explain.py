@@ -59,6 +59,12 @@ class Explanation:
 
         return Picture(figure_fit(self.diagnosis))
 
+    def plot_rivals(self) -> Picture:
+        """Test and training errors of the nominal simulator, the rivals and the explanation."""
+        from estexp_jax.report.explain_rivals import figure_rivals
+
+        return Picture(figure_rivals(self.findings))
+
     def plot_ranking(self) -> Picture:
         """All explanations tried, by how they predict held-out windows."""
         from estexp_jax.report.explain_figures import figure_ranking

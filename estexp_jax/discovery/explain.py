@@ -12,8 +12,9 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.force_residual import force_residuals
+from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
+from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.placebo import placebo
@@ -23,6 +24,7 @@ from estexp_jax.discovery.searching import dearer, select
 from estexp_jax.discovery.selection import Selection, folds_of, probabilities, windows_to_fit
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
+from estexp_jax.discovery.when import never, when
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import segments_of
@@ -67,22 +69,29 @@ def explain(
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    problem = problem_of(case, config, {} if memory is None else memory)
-    engine, reason = problem.replayer.choice
+    whole = problem_of(case, config, {} if memory is None else memory)
+    engine, reason = whole.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
     settings = {name for r in case.recordings for name in r.settings}
-    parameters = parameters_only(case.robot, problem.replayer.catalogue, known_values(case.robot, settings))
+    parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
+    selection, problem = yield from select(
+        whole, parameters, folds_of(whole, case.indices("train")), _PRICE, config.most
+    )
+    began = begun(case, problem, selection, config.seed)
+    if began:
+        late = starting_late(case, config, problem, began, FINER)
+        better = yield from select_late(late, parameters, selection, _PRICE, config.most)
+        (selection, problem), began = (better, began) if better else ((selection, problem), {})
     fitted = windows_to_fit(problem, case.indices("train"))
-    folds = folds_of(problem, case.indices("train"))
-    selection, problem = yield from select(problem, parameters, folds, _PRICE, config.most)
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection, fitted))}
     yield Progress("black box", 0, 1)
+    shown = replace(whole, began=began)
     models = refitted_models(case, fits["parameters_only"])
-    seen = force_residuals(problem, models, case.indices("train"))
-    learned = black_box_errors(case, config, problem, models, seen)
+    seen = force_residuals(shown, models, case.indices("train"))
+    learned = black_box_errors(case, config, shown, models, seen)
     yield Progress("test recordings", 0, 1)
-    return _diagnosis(case, config, problem, selection, fits, learned)
+    return _diagnosis(case, config, problem, shown, selection, fits, learned, seen)
 
 
 def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Generator[Progress, None, dict[str, Fit]]:
@@ -113,9 +122,11 @@ def _diagnosis(
     case: Case,
     config: ExplainConfig,
     problem: Problem,
+    shown: Problem,
     selection: Selection,
     fits: dict[str, Fit],
     learned: dict[str, float],
+    seen: list[ForceResidual],
 ) -> Diagnosis:
     nominal, final, sayable = fits["nominal"], fits["explained"], fits["sayable"]
     claimed = final.hypothesis.changes(final.vector, claimed=True)
@@ -127,7 +138,7 @@ def _diagnosis(
         claimed = ()
     step = None
     if found == "parameters" and not claimed:
-        error = replace(problem, correction=None).error(nominal.member, problem.trained)
+        error = shown.error(nominal.member, shown.trained)
         step = step_to_blame(selection, error, float(case.robot.model.opt.timestep))
         found = found if step is None else "missing_physics"
     shares = probabilities(selection, config.seed)
@@ -138,14 +149,15 @@ def _diagnosis(
     )
     intervals = parameter_intervals(problem, final, fitted, _PRICE)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
-    test, exact = problem.windows_of(case.indices("test")), problem.exact()
-    errors = fit_entry(case, config, problem, {name: f for name, f in fits.items() if name in RIVALS}, learned)
+    test, exact = shown.windows_of(case.indices("test")), shown.exact()
+    places = [] if found == "consistent" else [step_place(selection)] if step else where(case.robot, selection)
+    errors = fit_entry(case, config, shown, {name: f for name, f in fits.items() if name in RIVALS}, learned)
     body: dict[str, Any] = {
         "schema": "estexp.findings/1",
         "verdict": found,
         "side": "numerics" if step else tell.side(named),
-        "where": [step_place(selection)] if step else [] if found == "consistent" else where(case.robot, selection),
-        "when": {"regime": "throughout", "onset_s": {case.recordings[i].name: None for i in case.indices("train")}},
+        "where": places,
+        "when": never(case) if step or found == "consistent" else when(case, seen, places, shown.began, config.seed),
         "what": [step_entry(step)]
         if step
         else [
@@ -172,7 +184,7 @@ def _diagnosis(
         changes=_told(final),
         mjcf_changes=_told(sayable),
         left_out=tuple(c for c in map(tell.told_change, claimed) if not expressible(c)),
-        predictions=_predictions(case, problem, nominal, final),
+        predictions=_predictions(case, shown, nominal, final),
     )
 
 

@@ -123,6 +123,11 @@ class Hypothesis:
             start[i] = np.clip(value, self.free[i].low, self.free[i].high)
         return start
 
+    def unclaimed(self, vector: np.ndarray) -> np.ndarray:
+        """The vector (n_free,) with nothing of what is claimed in it."""
+        claimed = np.array([(f.effect, f.site) in self.places for f in self.free], dtype=bool)
+        return np.where(claimed, self.start(), vector)
+
     def changes(self, vector: np.ndarray, *, claimed: bool | None = None) -> tuple[Change, ...]:
         """The changes a vector (n_free,) stands for: all, only the claimed ones, or only the others."""
         found: dict[Place, dict[str, float]] = {}
@@ -178,6 +183,18 @@ def batch(robot: Robot, catalogue: Catalogue, members: Sequence[tuple[Hypothesis
         for f, value in zip(hypothesis.free, vector, strict=True):
             values[f.effect][i, f.row, f.column] = value
     return values
+
+
+def lanes(
+    robot: Robot, catalogue: Catalogue, members: Sequence[tuple[Hypothesis, np.ndarray]], early: Sequence[bool]
+) -> Values:
+    """Values (members x windows, n_sites, n_parameters); in windows that are early, nothing claimed acts yet."""
+    late = {name: np.repeat(v, len(early), axis=0) for name, v in batch(robot, catalogue, members).items()}
+    if not any(early):
+        return late
+    before = batch(robot, catalogue, [(h, h.unclaimed(v)) for h, v in members])
+    here = np.tile(early, len(members))[:, None, None]
+    return {name: np.where(here, np.repeat(before[name], len(early), axis=0), v) for name, v in late.items()}
 
 
 def _own(robot: Robot, place: Place) -> list[Free]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, final
 
@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.doubt import directions, other_starts, whitened
-from estexp_jax.discovery.hypotheses import Hypothesis, Place, batch
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, lanes
 from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
@@ -63,6 +63,7 @@ class Problem:
         correction: (windows, rows, channels) what the coarse step changes, found at one member by `about`; added
             to everything simulated, because a step of some milliseconds alone may look like friction or delay.
         correction_finer: the same for the fine step.
+        began: index of a recording to the time before which nothing that is claimed acts in it, s.
         doubt: directions and factors of `doubt.directions` for each window, found there too.
         memory: the state of each stage of fitting, plain numbers and arrays by its name: kept by the caller, it lets an
             interrupted explanation go on where it was.
@@ -80,6 +81,7 @@ class Problem:
     correction: np.ndarray | None = None
     correction_finer: np.ndarray | None = None
     doubt: tuple[np.ndarray, np.ndarray] | None = None
+    began: Mapping[int, float] = field(default_factory=dict)
 
     def windows_of(self, recordings: Sequence[int]) -> np.ndarray:
         """Indices of the windows of some recordings."""
@@ -158,12 +160,16 @@ class Problem:
         step = max(1, _MOST_LANES // len(windows))
         for begin in range(0, len(members), step):
             part = members[begin : begin + step]
-            values = batch(self.replayer.robot, self.replayer.catalogue, part)
-            lanes = {name: np.repeat(v, len(windows), axis=0) for name, v in values.items()}
-            replay = self.replayer.replay(lanes, segments, np.tile(windows, len(part)))
+            early = [self._early(segments[w]) for w in windows]
+            values = lanes(self.replayer.robot, self.replayer.catalogue, part, early)
+            replay = self.replayer.replay(values, segments, np.tile(windows, len(part)))
             found.append(self.channels.simulated(replay).reshape(len(part), len(windows), -1, len(self.channels.names)))
         self.counted[0] += len(members) * sum(segments[w].steps.n_steps for w in windows)
         return np.concatenate(found)
+
+    def _early(self, s: Segment) -> bool:
+        """Whether a window lies before what is claimed begins; of one that holds the onset, its middle counts."""
+        return 0.5 * (s.steps.start[0] + s.steps.start[-1]) < self.began.get(s.recording, -np.inf)
 
     @cached_property
     def seen(self) -> Seen:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -12,14 +12,17 @@ from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, segment
 
 
-def window_rows(time: np.ndarray, length: float) -> list[tuple[int, int]]:
+def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> list[tuple[int, int]]:
     """First and last row of each window of a clock; a lone last row joins the window before.
 
     Args:
         time: (rows,) s.
         length: of a window, s; infinite for one window.
+        cut: where a window begins, besides, s.
     """
     number = np.zeros(len(time), int) if np.isinf(length) else ((time - time[0]) / length + 1e-9).astype(int)
+    if cut is not None:
+        number = 2 * number + (time >= cut)
     firsts = [int(np.flatnonzero(number == n)[0]) for n in np.unique(number)]
     lasts = [f - 1 for f in firsts[1:]] + [len(time) - 1]
     windows: list[tuple[int, int]] = []
@@ -32,7 +35,11 @@ def window_rows(time: np.ndarray, length: float) -> list[tuple[int, int]]:
 
 
 def segments_of(
-    robots: Sequence[Robot], recordings: Sequence[Recording], length: float, finer: int = 1
+    robots: Sequence[Robot],
+    recordings: Sequence[Recording],
+    length: float,
+    finer: int = 1,
+    cuts: Mapping[int, float] | None = None,
 ) -> list[Segment]:
     """All windows of all recordings, each started from the state estimated at its first row.
 
@@ -41,10 +48,11 @@ def segments_of(
         recordings: one for each robot.
         length: of a window, s; infinite for whole recordings.
         finer: part of the model's step to take.
+        cuts: index of a recording to a time at which a window begins in it, s.
     """
     found: list[Segment] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
         motion, step = motion_of(robot, recording), float(robot.model.opt.timestep) / finer
-        for rows in window_rows(recording.time, length):
+        for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
             found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path))
     return found

@@ -5,6 +5,7 @@ All are narrow and tall, so that their text stays readable on a phone.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -96,8 +97,9 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     axes.set_yticks(height, labels, fontsize=9)
     for tick, (_, explanation) in zip(axes.get_yticklabels(), rivals, strict=True):
         tick.set_fontweight("bold" if explanation is chosen else "normal")
-    _draw_floor(axes, diagnosis.findings["fit"]["noise_floor"]["train"])
-    _log_axis(axes, [explanation.error for _, explanation in rivals])
+    errors = [explanation.error for _, explanation in rivals]
+    draw_floor(axes, 1.0, errors)
+    log_axis(axes, errors)
     axes.set_ylim(height[-1] - 1.0, 1.0)
     axes.set_xlabel("error on held-out windows")
     axes.spines[["top", "right", "left"]].set_visible(False)
@@ -196,28 +198,31 @@ def _draw_rival(axes: Axes, y: float, error: float, colour: str, *, bold: bool) 
     axes.plot(error, y, "o", color=colour, markersize=9 if bold else 6)
     weight = "bold" if bold else "normal"
     offset = {"xytext": (9, 0), "textcoords": "offset points", "va": "center"}
-    axes.annotate(f"{100.0 * error:.3g} %", (error, y), fontsize=8, color=colour, fontweight=weight, **offset)
+    axes.annotate(f"{error:.3g}", (error, y), fontsize=8, color=colour, fontweight=weight, **offset)
     axes.axhline(y, color="0.93", lw=0.8, zorder=0)
 
 
-def _draw_floor(axes: Axes, floor: float) -> None:
+def draw_floor(axes: Axes, floor: float, errors: Sequence[float]) -> None:
+    """A line at the error that noise alone gives, its name on the side where most errors are."""
     if floor > 0.0:
+        aside, side = (3, "left") if not len(errors) or floor < np.median(errors) else (-3, "right")
         axes.axvline(floor, color="0.5", ls=":", lw=1.2)
         axes.annotate(
-            "noise", (floor, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -2), textcoords="offset points",
-            fontsize=8, color="0.4", va="top",
+            "noise", (floor, 1.0), xycoords=("data", "axes fraction"), xytext=(aside, -2), textcoords="offset points",
+            fontsize=8, color="0.4", va="top", ha=side,
         )  # fmt: skip
 
 
-def _log_axis(axes: Axes, errors: list[float]) -> None:
-    """Logarithmic, with room for the numbers at the right, labelled in per cent."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
+def log_axis(axes: Axes, errors: list[float], unit: str = "") -> None:
+    """Logarithmic, with room for numbers at the right, its labels followed by a unit."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axes.set_xscale("log")
     low, high = axes.get_xlim()
     high = max(high, max(errors))
     axes.set_xlim(low, high * (high / low) ** 0.16)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{100.0 * x:g} %"))
+    axes.xaxis.set_major_locator(LogLocator(numticks=6))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}{unit}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from estexp_jax.discovery.diagnosis import Diagnosis
 from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where
+from estexp_jax.report.explain_rivals import NAMES, figure_rivals
 from estexp_jax.report.explain_text import VERDICTS, proof
 
 if TYPE_CHECKING:
@@ -23,14 +24,6 @@ _NOTHING = {
     "parameters": "Several small errors of values that the model has, none of them worth a line of its own.",
     "missing_physics": "",
     "unexplained": "The error is located below, but no effect that the program knows removes enough of it to be named.",
-}
-_RIVALS = {
-    "nominal": "nominal simulator",
-    "parameters_only": "parameters refitted, nothing added",
-    "black_box": "black-box correction",
-    "placebo": "best wrong effect",
-    "explained": "explained simulator",
-    "noise_floor": "noise alone",
 }
 
 
@@ -63,6 +56,7 @@ def page(diagnosis: Diagnosis, findings: Mapping[str, Any]) -> str:
         versions=sorted(findings["versions"].items()),
         where=_image(figure_where(diagnosis)),
         fit=_image(figure_fit(diagnosis)),
+        rivals=_image(figure_rivals(findings)),
         ranking=_image(figure_ranking(diagnosis)),
     )
 
@@ -113,7 +107,7 @@ def _errors(fit: Mapping[str, Any]) -> list[dict[str, Any]]:
             "test": _percent(fit[key]["test"]),
             "chosen": key == "explained",
         }
-        for key, name in _RIVALS.items()
+        for key, name in NAMES.items()
         if fit[key]
     ]
 

@@ -18,6 +18,7 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where, ranked, worst_channel
 from estexp_jax.report.explain_page import headline, page
+from estexp_jax.report.explain_rivals import figure_rivals
 
 LONG = "left_front_upper_leg_abduction_and_rotation_joint"
 XML = f'<mujoco><worldbody><body><joint name="{LONG}"/><geom size="1"/></body></worldbody></mujoco>'
@@ -139,7 +140,7 @@ def read(verdict: str) -> tuple[str, Reader]:
 @pytest.mark.parametrize("verdict", OTHERS)
 def test_it_needs_nothing_else_and_its_figures_are_drawings(verdict):
     html, reader = read(verdict)
-    assert len(reader.addresses) == 3
+    assert len(reader.addresses) == 4
     for address in reader.addresses:
         head, _, body = address.partition(",")
         assert head == "data:image/svg+xml;base64"
@@ -217,6 +218,19 @@ def test_figure_ranking_highlights_the_chosen_one():
     bold = [label.get_text() for label in axes.get_yticklabels() if label.get_fontweight() == "bold"]
     assert len(bold) == 1 and "load" in bold[0]
     assert axes.get_xscale() == "log"
+
+
+def test_figure_rivals_shows_all_five_and_leaves_out_what_there_is_not():
+    fit = {**FINDINGS["fit"], "black_box": {"train": 0.02, "test": None}, "explained": {"train": 0.0, "test": 0.003}}
+    [axes] = figure_rivals({**FINDINGS, "fit": fit}).axes
+    labels = [label.get_text() for label in axes.get_yticklabels()]
+    assert labels == [
+        "nominal simulator", "parameters refitted", "black-box correction", "best wrong effect", "explained simulator",
+    ]  # fmt: skip
+    numbers = [text.get_text() for text in axes.texts]
+    assert "4.44 %" in numbers and "0.3 %" in numbers and "no number" in numbers
+    [axes] = figure_rivals(FINDINGS).axes  # no black box
+    assert len(axes.get_yticklabels()) == 4
 
 
 def test_many_long_names_fit():

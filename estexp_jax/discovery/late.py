@@ -1,0 +1,71 @@
+"""Effects that begin part-way through recordings: windows are cut there, and what is claimed acts only after it."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping
+from dataclasses import replace
+
+from estexp_jax.discovery.diagnosis import Case, ExplainConfig
+from estexp_jax.discovery.fitting import Progress
+from estexp_jax.discovery.force_residual import driven, force_residuals
+from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.onset import helps_before, onsets
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.selection import NOISE, Selection, folds_of, select
+from estexp_jax.inference.windows import segments_of
+
+_MEMORY = "from the onset on"
+
+
+def begun(case: Case, problem: Problem, selection: Selection, seed: int) -> dict[int, float]:
+    """When the mismatch begins in each training recording, s; empty: from the start, or nothing is wrong.
+
+    Args:
+        case: what is explained.
+        problem: the comparison.
+        selection: what was chosen as if everything acted from the start.
+        seed: of what is drawn.
+    """
+    if selection.nominal.error <= NOISE:
+        return {}
+    train = case.indices("train")
+    # Parameters fitted to whole recordings would leave traces of the mismatch before it began: so the nominal robot.
+    seen = force_residuals(problem, [robot.model for robot in case.robots], train)
+    dofs = driven(case.robot.model, seen).tolist()
+    found = onsets(dict(zip(train, seen, strict=True)), dofs, seed)
+    return {} if found and helps_before(problem, found, selection.chosen.fitted) else found
+
+
+def starting_late(
+    case: Case, config: ExplainConfig, problem: Problem, began: Mapping[int, float], finer: int
+) -> Problem:
+    """The comparison with a window beginning where the mismatch does; claims act from there on.
+
+    Args:
+        case: what is explained.
+        config: how.
+        problem: the comparison as if everything acted from the start.
+        began: the onset in each training recording, s.
+        finer: part of the model's step that `Problem.fine` takes.
+    """
+    coarse, fine = (segments_of(case.robots, problem.recordings, config.window, part, began) for part in (1, finer))
+    memory = problem.memory.setdefault(_MEMORY, {})
+    cut = replace(problem, segments=tuple(coarse), fine=tuple(fine), began=began, memory=memory)
+    return replace(cut, correction=None, correction_finer=None, doubt=None)
+
+
+def select_late(
+    late: Problem, parameters: Hypothesis, whole: Selection, price: float, most: int
+) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
+    """`select` among claims that act from the onset on; None where they predict held-out windows no better.
+
+    Args:
+        late: the comparison by `starting_late`.
+        parameters: the hypothesis that only values of the model are off.
+        whole: what was chosen as if everything acted from the start.
+        price: of unusual values of the model.
+        most: largest number of effects.
+    """
+    train = [i for i, r in enumerate(late.recordings) if r.role == "train"]
+    found, about = yield from select(late, parameters, folds_of(late, train), price, most)
+    return (found, about) if found.chosen.places and found.chosen.error < whole.chosen.error else None
