@@ -16,7 +16,7 @@ from estexp_jax.report.recover_run import RecoverRun
 from estexp_jax.runs import enable_compilation_cache
 
 
-def recover(robot: Robot, *, target: Target | None = None, quick: bool = False, **settings: Any) -> RecoverRun:
+def recover(robot: Robot, /, *, target: Target | None = None, quick: bool = False, **settings: Any) -> RecoverRun:
     """Recover a robot from damage: iterating over the result runs the algorithm pass by pass.
 
     Args:

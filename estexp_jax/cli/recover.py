@@ -70,6 +70,10 @@ class Options:
     """Chance of each value of a copied genome to be drawn anew. Default: 0.01."""
     gain: float | None = None
     """Of the neurons' tanh. Default: 3."""
+    catalogue: Literal["full", "paper"] = "full"
+    """What the set search chooses from: the paper's six modifications, or more of what may break."""
+    model_error: float | None = None
+    """Relative error expected in the simulator; 0: it is exact. Default: 0 for --robot same, else 0.03."""
     engine: Literal["auto", "lanes", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
     force: bool = False
@@ -102,6 +106,8 @@ def settings_of(options: Options) -> Settings:
         axis=options.axis,
         paper=options.paper,
         engine=options.engine,
+        catalogue=options.catalogue,
+        model_error=options.model_error,
     )
     given = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
     return replace(quick(settings) if options.quick else settings, **given)

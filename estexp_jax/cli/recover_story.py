@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from estexp_jax.recovery.cycle import Job
-from estexp_jax.recovery.estimation import estimation
+from estexp_jax.recovery.evidence import estimation
 from estexp_jax.recovery.situations import TABLE
 from estexp_jax.recovery.state import RunState
 from estexp_jax.runs import Progress
@@ -67,6 +67,11 @@ class Story:
             sure = "" if share is None else f", probability {share:.2f}"
             found = "; ".join(change.sentence() for change in after.diagnoses[-1]) or "nothing differs"
             say(f"diagnosis {len(after.diagnoses)}: {found} (error {after.residuals[-1]:.2g}{sure})")
+            for diagnosis, probability in after.rivals[-1]:
+                said = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
+                say(f"  not excluded, probability {probability:.2f}: {said}")
+            if after.alarms[-1]:
+                say("  nothing in the catalogue reproduces the recordings: do not trust this diagnosis")
         if len(after.trials) > len(before.trials):
             distance = after.trials[-1].distance(axis)
             if before.before is None and after.before is not None:

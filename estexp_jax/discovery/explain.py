@@ -20,7 +20,8 @@ from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem, deviations
 from estexp_jax.discovery.rivals import RIVALS, base_of, black_box_errors, fit_entry
-from estexp_jax.discovery.selection import Selection, dearer, folds_of, probabilities, select, windows_to_fit
+from estexp_jax.discovery.searching import dearer, select
+from estexp_jax.discovery.selection import Selection, folds_of, probabilities, windows_to_fit
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
 from estexp_jax.discovery.when import never, when

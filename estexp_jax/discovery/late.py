@@ -11,7 +11,8 @@ from estexp_jax.discovery.force_residual import driven, force_residuals
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.onset import helps_before, onsets
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.selection import NOISE, Selection, folds_of, select
+from estexp_jax.discovery.searching import select
+from estexp_jax.discovery.selection import NOISE, Selection, folds_of
 from estexp_jax.inference.windows import segments_of
 
 _MEMORY = "from the onset on"

@@ -34,6 +34,19 @@ def without(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place)
     return hypothesis, [np.clip(kept, low, high)]
 
 
+def simpler(problem: Problem, parameters: Hypothesis, chosen: Fit) -> list[Task]:
+    """What claims less than a fit: one of several effects fewer, or the simpler relative of one."""
+    places = chosen.hypothesis.places
+    fewer = [without(problem, parameters, chosen, place) for place in places] if len(places) > 1 else []
+    lower = []
+    for i, (name, site) in enumerate(places):
+        relative = (RUNGS.get(name, ""), site)
+        if relative in problem.places and relative not in places:
+            rest, [vector] = without(problem, parameters, chosen, places[i])
+            lower.append(extended(problem, parameters, Fit(rest, vector, chosen.cost), relative))
+    return fewer + lower
+
+
 def restarted(problem: Problem, fitted: Fit) -> list[Task]:
     """A hypothesis to be fitted once more, from where it is; and apart from that, from all starts of its last claim.
 

@@ -48,6 +48,18 @@ def pruned(hypotheses: Sequence[Items]) -> list[Items]:
     return [items[:i] + items[i + 1 :] for items in hypotheses for i in range(len(items))]
 
 
+def swapped(options: Sequence[Option], hypotheses: Sequence[Items]) -> list[Items]:
+    """Each member that has no amount exchanged for each other such option: what is lost may be more, or less."""
+    whole = [(index, option.low) for index, option in enumerate(options) if option.low == option.high]
+    asked = []
+    for items in hypotheses:
+        others = [item for item in whole if item not in items]
+        for i, member in enumerate(items):
+            if member in whole:
+                asked += [tuple(sorted((*items[:i], other, *items[i + 1 :]))) for other in others]
+    return asked
+
+
 def around(options: Sequence[Option], hypotheses: Sequence[Items], step: float) -> list[Items]:
     """Each amount up to four steps up and down; steps are shares of the amount's range.
 

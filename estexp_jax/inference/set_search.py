@@ -5,7 +5,7 @@ coarsely; the best are refined; what is left unexplained is put to every option 
 again.
 A hypothesis with residual r and k members is worth
 
-    objective = log(r + floor) + price k,
+    objective = log(r + floor) + price k,    or, where r is a cost such as chi squared,    r + price k,
 
 lower is better: each member has to pay for itself, since spurious ones absorb errors of the simulator, and below the
 floor nothing is gained. No random numbers: the same recordings give the same diagnosis.
@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from estexp_jax.inference.set_moves import Items, Option, around, grown, pruned, rounded, scanned
+from estexp_jax.inference.set_moves import Items, Option, around, grown, pruned, rounded, scanned, swapped
 
 
 @final
@@ -32,9 +32,11 @@ class SetSearch:
     Attributes:
         options: all that may differ.
         price: of one more member, in log residual.
-        floor: residual that counts as no error at all.
+        floor: residual that counts as no error at all; of no use with costs.
+        costs: whether residuals are costs, and not compared by their logarithm.
         most: members at most.
         bases: hypotheses that are grown by every option.
+        kept: options that are grown alone whatever their residual: what masks others.
         beam: single hypotheses that are refined; of pairs half as many, and so on.
         scanned: refined hypotheses whose amounts are each tried at every percent; of pairs fewer.
         finalists: hypotheses that are polished.
@@ -46,8 +48,10 @@ class SetSearch:
     options: tuple[Option, ...]
     price: float = 0.4
     floor: float = 0.002
+    costs: bool = False
     most: int = 3
     bases: int = 3
+    kept: tuple[int, ...] = ()
     beam: int = 24
     scanned: int = 3
     finalists: int = 4
@@ -103,8 +107,12 @@ def done(state: State) -> bool:
 
 
 def objective(search: SetSearch, found: Found) -> float:
-    """log(residual + floor) + price per member; +inf where the simulation blew up."""
-    return float(np.log(found.residual + search.floor)) + search.price * len(found.items)
+    """log(residual + floor), or the cost, + price per member; +inf where the simulation blew up."""
+    return _error(search, found) + search.price * len(found.items)
+
+
+def _error(search: SetSearch, found: Found) -> float:
+    return found.residual if search.costs else float(np.log(found.residual + search.floor))
 
 
 def ask(search: SetSearch, state: State, seeds: Sequence[Items] = ()) -> list[Items]:
@@ -119,10 +127,10 @@ def ask(search: SetSearch, state: State, seeds: Sequence[Items] = ()) -> list[It
         case "coarse":
             asked = [(), *(tuple(sorted(seed)) for seed in seeds), *grown(search.options, ())]
         case "grow":
-            bases = [f.items for f in state.pool if len(f.items) == state.size - 1][: search.bases]
-            asked = [larger for base in bases for larger in grown(search.options, base)]
+            asked = [larger for base in _bases(search, state) for larger in grown(search.options, base)]
         case "prune":
             asked = pruned([f.items for f in state.pool[: search.finalists]])
+            asked += swapped(search.options, [f.items for f in state.pool[:2] if len(f.items) > 1])
         case "refine":
             beam = _beam(search, state)
             asked = around(search.options, beam, _step(state.round, 1 / 16)) + rounded(beam)
@@ -156,7 +164,7 @@ def tell(search: SetSearch, state: State, asked: Sequence[Items], residuals: Ite
 
 def _next(search: SetSearch, state: State) -> State:
     """Which stage follows."""
-    solved = state.pool[0].residual <= search.negligible * search.floor
+    solved = not search.costs and state.pool[0].residual <= search.negligible * search.floor
     if solved and (state.stage == "prune" or len(state.pool[0].items) < 2):
         return state._replace(stage="done")
     match state.stage:
@@ -181,9 +189,16 @@ def _next(search: SetSearch, state: State) -> State:
 def _worth_growing(search: SetSearch, state: State) -> bool:
     """Whether there is error enough for one more member to pay for itself, and the last one did."""
     best = state.pool[0]
-    left = np.log(best.residual + search.floor) - np.log(search.floor)
+    left = _error(search, best) - (0.0 if search.costs else np.log(search.floor))
     paid = state.size == 1 or len(best.items) == state.size
     return bool(state.size < search.most and left > search.price and paid)
+
+
+def _bases(search: SetSearch, state: State) -> list[Items]:
+    """What to grow: the best that are one member smaller, and what is always kept."""
+    best = [f.items for f in state.pool if len(f.items) == state.size - 1][: search.bases]
+    kept = [((index, search.options[index].coarse[0]),) for index in search.kept] if state.size == 2 else []
+    return list(dict.fromkeys([*best, *kept]))
 
 
 def _beam(search: SetSearch, state: State) -> list[Items]:

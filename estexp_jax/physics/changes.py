@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
@@ -127,8 +128,8 @@ def encode(robot: Robot, catalogue: Catalogue, changes: Iterable[Change]) -> Val
     Raises:
         InputError: a change's effect is not in the catalogue or cannot act there.
     """
-    values = neutral(robot, catalogue)
-    sites = {e.name: e.sites(robot) for e in catalogue}
+    nominal, sites = _layout(robot, tuple(catalogue))
+    values = {name: array.copy() for name, array in nominal.items()}
     for change in changes:
         if change.effect not in values:
             raise InputError(f"'{change.effect}' is not in this catalogue", right=known(values))
@@ -140,6 +141,12 @@ def encode(robot: Robot, catalogue: Catalogue, changes: Iterable[Change]) -> Val
             # Not simply added: a neutral value may be so large that single precision loses the rest.
             row[column] = value if row[column] == parameter.neutral else row[column] + value - parameter.neutral
     return values
+
+
+@lru_cache(maxsize=32)
+def _layout(robot: Robot, catalogue: Catalogue) -> tuple[Values, dict[str, tuple[str, ...]]]:
+    """Neutral values and places; searches encode thousands of hypotheses on one robot."""
+    return neutral(robot, catalogue), {e.name: e.sites(robot) for e in catalogue}
 
 
 def stack(batch: Sequence[Values]) -> Values:

@@ -9,6 +9,9 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.engines.choice import Engine
 
 Metric = Literal["rolling-mean", "distance"]
+ROUGH = 0.03
+"""Relative error expected in the parameters of a simulator of a real robot."""
+Catalogue = Literal["full", "paper"]
 Axis = Literal["x", "-x", "y", "-y"]
 
 
@@ -51,6 +54,11 @@ class Settings:
     """The robot in the world: the same simulator with the damage in it, or another engine with errors of its own."""
     paper: bool = False
     """Diagnose with the paper's genetic algorithm instead of the set search."""
+    catalogue: Catalogue = "full"
+    """What the set search chooses from: the paper's six modifications, or more of what may break."""
+    model_error: float | None = None
+    """Relative error expected in the simulator's masses, gains, damping and friction; 0: it is exact. Default: 0 for
+    the same robot, else 0.03."""
     engine: Engine = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
 
@@ -67,12 +75,19 @@ class Settings:
         _check(self.settle_steps >= 1, "--settle-steps", self.settle_steps, "at least 1")
         _check(self.settle_steps <= self.steps, "--settle-steps", self.settle_steps, f"at most the {self.steps} steps")
         _check(0.0 <= self.mutation <= 1.0, "--mutation", self.mutation, "0 to 1")
+        error = self.model_error
+        _check(error is None or 0.0 <= error <= 0.3, "--model-error", error, "0 to 0.3")
         _check(self.seed >= 0, "--seed", self.seed, "0 or more")
 
     @property
     def samples(self) -> int:
         """Readings of a trial that the rolling mean compares: h + 1."""
         return self.header + 1
+
+    @property
+    def rough(self) -> float:
+        """Relative error expected in the simulator's parameters."""
+        return (0.0 if self.robot == "same" else ROUGH) if self.model_error is None else self.model_error
 
     def to_json(self) -> dict[str, Any]:
         """As in `run.json`."""

@@ -18,8 +18,9 @@ import numpy as np
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, parse_change
 from estexp_jax.physics.robot import Robot
-from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation import changes_of, estimation, residuals_of
+from estexp_jax.recovery.config import ROUGH, Settings
+from estexp_jax.recovery.estimation import changes_of
+from estexp_jax.recovery.evidence import estimation, residuals_of
 from estexp_jax.recovery.exploration import exploration_algorithm, exploration_score
 from estexp_jax.recovery.foreign import ForeignTarget
 from estexp_jax.recovery.simulator import Simulator, simulator
@@ -61,19 +62,22 @@ def planted_changes(robot: Robot, settings: Settings) -> tuple[Change, ...]:
     return situation(settings.situation, robot, settings.seed) if settings.situation is not None else ()
 
 
-def job_of(robot: Robot, settings: Settings, target: Target | None = None) -> Job:
+def job_of(robot: Robot, settings: Settings, target: Target | None = None, *, world: Simulator | None = None) -> Job:
     """Everything a run needs.
 
     Args:
         robot: the nominal robot.
         settings: of the run.
         target: the robot in the world, damaged already; None: a simulated one, with the damage of `settings`.
+        world: a simulator of the robot with such settings, to be used again; its catalogue has to hold the damage.
 
     Raises:
         InputError: the damage cannot be planted, or the robot cannot be controlled or cannot travel.
     """
+    if target is not None and settings.model_error is None:
+        settings = replace(settings, model_error=ROUGH)
     planted = planted_changes(robot, settings) if target is None else ()
-    world = simulator(robot, settings, planted)
+    world = simulator(robot, settings, planted) if world is None else world
     if target is not None:
         return Job(settings, world, (), target, None)
     if settings.robot == "foreign":
@@ -134,7 +138,8 @@ def _damage(job: Job, state: RunState) -> Iterator[RunState]:
 
 def _estimate(job: Job, state: RunState) -> Iterator[RunState]:
     method = estimation(job.simulator, job.settings, state.number)
-    residuals = residuals_of(job.simulator, job.settings, state.controllers, state.trials)
+    seen = [] if job.healthy is None or state.before is None else [(state.controllers[0], state.before)]
+    residuals = residuals_of(job.simulator, job.settings, state.controllers, state.trials, seen)
     search = dict(state.search) if state.search is not None else method.begin(state.seeds)
     generation = sum(row.number == state.number and row.phase == "estimation" for row in state.history)
     while not method.done(search):
@@ -152,6 +157,8 @@ def _estimate(job: Job, state: RunState) -> Iterator[RunState]:
         diagnoses=(*state.diagnoses, changes_of(job.simulator, diagnosis.items)),
         residuals=(*state.residuals, diagnosis.residual),
         probabilities=(*state.probabilities, diagnosis.probability),
+        rivals=(*state.rivals, tuple((changes_of(job.simulator, items), p) for items, p in diagnosis.rivals)),
+        alarms=(*state.alarms, diagnosis.alarm),
         seeds=(*state.seeds, method.seed(search)),
     )
 

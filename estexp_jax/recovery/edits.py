@@ -1,7 +1,8 @@
-"""The six modifications of a simulator that the estimation chooses from, each with a place and an amount.
+"""The modifications of a simulator that the estimation chooses from, each with a place and an amount.
 
-An amount is what the paper's genome says: a percentage as 0..1, for the tilt -1..1 of 30 degrees. A mass may also
-shrink here (negative amounts), which the paper's genome cannot say.
+An amount of the paper's six is what its genome says: a percentage as 0..1, for the tilt -1..1 of 30 degrees. A mass may
+also shrink here (negative amounts), which the paper's genome cannot say. Others: the share of its output that a neuron
+loses, of its grip that the floor loses; a sensor's bias and the value it is stuck at, in what it can show.
 
 Source: Bongard and Lipson 2004, section 2.2, "The Estimation Phase".
 """
@@ -12,6 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import final
 
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.changes import Change
@@ -23,6 +25,8 @@ from estexp_jax.physics.robot import Robot
 
 TILT = np.pi / 6
 """Steepest slope, rad."""
+_BIAS, _SWING = 0.5, np.pi / 4
+"""Largest bias of an angle sensor, and the angle at which one is stuck at most, rad."""
 
 _NO_DIGITS = 12
 """Decimals at which amounts count as equal, after sums and products of multiples of 0.01."""
@@ -31,10 +35,17 @@ _NO_DIGITS = 12
 @final
 @dataclass(frozen=True)
 class Place:
-    """One effect at one place, still without an amount; `name` is None for the environment."""
+    """One effect at one place, still without an amount.
+
+    Attributes:
+        effect: its name.
+        name: of the element; None for the environment.
+        partner: of a motor that repeats another's command: that one, counted from 1; else 0.
+    """
 
     effect: str
     name: str | None
+    partner: int = 0
 
 
 def places(robot: Robot, name: str) -> tuple[Place, ...]:
@@ -44,6 +55,11 @@ def places(robot: Robot, name: str) -> tuple[Place, ...]:
     if e.kind == "sensor":
         seen = interface_of(robot).names
         sites = tuple(site for site in sites if site in seen)
+    if name == "tied_outputs":
+        motors = range(1, len(sites) + 1)
+        return tuple(Place(name, site, p) for i, site in enumerate(sites, start=1) for p in motors if p != i)
+    if name == "sensor_bias":  # what is off by a constant has a scale; touch has none
+        sites = tuple(site for site in sites if not _is_touch(robot, site))
     return tuple(Place(name, site or None) for site in sites if site != ALL_ALIKE)
 
 
@@ -62,8 +78,18 @@ def change_of(robot: Robot, place: Place, amount: float) -> Change:
             parameters = {"f": amount}
         case "gravity_tilt":
             parameters = {"angle": amount * TILT}
+        case "neuron_fault":
+            parameters = {"gain": 1.0 - amount}
+        case "tied_outputs":
+            parameters = {"with": float(place.partner)}
+        case "sensor_bias":
+            parameters = {"bias": amount * _BIAS}
+        case "sensor_stuck":
+            parameters = {"value": amount * (1.0 if _is_touch(robot, place.name or "") else _SWING)}
+        case "ground_friction":
+            parameters = {"mu": (1.0 - amount) * float(robot.model.geom_friction[:, 0].max())}
         case _:
-            raise ValueError(f"'{place.effect}' is none of the paper's modifications")
+            raise ValueError(f"'{place.effect}' is none of the modifications")
     return Change(place.effect, place.name, parameters)
 
 
@@ -82,17 +108,34 @@ def merged(robot: Robot, items: Iterable[tuple[Place, float]]) -> tuple[tuple[Pl
     kept = {
         p: round(a, _NO_DIGITS)
         for p, a in amounts.items()
-        if not _on(robot, p, gone if p.effect == "part_lost" else parts) and (a != 0.0 or p.effect == "part_lost")
+        if not _on(robot, p, gone if p.effect == "part_lost" else parts) and (a != 0.0 or p.effect in _WHATEVER)
     }
-    return tuple(sorted(kept.items(), key=lambda item: (item[0].effect, item[0].name or "")))
+    # A motor repeats one other: of several, the first.
+    once = {(p.effect, p.name): (p, a) for p, a in sorted(kept.items(), key=_order, reverse=True)}
+    return tuple(sorted(once.values(), key=_order))
+
+
+_WHATEVER = ("part_lost", "sensor_stuck")
+"""What has an effect whatever its amount."""
+
+
+def _order(item: tuple[Place, float]) -> tuple[str, str, int]:
+    place = item[0]
+    return place.effect, place.name or "", place.partner
+
+
+def _is_touch(robot: Robot, sensor: str) -> bool:
+    return int(robot.model.sensor_type[robot.index("sensor", sensor)]) == int(mujoco.mjtSensor.mjSENS_TOUCH)
 
 
 def _together(name: str, a: float, b: float) -> float:
     match name:
         case "motor_weakness" | "sensor_gain":
             return 1.0 - (1.0 - a) * (1.0 - b)
-        case "joint_jam" | "part_lost":
+        case "joint_jam" | "part_lost" | "tied_outputs" | "ground_friction" | "neuron_fault":
             return max(a, b)
+        case "sensor_stuck":
+            return a
         case "gravity_tilt":
             return float(np.clip(a + b, -1.0, 1.0))
         case _:

@@ -1,7 +1,8 @@
 """The estimation phase: find the changes that make the simulator reproduce the recorded trials.
 
-Two ways: the paper's genetic algorithm over its genome, and a set search over the same modifications. Both are chains
-of rounds whose states are plain data, and both judge a hypothesis by the same metric on all trials so far.
+Three ways: the paper's genetic algorithm over its genome; a set search, for a robot that its simulator describes
+exactly; and a set search under replay, for one that it describes roughly. All are chains of rounds whose states are
+plain data.
 
 Source: Bongard and Lipson 2004, section 2.2, "The Estimation Phase".
 """
@@ -9,49 +10,53 @@ Source: Bongard and Lipson 2004, section 2.2, "The Estimation Phase".
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, final
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.inference import set_moves, set_search
-from estexp_jax.inference.set_moves import Option
-from estexp_jax.inference.set_search import SetSearch
-from estexp_jax.physics.registry import PAPER
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.edits import Place, change_of, merged, places
-from estexp_jax.recovery.genome import LENGTH, Codec, Items, key
+from estexp_jax.recovery.edits import Place, change_of
+from estexp_jax.recovery.genome import Items
 from estexp_jax.recovery.metrics import distance_error, rolling_mean
 from estexp_jax.recovery.simulator import Simulator
 from estexp_jax.recovery.trial import Trial, distances
-from estexp_jax.search import genetic
-from estexp_jax.search.genetic import Genetic, Population
 
-TAG = 2
-"""In the random numbers' seed: the estimation phase."""
-_WEIGHT = 4.0
-"""Of an objective in a probability: as if so many samples were independent. Rough; probabilities are not calibrated."""
-_COARSE: dict[str, tuple[float, float, tuple[float, ...]]] = {
-    "part_lost": (1.0, 1.0, (1.0,)),
-    "body_mass": (-0.9, 1.0, (-0.6, -0.3, 0.4, 0.7, 1.0)),
-    "motor_weakness": (0.0, 1.0, (0.2, 0.4, 0.7, 1.0)),
-    "sensor_gain": (0.0, 1.0, (0.2, 0.4, 0.7, 1.0)),
-    "joint_jam": (0.0, 1.0, (0.2, 0.4, 0.7, 1.0)),
-    "gravity_tilt": (-1.0, 1.0, (-1.0, -0.67, -0.33, 0.33, 0.67, 1.0)),
-}
-"""Amounts of each modification: lowest, highest, and those tried first."""
 
-Residuals = Callable[[Sequence[Items]], np.ndarray]
-"""Hypotheses to their residuals; not finite where a simulation blew up."""
+class Residuals(Protocol):
+    """How badly hypotheses reproduce what was recorded."""
+
+    def __call__(self, hypotheses: Sequence[Items], reference: Items = ()) -> np.ndarray:
+        """Of each hypothesis, (n,); not finite where a simulation blew up.
+
+        Args:
+            hypotheses: what may differ.
+            reference: where the simulator's own errors are judged, for those residuals that know of any.
+        """
+        ...
+
+    def alone(self, hypothesis: Items) -> tuple[float, float]:
+        """Of one hypothesis, the simulator's errors judged about itself; and how badly it fits, 1 being as expected."""
+        ...
 
 
 class Diagnosis(NamedTuple):
-    """What the estimation believes."""
+    """What the estimation believes.
+
+    Attributes:
+        items: what differs.
+        residual: how badly it reproduces what was recorded.
+        probability: None where the method gives none.
+        rivals: other explanations that it could not exclude, with their probabilities, likeliest first.
+        alarm: whether nothing in the catalogue reproduces the recordings; None where the method does not tell.
+    """
 
     items: Items
     residual: float
-    probability: float | None  #: None where the method gives none
+    probability: float | None
+    rivals: tuple[tuple[Items, float], ...] = ()
+    alarm: bool | None = None
 
 
 class Round(NamedTuple):
@@ -94,115 +99,16 @@ class Estimation(abc.ABC):
         """Numbers of the last round."""
 
 
-@final
-class PaperEstimation(Estimation):
-    """The paper's genetic algorithm; genomes that say the same are simulated once a pass."""
-
-    def __init__(self, simulator: Simulator, settings: Settings, number: int) -> None:
-        self._codec = Codec(simulator.robot)
-        self._generations = settings.generations
-        self._genetic = Genetic(LENGTH, settings.population, settings.seed, (TAG, number), settings.mutation)
-
-    def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
-        """See `Estimation`."""
-        population = genetic.begin(self._genetic).to_tree()
-        return {"population": population, "seeds": [np.asarray(s) for s in seeds], "known": {}}
-
-    def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
-        """See `Estimation`."""
-        population = Population.from_tree(state["population"])
-        genomes = genetic.ask(self._genetic, population, state["seeds"])
-        items = [self._codec.items(genome) for genome in genomes]
-        new = {key(i): i for i in items if key(i) not in state["known"]}
-        values = residuals(list(new.values())) if new else np.zeros(0)
-        known = {**state["known"], **{k: float(v) for k, v in zip(new, values, strict=True)}}
-        scores = np.array([known[key(i)] for i in items])
-        told = genetic.tell(self._genetic, population, genomes, scores)
-        return {**state, "population": told.to_tree(), "known": known}
-
-    def done(self, state: dict[str, Any]) -> bool:
-        """See `Estimation`."""
-        return state["population"]["generation"] >= self._generations
-
-    def rounds(self) -> int | None:
-        """See `Estimation`."""
-        return self._generations
-
-    def diagnosis(self, state: dict[str, Any]) -> Diagnosis:
-        """See `Estimation`."""
-        population = Population.from_tree(state["population"])
-        return Diagnosis(self._codec.items(population.genomes[0]), float(population.scores[0]), None)
-
-    def seed(self, state: dict[str, Any]) -> Any:
-        """See `Estimation`."""
-        return state["population"]["genomes"][0]
-
-    def summary(self, state: dict[str, Any]) -> Round:
-        """See `Estimation`."""
-        population = Population.from_tree(state["population"])
-        return Round(float(population.scores[0]), float(np.median(population.scores)), population.dominants)
+def changes_of(simulator: Simulator, items: Sequence[tuple[Place, float]]) -> tuple[Any, ...]:
+    """The changes that a diagnosis stands for."""
+    return tuple(change_of(simulator.robot, place, amount) for place, amount in items)
 
 
-@final
-class SetEstimation(Estimation):
-    """The set search: all places first, amounts later, a price on each change."""
+class MetricResiduals:
+    """The paper's metrics on all trials so far: in closed loop for the paper's search, else under replay.
 
-    def __init__(self, simulator: Simulator, settings: Settings) -> None:
-        robot = simulator.robot
-        self._robot = robot
-        self._places = tuple(place for name in PAPER for place in places(robot, name))
-        self._search = SetSearch(tuple(Option(*_COARSE[p.effect]) for p in self._places))
-
-    def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
-        """See `Estimation`."""
-        return {"search": set_search.begin().to_tree(), "seeds": list(seeds), "dominants": 0}
-
-    def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
-        """See `Estimation`."""
-        before = set_search.State.from_tree(state["search"])
-        seeds = [tuple((int(o), float(a)) for o, a in seed) for seed in state["seeds"]]
-        asked = set_search.ask(self._search, before, seeds)
-        values = residuals([self._items(items) for items in asked])
-        after = set_search.tell(self._search, before, asked, values)
-        least = min((f.residual for f in before.pool), default=-np.inf)
-        return {**state, "search": after.to_tree(), "dominants": int(np.sum(np.asarray(values) < least))}
-
-    def done(self, state: dict[str, Any]) -> bool:
-        """See `Estimation`."""
-        return state["search"]["stage"] == "done"
-
-    def rounds(self) -> int | None:
-        """See `Estimation`."""
-        return None
-
-    def diagnosis(self, state: dict[str, Any]) -> Diagnosis:
-        """See `Estimation`."""
-        found = set_search.State.from_tree(state["search"])
-        share = set_search.probabilities(self._search, found, _WEIGHT)[0]
-        return Diagnosis(self._items(found.pool[0].items), found.pool[0].residual, float(share))
-
-    def seed(self, state: dict[str, Any]) -> Any:
-        """See `Estimation`."""
-        return state["search"]["pool"][0]["items"]
-
-    def summary(self, state: dict[str, Any]) -> Round:
-        """See `Estimation`."""
-        residuals = [f["residual"] for f in state["search"]["pool"]]
-        return Round(residuals[0], float(np.median(residuals)), state["dominants"])
-
-    def _items(self, items: set_moves.Items) -> Items:
-        return merged(self._robot, [(self._places[index], amount) for index, amount in items])
-
-
-def estimation(simulator: Simulator, settings: Settings, number: int) -> Estimation:
-    """The estimation of one pass, counted from 1."""
-    return PaperEstimation(simulator, settings, number) if settings.paper else SetEstimation(simulator, settings)
-
-
-def residuals_of(
-    simulator: Simulator, settings: Settings, controllers: Sequence[np.ndarray], trials: Sequence[Trial]
-) -> Residuals:
-    """The metric of hypotheses on all trials so far.
+    Replay takes apart what the loop ties together: a faulty sensor then shows in its own reading only, and not in all
+    that its controller does with it.
 
     Args:
         simulator: of the robot.
@@ -210,25 +116,39 @@ def residuals_of(
         controllers: (n_weights,) each, as many as trials.
         trials: what the robot in the world did under them.
     """
-    weights = np.stack(list(controllers))
-    face, short = simulator.walker.interface, settings.metric == "rolling-mean"
-    steps = settings.samples if short else settings.steps
-    inputs = np.asarray(face.inputs(jnp.stack([jnp.asarray(t.readings[: settings.samples]) for t in trials])))
-    travelled = np.array([t.distance(settings.axis) for t in trials])
 
-    def residuals(hypotheses: Sequence[Items]) -> np.ndarray:
-        sets = [[change_of(simulator.robot, place, amount) for place, amount in items] for items in hypotheses]
-        walk = simulator.trials(sets, weights, steps)
-        if short:
-            simulated = np.asarray(face.inputs(jnp.asarray(walk.readings)))
-            values = rolling_mean(inputs, simulated, header=settings.header, window=settings.window)
+    def __init__(
+        self, simulator: Simulator, settings: Settings, controllers: Sequence[np.ndarray], trials: Sequence[Trial]
+    ) -> None:
+        self._simulator, self._settings = simulator, settings
+        self._weights = np.stack(list(controllers))
+        self._short = settings.metric == "rolling-mean"
+        self._inputs = self._seen(np.stack([t.readings[: settings.samples] for t in trials]))
+        whole = np.stack([t.readings for t in trials])
+        self._heard = whole if self._short and not settings.paper else None
+        self._travelled = np.array([t.distance(settings.axis) for t in trials])
+
+    def __call__(self, hypotheses: Sequence[Items], reference: Items = ()) -> np.ndarray:
+        """See `Residuals`."""
+        settings = self._settings
+        sets = [changes_of(self._simulator, items) for items in hypotheses]
+        steps = settings.samples if self._short else settings.steps
+        walk = self._simulator.trials(sets, self._weights, steps, self._heard)
+        if self._short:
+            seen = self._seen(walk.readings)
+            values = rolling_mean(self._inputs, seen, header=settings.header, window=settings.window)
         else:
-            values = distance_error(travelled, distances(walk.position, settings.axis))
+            values = distance_error(self._travelled, distances(walk.position, settings.axis))
         return np.where(walk.failed.any(axis=1), np.inf, values)
 
-    return residuals
+    def alone(self, hypothesis: Items) -> tuple[float, float]:
+        """See `Residuals`; a simulator without errors reproduces the truth exactly."""
+        value = float(self([hypothesis])[0])
+        return value, value / _NOTHING
+
+    def _seen(self, readings: np.ndarray) -> np.ndarray:
+        return np.asarray(self._simulator.walker.interface.inputs(jnp.asarray(readings)))
 
 
-def changes_of(simulator: Simulator, items: Sequence[tuple[Place, float]]) -> tuple[Any, ...]:
-    """The changes that a diagnosis stands for."""
-    return tuple(change_of(simulator.robot, place, amount) for place, amount in items)
+_NOTHING = 0.0005
+"""Residual that counts as none."""

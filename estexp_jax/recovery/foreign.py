@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Sequence
 from typing import final
 
+import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
@@ -57,14 +58,14 @@ class ForeignTarget:
         face, model, shape = controller.interface, self._model, (controller.steps,)
         random = np.random.default_rng([self._seed, _TAG, zlib.crc32(np.asarray(controller.weights, "<f4").tobytes())])
         data, repeats = self._at_rest(face, controller.control_step)
-        network, hidden = self._network(controller), controller.rest()
+        network, hidden, faults = self._network(controller), controller.rest(), self._faults(face)
         readings, commands = np.zeros((*shape, face.n_inputs)), np.zeros((*shape, face.n_outputs))
         position = np.zeros((*shape, 3))
         matrix, offset = travel_map(self._robot)
         for row in range(controller.steps):
             qpos, sensordata = self._map.qpos(data), self._map.sensordata(data, face)
             position[row] = matrix @ qpos + offset
-            readings[row] = self._sensed(face, self._map.true(face, qpos, sensordata), random)
+            readings[row] = self._sensed(face, self._map.true(face, qpos, sensordata), faults, random)
             hidden, commands[row] = drive(network, face, controller.gain, hidden, readings[row])
             data.ctrl[:] = commands[row, self._map.actuators]
             mujoco.mj_step(model, data, repeats)
@@ -82,19 +83,28 @@ class ForeignTarget:
         network = controller.network()
         for e, values in self._values(ControllerFault):
             network = e.damage(self._robot, network, jnp.asarray(values))
-        return network
+        return jax.tree.map(np.asarray, network)
 
-    def _sensed(self, face: Interface, true: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    def _faults(self, face: Interface) -> tuple[np.ndarray, np.ndarray]:
+        """What planted faults make of a reading x: scale x + shift, (n_inputs,) each; all are of this kind."""
+
+        def distorted(x: float) -> np.ndarray:
+            whole = jnp.full(self._robot.model.nsensordata, x)
+            for e, values in self._values(Distortion):
+                whole = e.distort(self._robot, whole, jnp.asarray(values))
+            return np.asarray(whole, float)[face.columns]
+
+        return distorted(1.0) - distorted(0.0), distorted(0.0)
+
+    def _sensed(
+        self, face: Interface, true: np.ndarray, faults: tuple[np.ndarray, np.ndarray], random: np.random.Generator
+    ) -> np.ndarray:
         """Noise and quantization first, then the planted faults of the reading."""
         angles = true + _NOISE * random.standard_normal(face.n_inputs)
         step = 2.0 * np.pi / 2**_BITS
         flips = np.where(random.random(face.n_inputs) < _FLIPS, -1.0, 1.0)
         seen = np.where(face.is_touch, true * flips, np.round(angles / step) * step)
-        seen = np.where(self._map.lost_input(face), face.rest, seen)
-        whole = jnp.zeros(self._robot.model.nsensordata).at[face.columns].set(seen)
-        for e, values in self._values(Distortion):
-            whole = e.distort(self._robot, whole, jnp.asarray(values))
-        return np.asarray(whole)[face.columns]
+        return np.where(self._map.lost_input(face), face.rest, seen) * faults[0] + faults[1]
 
     def _values(self, kind: type) -> list[tuple]:
         mine = [c for c in self._planted if isinstance(effect(c.effect), kind)]

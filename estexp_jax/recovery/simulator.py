@@ -19,6 +19,9 @@ from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.trial import Controller, Trial
 
+FAULTS = ("neuron_fault", "tied_outputs")
+EXTENDED = ("sensor_bias", "sensor_stuck", "ground_friction", "viscous_friction")
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -66,21 +69,27 @@ class Simulator:
         starts = jax.tree.map(lambda x: np.broadcast_to(x[0], (n, *x.shape[1:])), start)
         return self.walker.walk(stack(self._values([changes]) * n), weights, starts, steps)
 
-    def trials(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
+    def trials(
+        self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, heard: np.ndarray | None = None
+    ) -> Walk:
         """Many damaged robots, each under the same few controllers.
 
         Args:
             sets: the changes of each robot.
             weights: (controllers, n_weights).
             steps: control steps.
+            heard: (controllers, steps, n_inputs) recorded readings that drive the networks in place of the simulated
+                ones; None: closed loop.
 
         Returns:
             Arrays (sets, controllers, ...).
         """
-        c, values = len(weights), self._values(sets)
-        starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), self.settled(sets))
-        many = {name: np.repeat(array, c, axis=0) for name, array in stack(values).items()}
-        walk = self.walker.walk(many, np.tile(weights, (len(sets), 1)), starts, steps)
+        c, values = len(weights), stack(self._values(sets))
+        settled = self.walker.settle(values, self.settle_steps)
+        starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), settled)
+        many = {name: np.repeat(array, c, axis=0) for name, array in values.items()}
+        told = None if heard is None else np.tile(heard, (len(sets), 1, 1))
+        walk = self.walker.walk(many, np.tile(weights, (len(sets), 1)), starts, steps, told)
         return jax.tree.map(lambda x: x.reshape(len(sets), c, *x.shape[1:]), walk)
 
     def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
@@ -106,7 +115,8 @@ class Simulator:
 def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) -> Simulator:
     """The simulator of a run.
 
-    Its catalogue holds the paper's modifications, the controller's faults, and what else is planted.
+    Its catalogue holds all that an estimation may choose from, what the simulator's own errors are made of, and what
+    else is planted.
 
     Raises:
         InputError: a planted effect has no place in closed loop, or the robot has no controller's senses.
@@ -114,7 +124,8 @@ def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) 
     late = next((c for c in planted if isinstance(effect(c.effect), CommandShift | ReadingShift)), None)
     if late is not None:
         raise InputError(f"'{late.effect}' is not simulated in closed loop", where="--damage")
-    names = dict.fromkeys([*PAPER, "neuron_fault", "tied_outputs", *(c.effect for c in planted)])
+    extended = EXTENDED if settings.catalogue == "full" or settings.rough > 0.0 else ()
+    names = dict.fromkeys([*PAPER, *FAULTS, *extended, *(c.effect for c in planted)])
     engine = walker(
         robot,
         catalogue(names),

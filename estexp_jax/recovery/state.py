@@ -29,6 +29,8 @@ class Pass(NamedTuple):
     diagnosis: tuple[Change, ...]
     residual: float  #: the metric of the diagnosis on the trials before
     probability: float | None
+    rivals: tuple[tuple[tuple[Change, ...], float], ...]  #: what it could not exclude, with probabilities
+    alarm: bool | None  #: whether nothing in the catalogue reproduces the recordings
     simulated: float  #: m that the best controller comes in the diagnosed simulator
     hardware: float  #: m that it comes on the robot
 
@@ -46,6 +48,8 @@ class RunState:
         simulated: distance of each in the simulator as diagnosed then, m.
         diagnoses: one for each estimation.
         residuals, probabilities: of the diagnoses.
+        rivals: of each diagnosis, what it could not exclude, with probabilities.
+        alarms: of each diagnosis, whether nothing in the catalogue reproduces the recordings; None: nobody knows.
         seeds: for the next estimation, trees.
         before: the robot before the damage, under the first controller; None until then.
         trials: of the damaged robot; `trials[i]` is under `controllers[i]`.
@@ -60,6 +64,8 @@ class RunState:
     diagnoses: tuple[tuple[Change, ...], ...] = ()
     residuals: tuple[float, ...] = ()
     probabilities: tuple[float | None, ...] = ()
+    rivals: tuple[tuple[tuple[tuple[Change, ...], float], ...], ...] = ()
+    alarms: tuple[bool | None, ...] = ()
     seeds: tuple[Any, ...] = ()
     before: Trial | None = None
     trials: tuple[Trial, ...] = ()
@@ -67,12 +73,17 @@ class RunState:
 
     def passes(self, axis: str) -> tuple[Pass, ...]:
         """The passes that have had their trial."""
-        return tuple(
-            Pass(d, r, p, s, trial.distance(axis))
-            for d, r, p, s, trial in zip(
-                self.diagnoses, self.residuals, self.probabilities, self.simulated[1:], self.trials[1:], strict=False
-            )
+        told = zip(
+            self.diagnoses,
+            self.residuals,
+            self.probabilities,
+            self.rivals or [()] * len(self.diagnoses),
+            self.alarms or [None] * len(self.diagnoses),
+            self.simulated[1:],
+            self.trials[1:],
+            strict=False,
         )
+        return tuple(Pass(d, r, p, o, a, s, trial.distance(axis)) for d, r, p, o, a, s, trial in told)
 
     def to_tree(self) -> dict[str, Any]:
         """What a checkpoint holds."""
@@ -80,6 +91,7 @@ class RunState:
         return {
             **tree,
             "diagnoses": [[change.to_json() for change in diagnosis] for diagnosis in self.diagnoses],
+            "rivals": [[([c.to_json() for c in changes], p) for changes, p in told] for told in self.rivals],
             "before": None if self.before is None else self.before.to_tree(),
             "trials": [trial.to_tree() for trial in self.trials],
             "history": [tuple(row) for row in self.history],
@@ -92,6 +104,10 @@ class RunState:
         return replace(
             state,
             diagnoses=tuple(tuple(Change.from_json(c) for c in diagnosis) for diagnosis in tree["diagnoses"]),
+            rivals=tuple(
+                tuple((tuple(Change.from_json(c) for c in changes), p) for changes, p in told)
+                for told in tree.get("rivals", ())
+            ),
             before=None if tree["before"] is None else Trial.from_tree(tree["before"]),
             trials=tuple(Trial.from_tree(trial) for trial in tree["trials"]),
             history=tuple(Row(*row) for row in tree["history"]),

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.controllers import HIDDEN, Network, decode, n_weights, respond
+from estexp_jax.physics.controllers import HIDDEN, Network, decode, n_weights
 from estexp_jax.physics.interface import Interface
 
 AXES = {"x": (0, 1.0), "-x": (0, -1.0), "y": (1, 1.0), "-y": (1, -1.0)}
@@ -105,10 +105,16 @@ class Controller:
 def drive(
     network: Network, interface: Interface, gain: float, hidden: np.ndarray, readings: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `Controller.respond`, for a network that may carry a fault."""
-    inputs = interface.inputs(jnp.asarray(readings, jnp.float32))
-    hidden, outputs = _respond(network, jnp.asarray(hidden, jnp.float32), inputs, gain)
-    return np.asarray(hidden), np.asarray(interface.commands(outputs), np.float32)
+    """As `Controller.respond`, for a network that may carry a fault.
 
-
-_respond = jax.jit(respond, static_argnums=3)
+    The equations of `controllers.respond` and `Interface` once more, in numpy: for one robot, calling JAX at each step
+    takes longer than simulating it.
+    """
+    face, network = interface, jax.tree.map(np.asarray, network)
+    inputs = np.clip((np.asarray(readings) - face.centre) / face.scale, -1.0, 1.0)
+    one = np.ones(1)
+    drives = network.w_hidden @ np.concatenate([inputs, one]) + network.w_recurrent @ np.asarray(hidden)
+    hidden = np.tanh(gain * drives) * network.hidden_gain
+    outputs = np.tanh(gain * (network.w_output @ np.concatenate([hidden, one])))[network.output_of]
+    commands = np.clip(face.ctrl_centre + face.ctrl_scale * outputs, face.ctrl_low, face.ctrl_high)
+    return hidden.astype(np.float32), commands.astype(np.float32)

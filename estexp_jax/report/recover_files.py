@@ -37,6 +37,11 @@ def record(state: RunState, axis: str, planted: Sequence[Change], config: Mappin
                 "simulated_m": each.simulated,
                 "diagnosis": [change.to_json() for change in each.diagnosis],
                 "probability": each.probability,
+                "rivals": [
+                    {"diagnosis": [change.to_json() for change in diagnosis], "probability": p}
+                    for diagnosis, p in each.rivals
+                ],
+                "alarm": each.alarm,
                 "hardware_m": each.hardware,
             }
             for each in state.passes(axis)

@@ -89,7 +89,7 @@ class RecoverRun:
         return self.table()._repr_html_()
 
 
-def recover(robot: Robot, *, target: Target | None = None, quick: bool = False, **settings: Any) -> RecoverRun:
+def recover(robot: Robot, /, *, target: Target | None = None, quick: bool = False, **settings: Any) -> RecoverRun:
     """Begin a run of the estimation-exploration algorithm.
 
     Args:

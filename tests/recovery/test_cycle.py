@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
+from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings, quick
-from estexp_jax.recovery.cycle import Job, run
+from estexp_jax.recovery.cycle import Job, job_of, run
 from estexp_jax.recovery.exploration import exploration_score
 from estexp_jax.recovery.state import RunState
 from estexp_jax.recovery.trial import Controller, Trial
@@ -97,3 +98,16 @@ def test_impossible_settings_are_the_users_errors() -> None:
         with pytest.raises(InputError, match=f"--{next(iter(wrong)).replace('_', '-')}"):
             Settings(**wrong)
     assert quick(Settings(seed=5)).seed == 5
+
+
+@pytest.mark.slow
+def test_the_whole_loop_on_a_robot_that_is_not_its_simulator(job: Job, quadruped: Robot) -> None:
+    settings = replace(job.settings, robot="foreign", passes=1)
+    foreign = job_of(quadruped, settings, world=job.simulator)
+    states = list(run(foreign))
+    last = states[-1]
+    assert last.phase == "done" and last.alarms == (False,)
+    assert sum(p for _, p in last.rivals[0]) + (last.probabilities[0] or 0.0) <= 1.0 + 1e-9
+    estimating = [state for state in states if state.phase == "estimation" and state.search is not None]
+    kept = RunState.from_tree(estimating[len(estimating) // 2].to_tree())
+    assert equal(list(run(foreign, kept))[-1].to_tree(), last.to_tree())

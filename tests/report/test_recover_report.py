@@ -49,7 +49,7 @@ def test_record_has_the_keys_of_run_json(state: RunState) -> None:
     assert list(written) == ["config", "seed", "planted", "distance", "passes"]
     assert written["distance"] == {"before": pytest.approx(2.0), "damaged": pytest.approx(0.4)}
     (one,) = written["passes"]
-    assert list(one) == ["simulated_m", "diagnosis", "probability", "hardware_m"]
+    assert list(one) == ["simulated_m", "diagnosis", "probability", "rivals", "alarm", "hardware_m"]
     assert one["diagnosis"] == [
         {"effect": "motor_weakness", "kind": "actuator", "name": "knee_f", "parameters": {"loss": 0.48}}
     ]

@@ -31,9 +31,13 @@ _VECTOR = 8
 class MjxWalker(Walker):
     """A walker on MJX."""
 
-    def _run(self, lanes: Lane, steps: int, *, active: bool) -> Walk:
+    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: np.ndarray | None) -> Walk:
         spread, real = _spread(len(lanes.weights), self.width)
-        walk = in_chunks(lambda part: _walk_batch(self, part, steps, active), _taken(lanes, spread), self.width)
+        told = np.zeros((len(lanes.weights), self.rows, self.interface.n_inputs), np.float32)
+        if heard is not None:
+            told[:, :steps] = heard
+        replayed, batch = heard is not None, _taken((lanes, told), spread)
+        walk = in_chunks(lambda part: _walk_batch(self, part[0], part[1], steps, active, replayed), batch, self.width)
         return _taken(walk, real)
 
 
@@ -65,12 +69,12 @@ def _taken(tree: Any, places: np.ndarray) -> Any:
 
 
 @partial(jax.jit, static_argnums=0)
-def _walk_batch(self: MjxWalker, lanes: Lane, steps: int, active: bool) -> Walk:
-    return jax.vmap(lambda lane: _walk_one(self, lane, steps, active))(lanes)
+def _walk_batch(self: MjxWalker, lanes: Lane, heard: jax.Array, steps: int, active: bool, replayed: bool) -> Walk:
+    return jax.vmap(lambda lane, told: _walk_one(self, lane, told, steps, active, replayed))(lanes, heard)
 
 
-def _walk_one(self: MjxWalker, lane: Lane, steps: int, active: bool) -> Walk:
-    """One robot's walk; `steps` and `active` are traced, so that every trial and settling share one executable."""
+def _walk_one(self: MjxWalker, lane: Lane, heard: jax.Array, steps: int, active: bool, replayed: bool) -> Walk:
+    """One robot's walk; what is not the lane's is traced, so that every trial and settling share one executable."""
     model = self.on_mjx.edited(self.on_mjx.model, lane.values)
     network = self.network(lane)
     travel = travel_of(self.robot)
@@ -87,7 +91,8 @@ def _walk_one(self: MjxWalker, lane: Lane, steps: int, active: bool) -> Walk:
         walk, hidden = carry
         body = walk.final
         readings = _readings(self, lane.values, body)
-        hidden, outputs = respond(network, hidden, face.inputs(readings), self.gain)
+        seen = jnp.where(replayed, heard[row], readings)
+        hidden, outputs = respond(network, hidden, face.inputs(seen), self.gain)
         ctrl = jnp.where(active, face.commands(outputs), face.ctrl_centre)
         walk = walk._replace(
             readings=walk.readings.at[row].set(readings),

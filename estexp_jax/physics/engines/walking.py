@@ -76,8 +76,15 @@ class Walker(abc.ABC):
     choice: Choice
 
     @abc.abstractmethod
-    def _run(self, lanes: Lane, steps: int, *, active: bool) -> Walk:
-        """Simulate lanes for some control steps; not active: all motors at home."""
+    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: np.ndarray | None) -> Walk:
+        """Simulate lanes for some control steps.
+
+        Args:
+            lanes: the robots.
+            steps: control steps.
+            active: false: all motors at home.
+            heard: (robots, steps, n_inputs) readings that networks get in place of the robots' own; None: their own.
+        """
 
     @property
     def robot(self) -> Robot:
@@ -111,7 +118,9 @@ class Walker(abc.ABC):
         weights = np.zeros((_size(values), self.n_weights), np.float32)
         return self._walk(values, weights, self.home(values), steps, active=False).final
 
-    def walk(self, values: Values, weights: np.ndarray, start: BodyState, steps: int) -> Walk:
+    def walk(
+        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: np.ndarray | None = None
+    ) -> Walk:
         """Drive robots by their networks.
 
         Args:
@@ -119,8 +128,10 @@ class Walker(abc.ABC):
             weights: (robots, n_weights).
             start: batched states, as `settle` gives them.
             steps: control steps, at most `rows`.
+            heard: (robots, steps, n_inputs) raw readings, touch as +1/-1, that the networks get in place of the
+                robots' own: replay of what was recorded; None: closed loop.
         """
-        return self._walk(values, weights, start, steps, active=True)
+        return self._walk(values, weights, start, steps, active=True, heard=heard)
 
     def network(self, lane: Lane) -> Network:
         """One robot's network, its faults in it."""
@@ -135,10 +146,21 @@ class Walker(abc.ABC):
         """Length of a controller's genome."""
         return n_weights(self.interface.n_inputs, self.interface.n_outputs)
 
-    def _walk(self, values: Values, weights: np.ndarray, start: BodyState, steps: int, *, active: bool) -> Walk:
+    def _walk(
+        self,
+        values: Values,
+        weights: np.ndarray,
+        start: BodyState,
+        steps: int,
+        *,
+        active: bool,
+        heard: np.ndarray | None = None,
+    ) -> Walk:
         if not 0 < steps <= self.rows:
             raise ValueError(f"{steps} steps do not fit into 1..{self.rows}")
-        walk = self._run(Lane(values, np.asarray(weights, np.float32), start), steps, active=active)
+        lanes = Lane(values, np.asarray(weights, np.float32), start)
+        heard = None if heard is None else np.asarray(heard, np.float32)[:, :steps]
+        walk = self._run(lanes, steps, active=active, heard=heard)
         return walk._replace(**{k: getattr(walk, k)[:, :steps] for k in ("readings", "commands", "position")})
 
 

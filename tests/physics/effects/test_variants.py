@@ -37,12 +37,14 @@ def test_bristles_that_give_by_a_millimetre_are_told_as_coulomb_friction():
 
 def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
     """Force of a term at the end of a slide at constant speed, with its implicit damping taken."""
-    state, q, does = term.initial(p, jnp.zeros(1), jnp.zeros(1)), jnp.zeros(1), None
+    q, one = jnp.zeros(1), jnp.ones(1)
+    state, left = term.initial(p, q, q), 0.0
     for _ in range(round(seconds / dt)):
-        moment = JointMoment(q, jnp.full(1, speed), jnp.full(1, torque), *[jnp.ones(1)] * 1, dt, 1.0, 0.0, None, None)
+        moment = JointMoment(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, lambda joint: joint)
         does, state = term.act(p, moment, state)
+        left = float((does.force - does.damping * speed)[0])
         q = q + dt * speed
-    return float((does.force - does.damping * speed)[0])
+    return left
 
 
 def test_bristles_slide_at_their_law():

@@ -188,3 +188,22 @@ def test_what_it_refuses(walkers: Walker) -> None:
         walker(robot("quadruped"), catalogue([*PAPER, "command_delay"]), rows=5, control_step=0.01)
     with pytest.raises(InputError, match=MUTE):
         walker(robot(MUTE), catalogue(PAPER), rows=5, control_step=0.01)
+
+
+def test_networks_that_hear_their_own_readings_walk_as_before(walkers: Walker) -> None:
+    weights = _networks(3)
+    values = _values(walkers, (), 3)
+    start = walkers.settle(values, SETTLING)
+    closed = walkers.walk(values, weights, start, STEPS)
+    again = walkers.walk(values, weights, start, STEPS, heard=closed.readings)
+    assert np.array_equal(again.readings, closed.readings)
+    assert np.array_equal(again.commands, closed.commands)
+
+
+def test_networks_that_hear_recorded_readings_ignore_the_bodys_own(walkers: Walker) -> None:
+    weights = _networks(2)
+    healthy, damaged = (_values(walkers, c, 2) for c in ((), _changes(DAMAGE["whole leg lost"])))
+    recorded = walkers.walk(healthy, weights, walkers.settle(healthy, SETTLING), STEPS)
+    replayed = walkers.walk(damaged, weights, walkers.settle(damaged, SETTLING), STEPS, heard=recorded.readings)
+    assert np.array_equal(replayed.commands, recorded.commands)
+    assert not np.array_equal(replayed.readings, recorded.readings)

@@ -39,6 +39,14 @@ class Batch(NamedTuple):
     start: BodyState
 
 
+class Told(NamedTuple):
+    """What the networks of a call are told from outside."""
+
+    heard: Any  #: (ROWS, n_inputs, N) readings in place of the robots' own
+    replayed: Any  #: bool: whether they count
+    active: Any  #: bool; false: all motors at home
+
+
 class Block(NamedTuple):
     """What a call gives, robots last."""
 
@@ -71,13 +79,13 @@ class ClosedLoop:
         self._touches = np.flatnonzero(kinds == touch).tolist()
         self._travel = travel_map(walker.robot)
 
-    def advance(self, neurons: Any, steps: Any, active: Any) -> Block:
+    def advance(self, neurons: Any, steps: Any, told: Told) -> Block:
         """The robots some control steps later.
 
         Args:
             neurons: (HIDDEN, N) their last outputs.
             steps: at most `ROWS`.
-            active: false: all motors at home.
+            told: what the networks are told.
         """
         start, face = self._batch.start, self._face
         columns = self._plan.model.sensor_adr[self._touches].tolist()
@@ -88,18 +96,19 @@ class ClosedLoop:
             tuple(neurons[i] for i in range(HIDDEN)),
             jnp.zeros((ROWS, face.n_inputs + face.n_outputs + 3, self._n), self._dtype),
         )
-        carry = jax.lax.fori_loop(0, steps, lambda row, c: self._control_step(row, c, active), carry)
+        carry = jax.lax.fori_loop(0, steps, lambda row, c: self._control_step(row, c, told), carry)
         sensordata = start.sensordata
         for column, felt in zip(columns, carry.felt, strict=True):
             sensordata = sensordata.at[column].set(felt)
         final = BodyState(*unpacked(self._plan, carry.state), sensordata, carry.hidden)
         return Block(final, jnp.stack(carry.neurons), carry.rows)
 
-    def _control_step(self, row: Any, carry: _Carry, active: Any) -> _Carry:
+    def _control_step(self, row: Any, carry: _Carry, told: Told) -> _Carry:
         qpos = coordinates(self._plan, carry.state)
         readings = self._readings(qpos, carry.felt)
-        neurons, outputs = _respond(self._batch.network, carry.neurons, self._inputs(readings), self._walker.gain)
-        commands = [self._command(i, u, active) for i, u in enumerate(outputs)]
+        seen = [jnp.where(told.replayed, told.heard[row, i], r) for i, r in enumerate(readings)]
+        neurons, outputs = _respond(self._batch.network, carry.neurons, self._inputs(seen), self._walker.gain)
+        commands = [self._command(i, u, told.active) for i, u in enumerate(outputs)]
         table = jnp.stack(commands)
         inner = (carry.state, carry.felt, carry.hidden)
         drive, on = self._drive(commands), jnp.ones_like(table)

@@ -17,7 +17,7 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.controllers import HIDDEN
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import cores, in_chunks
-from estexp_jax.physics.engines.lanes.loop import ROWS, Batch, Block, ClosedLoop
+from estexp_jax.physics.engines.lanes.loop import ROWS, Batch, Block, ClosedLoop, Told
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
 from estexp_jax.physics.engines.lanes.xla import compiled, lowered
 from estexp_jax.physics.engines.walking import Lane, Walk, Walker
@@ -67,15 +67,16 @@ class LanesWalker(Walker):
         counted = self._programs["walk"].cost_analysis().get("flops")
         return None if counted is None else float(counted) / self.width
 
-    def _run(self, lanes: Lane, steps: int, *, active: bool) -> Walk:
-        batch = jax.tree.map(np.asarray, lanes)
-        return in_chunks(lambda part: self._chunk(part, steps, active), batch, self.width)
+    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: np.ndarray | None) -> Walk:
+        batch = jax.tree.map(np.asarray, (lanes, heard))
+        return in_chunks(lambda part: self._chunk(part[0], part[1], steps, active), batch, self.width)
 
-    def _chunk(self, lanes: Lane, steps: int, active: bool) -> Walk:
+    def _chunk(self, lanes: Lane, heard: np.ndarray | None, steps: int, active: bool) -> Walk:
         prepare, advance = self._compiled(lanes)
         batch, neurons, rows = prepare(lanes), np.zeros((HIDDEN, self.width), np.float32), []
         for done in range(0, steps, ROWS):
-            block = advance(batch, neurons, np.int32(min(ROWS, steps - done)), np.bool_(active))
+            inputs = Told(self._heard(heard, done), np.bool_(heard is not None), np.bool_(active))
+            block = advance(batch, neurons, np.int32(min(ROWS, steps - done)), inputs)
             batch, neurons = batch._replace(start=block.final), block.neurons
             rows.append(block.rows)
         table = np.moveaxis(np.concatenate([np.asarray(r) for r in rows])[:steps], -1, 0)
@@ -84,15 +85,24 @@ class LanesWalker(Walker):
         sound = [np.all(np.abs(x) < mujoco.mjMAXVAL, axis=1) for x in (final.qpos, final.qvel)]  # false for NaN
         return Walk(table[..., :i], table[..., i : i + o], table[..., i + o :], final, ~(sound[0] & sound[1]))
 
+    def _heard(self, heard: np.ndarray | None, done: int) -> np.ndarray:
+        """Recorded readings of a call's rows, robots last; a new array, as the call may still read it later."""
+        table = np.zeros((ROWS, self.interface.n_inputs, self.width), np.float32)
+        if heard is not None:
+            part = np.moveaxis(heard[:, done : done + ROWS], 0, -1)
+            table[: len(part)] = part
+        return table
+
     def _compiled(self, lanes: Lane) -> tuple[Any, Any]:
         """Both executables, compiled at the first call."""
         with self._lock:
             if not self._programs:
                 prepare = lowered(jax.vmap(self._prepared, out_axes=-1), lanes)
                 neurons = np.zeros((HIDDEN, self.width), np.float32)
+                told = Told(self._heard(None, 0), np.bool_(False), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
-                    advance = lowered(self._advanced, prepare.out_info, neurons, np.int32(0), np.bool_(True))
+                    advance = lowered(self._advanced, prepare.out_info, neurons, np.int32(0), told)
                     self._programs["walk"], self._programs["fast"] = compiled(advance, self.width)
                     self._programs["prepare"] = preparing.result()
         return self._programs["prepare"], self._programs["walk"]
@@ -120,6 +130,6 @@ class LanesWalker(Walker):
         shift = distorted(0.0)
         return distorted(1.0) - shift, shift
 
-    def _advanced(self, batch: Batch, neurons: Any, steps: Any, active: Any) -> Block:
+    def _advanced(self, batch: Batch, neurons: Any, steps: Any, told: Told) -> Block:
         """All robots, some control steps later."""
-        return ClosedLoop(self, self.lanes, batch).advance(neurons, steps, active)
+        return ClosedLoop(self, self.lanes, batch).advance(neurons, steps, told)

@@ -1,0 +1,1 @@
+"""What the experiments of `recover` share: their runs, one folder each, and how they are counted and drawn."""

@@ -1,0 +1,106 @@
+"""One diagnosis: a damaged robot is driven by walkers of the library, and an estimation names what is broken."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from estexp_jax.physics.changes import Change
+from estexp_jax.recovery.config import Catalogue, Settings
+from estexp_jax.recovery.cycle import Job, job_of
+from estexp_jax.recovery.estimation import Diagnosis, changes_of
+from estexp_jax.recovery.evidence import estimation, residuals_of
+from estexp_jax.recovery.trial import Trial
+from experiments.common.scoring import amount_error, same_set, text
+from experiments.common.world import quadruped, short_world
+
+LIBRARY = Path(__file__).resolve().parents[1] / "walkers" / "walkers.npz"
+STEPS = 60
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is diagnosed, from how many trials, and how."""
+
+    situation: int
+    seed: int
+    robot: Literal["same", "foreign"]
+    catalogue: Catalogue = "full"
+    paper: bool = False
+    trials: tuple[int, ...] = (1, 2, 4)
+
+    @property
+    def settings(self) -> Settings:
+        """Of the run that it stands for."""
+        return Settings(
+            situation=self.situation,
+            seed=self.seed,
+            robot=self.robot,
+            catalogue=self.catalogue,
+            paper=self.paper,
+            steps=STEPS,
+        )
+
+
+@cache
+def library() -> np.ndarray:
+    """Weights of the walkers, (walkers, n_weights)."""
+    with np.load(LIBRARY) as archive:
+        return archive["percent"] / 100.0
+
+
+def diagnose(task: Task) -> list[dict[str, Any]]:
+    """A row for each number of trials; each estimation begins with the diagnosis before, as in the whole loop."""
+    job = job_of(quadruped(), task.settings, world=short_world())
+    drawn = np.random.default_rng([task.seed, task.situation]).permutation(len(library()))[: max(task.trials)]
+    controllers = [library()[i] for i in drawn]
+    assert job.healthy is not None
+    before = job.healthy(short_world().controller(controllers[0], STEPS))
+    trials = [job.target(short_world().controller(weights, STEPS)) for weights in controllers]
+    rows, seeds = [], []
+    for number in task.trials:
+        begin = time.monotonic()
+        found, seed = _estimated(job, number, controllers[:number], trials[:number], before, seeds)
+        seeds.append(seed)
+        rows.append(_row(task, number, job.planted, found, time.monotonic() - begin))
+    return rows
+
+
+def _estimated(
+    job: Job, number: int, controllers: list[np.ndarray], trials: list[Trial], before: Trial, seeds: list[Any]
+) -> tuple[Diagnosis, Any]:
+    method = estimation(job.simulator, job.settings, number)
+    residuals = residuals_of(job.simulator, job.settings, controllers, trials, [(controllers[0], before)])
+    state = method.begin(seeds)
+    while not method.done(state):
+        state = method.advance(state, residuals)
+    return method.diagnosis(state), method.seed(state)
+
+
+def _row(task: Task, number: int, planted: tuple[Change, ...], found: Diagnosis, seconds: float) -> dict[str, Any]:
+    world = short_world()
+    diagnosis = changes_of(world, found.items)
+    rivals = [changes_of(world, items) for items, _ in found.rivals]
+    return {
+        "robot": task.robot,
+        "method": "paper" if task.paper else "set",
+        "catalogue": task.catalogue,
+        "situation": task.situation,
+        "seed": task.seed,
+        "trials": number,
+        "right": same_set(planted, diagnosis),
+        "error": amount_error(quadruped(), planted, diagnosis),
+        "among_rivals": any(same_set(planted, rival) for rival in rivals),
+        "probability": found.probability,
+        "alarm": found.alarm,
+        "residual": found.residual,
+        "planted": text(planted),
+        "diagnosis": text(diagnosis),
+        "rivals": " | ".join(f"{p:.2f} {text(c)}" for c, (_, p) in zip(rivals, found.rivals, strict=True)),
+        "seconds": seconds,
+    }

@@ -1,0 +1,39 @@
+"""`estexp experiment one_run`: Figure 6, one run of situation 5 in full, under both metrics and with the set search.
+
+estexp experiment one_run --quick
+estexp experiment one_run
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The runs of the first seed, their figures and numbers."""
+    from estexp_jax.report.recover_figure import path_figure, progress_figure
+    from experiments.common.case import Case, seeds
+    from experiments.common.options import parsed, publish
+    from experiments.common.runs import run_all, state_of
+    from experiments.common.tables import row, write_rows, write_summary
+    from experiments.table1.run import ARMS
+
+    options = parsed("one_run", __doc__, seeds=1, quick_seeds=1, arguments=arguments)
+    cases = [Case(5, seeds(1)[0], options.size, method, metric) for method, metric in ARMS]
+    run_all(cases, options.store, options.workers)
+    for case in cases:
+        state, name = state_of(case, options.store), f"{case.method}-{case.metric}"
+        progress_figure(state, case.settings.axis).savefig(options.out / f"{name}.png", dpi=100)
+        path_figure(state, case.settings.axis).savefig(options.out / f"{name}-paths.png", dpi=100)
+    write_rows(options.out / "runs.csv", [row(case, options.store) for case in cases])
+    write_summary(options.out / "summary.json", {}, seed=seeds(1)[0], size=options.size)
+    publish(options, __file__)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,60 @@
+"""What the experiments of recover share."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from estexp_jax.physics.changes import Change
+from experiments.common.case import FIRST_SEED, Case, seeds
+from experiments.common.runs import finished, run_all, state_of
+from experiments.common.scoring import amount_error, same_set
+from experiments.common.statistics import holm, share, signed_rank
+from experiments.common.tables import row, write_rows
+from experiments.common.world import quadruped
+
+WEAK = Change("motor_weakness", "hip_f", {"loss": 0.5})
+
+
+def test_cases_have_folders_of_their_own() -> None:
+    cases = [Case(s, seed, "quick", m) for s in range(1, 14) for seed in seeds(3) for m in ("paper", "set")]
+    assert len({case.name for case in cases}) == len(cases)
+    assert min(case.seed for case in cases) == FIRST_SEED
+
+
+def test_a_diagnosis_is_right_where_every_change_and_place_is() -> None:
+    less = Change("motor_weakness", "hip_f", {"loss": 0.53})
+    assert same_set([WEAK], [less]) and not same_set([WEAK], [less, Change("gravity_tilt", None, {"angle": 0.1})])
+    assert amount_error(quadruped(), [WEAK], [less]) == pytest.approx(3.0)
+    assert amount_error(quadruped(), [WEAK], []) is None
+    ties = [Change("tied_outputs", "hip_f", {"with": w}) for w in (2.0, 3.0)]
+    assert same_set(ties[:1], ties[:1]) and not same_set(ties[:1], ties[1:])
+
+
+def test_mass_errors_are_shares_of_the_nominal_mass() -> None:
+    nominal = float(quadruped().model.body_mass[quadruped().index("body", "torso")])
+    masses = [Change("body_mass", "torso", {"dm": x * nominal}) for x in (1.0, 0.9)]
+    assert amount_error(quadruped(), masses[:1], masses[1:]) == pytest.approx(10.0)
+
+
+def test_statistics() -> None:
+    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    assert signed_rank([float(i) for i in range(1, 11)], [0.0] * 10) == pytest.approx(2.0**-10)
+    assert signed_rank([1.0, 1.0], [1.0, 1.0]) == 1.0
+    low, high = share(9, 10)
+    assert 0.6 < low < 0.9 < high < 1.0
+
+
+@pytest.mark.slow
+def test_runs_are_resumed_and_not_repeated(tmp_path: Path) -> None:
+    case = Case(3, FIRST_SEED, "quick", "set")
+    run_all([case], tmp_path, 1)
+    assert finished(case, tmp_path) and state_of(case, tmp_path).phase == "done"
+    before = (tmp_path / case.name / "run.json").stat().st_mtime_ns
+    run_all([case], tmp_path, 1)
+    assert (tmp_path / case.name / "run.json").stat().st_mtime_ns == before
+    line = row(case, tmp_path)
+    assert line["right_4"] in (True, False) and line["situation"] == 3
+    write_rows(tmp_path / "rows.csv", [line])
+    assert (tmp_path / "rows.csv").read_text().startswith("situation,method")
+    assert json.loads((tmp_path / case.name / "run.json").read_text())["seed"] == FIRST_SEED
