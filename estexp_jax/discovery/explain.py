@@ -34,8 +34,6 @@ from estexp_jax.physics.registry import catalogue
 
 FINER = 4
 """The explained simulator steps at this part of the nominal step."""
-_PRICE = 1e-3
-"""Price of a model's value being off by an ordinary error, where noise alone costs 1: decides what data do not."""
 
 
 def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
@@ -76,12 +74,12 @@ def explain(
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
     selection, problem = yield from select(
-        whole, parameters, folds_of(whole, case.indices("train")), _PRICE, config.most
+        whole, parameters, folds_of(whole, case.indices("train")), whole.price, config.most
     )
     began = begun(case, problem, selection, config.seed)
     if began:
         late = starting_late(case, config, problem, began, FINER)
-        better = yield from select_late(late, parameters, selection, _PRICE, config.most)
+        better = yield from select_late(late, parameters, selection, late.price, config.most)
         (selection, problem), began = (better, began) if better else ((selection, problem), {})
     fitted = windows_to_fit(problem, case.indices("train"))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection, fitted))}
@@ -108,11 +106,11 @@ def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Ge
     ]
     wrong = placebo(problem.replayer.robot, parameters.hypothesis, selection)
     tasks += [wrong] if wrong else []
-    fine, stage, price = problem.finer(), "all training recordings", dearer(_PRICE, selection.chosen)
+    fine, stage, price = problem.finer(), "all training recordings", dearer(problem.price, selection.chosen)
     final, said_fit, *others = yield from fit(fine, tasks, windows, price, stage=stage, iterations=20)
     tasks = [(parameters.hypothesis, [parameters.vector])]
     about = problem.about(parameters.member).finer()
-    [own] = yield from fit(about, tasks, windows, _PRICE, stage=f"{stage}, parameters only", iterations=30)
+    [own] = yield from fit(about, tasks, windows, about.price, stage=f"{stage}, parameters only", iterations=30)
     found = {"parameters_only": own, "explained": final, "sayable": said_fit}
     return found | dict(zip(["placebo"], others, strict=False))
 
@@ -146,7 +144,7 @@ def _diagnosis(
         if found == "parameters"
         else ()
     )
-    intervals = parameter_intervals(problem, final, fitted, _PRICE)
+    intervals = parameter_intervals(problem, final, fitted, problem.price)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
     test, exact = shown.windows_of(case.indices("test")), shown.exact()
     places = [] if found == "consistent" else [step_place(selection)] if step else where(case.robot, selection)

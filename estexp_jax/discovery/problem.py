@@ -107,6 +107,14 @@ class Problem:
         """The same comparison at the fine step, for what a coarse one distorts (dry friction); `about` came before."""
         return replace(self, segments=self.fine, correction=self.correction_finer)
 
+    @cached_property
+    def price(self) -> float:
+        """Price of a model's value being off by an ordinary error: that of one sample a deviation off, all costing 1.
+
+        So weighs a normal prior of that deviation against as many independent samples.
+        """
+        return 1.0 / float(np.isfinite(self._compared(self.trained)).sum())
+
     @property
     def trained(self) -> np.ndarray:
         """Indices of the windows of training recordings."""

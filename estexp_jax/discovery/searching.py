@@ -13,7 +13,11 @@ from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.screening import extended, looked_at, restarted, simpler, with_rungs, without
 from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, simplest, worth
+from estexp_jax.discovery.starts import RUNGS
 
+_NEAR = 2.0
+"""Explanations up to so many times as far off as the best are judged again about its fit, where the step's error is
+known: that hid a Stribeck peak behind plain friction."""
 _PROMISING = 6
 """So many of a round's hypotheses, the best fitted ones, are judged on held-out windows."""
 
@@ -98,11 +102,19 @@ def _added(search: _Search, found: _Found, n: int) -> Generator[Progress, None, 
     tried, best = (*found.tried, *grown), simplest(grown)
     if not worth(best, found.chosen):
         return replace(found, tried=tried)
-    others = [task for e in grown if e is not best for task in restarted(found.problem, e.fitted)]
+    rivals = _rivals(grown, best)
+    others = [task for e in rivals for task in restarted(found.problem, e.fitted)]
     tasks = [*restarted(found.problem, best.fitted), *others]
     again, problem = yield from _judged_there(search, found.problem, tasks, f"{stage}, finer step")
     anew = {e.places: e for e in again}
     return _Found(problem, simplest(again), tuple(anew.get(e.places, e) for e in tried))
+
+
+def _rivals(grown: Sequence[Explanation], best: Explanation) -> list[Explanation]:
+    """Those that may yet turn out as good as the best, and the simpler relatives of it and them."""
+    near = [e for e in grown if e is not best and e.error <= _NEAR * best.error]
+    relatives = {(RUNGS.get(name), site) for name, site in (e.places[-1] for e in (best, *near))}
+    return near + [e for e in grown if e is not best and e not in near and e.places[-1] in relatives]
 
 
 def _exchanged(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
