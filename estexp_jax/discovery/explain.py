@@ -11,17 +11,18 @@ import numpy as np
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
-from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.fitting import Fit, Progress, Task
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.location import where
+from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem, deviations
 from estexp_jax.discovery.rivals import RIVALS, base_of, black_box_errors, fit_entry
-from estexp_jax.discovery.searching import dearer, select
-from estexp_jax.discovery.selection import Selection, folds_of, probabilities, windows_to_fit
+from estexp_jax.discovery.searching import fitted, select
+from estexp_jax.discovery.selection import Selection, probabilities
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
 from estexp_jax.discovery.when import never, when
@@ -73,16 +74,13 @@ def explain(
     settings = {name for r in case.recordings for name in r.settings}
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
-    selection, problem = yield from select(
-        whole, parameters, folds_of(whole, case.indices("train")), whole.price, config.most
-    )
+    selection, problem = yield from select(whole, parameters, config.most)
     began = begun(case, problem, selection, config.seed)
     if began:
         late = starting_late(case, config, problem, began, FINER)
-        better = yield from select_late(late, parameters, selection, late.price, config.most)
+        better = yield from select_late(late, parameters, selection, config.most)
         (selection, problem), began = (better, began) if better else ((selection, problem), {})
-    fitted = windows_to_fit(problem, case.indices("train"))
-    fits = {"nominal": nominal, **(yield from _refitted(problem, selection, fitted))}
+    fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
     shown = replace(whole, began=began)
     bases = [base_of(case, shown, fits[name]) for name in ("parameters_only", "nominal")]
@@ -91,7 +89,7 @@ def explain(
     return _diagnosis(case, config, problem, shown, selection, fits, learned, bases[0][1])
 
 
-def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Generator[Progress, None, dict[str, Fit]]:
+def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:
     """The chosen explanation, its part that MJCF can say, and its rivals, fitted to all training windows."""
     chosen, parameters = selection.chosen.fitted, selection.parameters.fitted
     changes = chosen.hypothesis.changes(chosen.vector, claimed=True)
@@ -106,13 +104,13 @@ def _refitted(problem: Problem, selection: Selection, windows: np.ndarray) -> Ge
     ]
     wrong = placebo(problem.replayer.robot, parameters.hypothesis, selection)
     tasks += [wrong] if wrong else []
-    fine, stage, price = problem.finer(), "all training recordings", dearer(problem.price, selection.chosen)
-    final, said_fit, *others = yield from fit(fine, tasks, windows, price, stage=stage, iterations=20)
-    tasks = [(parameters.hypothesis, [parameters.vector])]
-    about = problem.about(parameters.member).finer()
-    [own] = yield from fit(about, tasks, windows, about.price, stage=f"{stage}, parameters only", iterations=30)
-    found = {"parameters_only": own, "explained": final, "sayable": said_fit}
-    return found | dict(zip(["placebo"], others, strict=False))
+    stage = "all training recordings"
+    fits, _ = yield from fitted(problem, tasks, stage, 20)
+    by_hypothesis = {f.hypothesis: f for f in fits}
+    there = about(problem, parameters)
+    [own], _ = yield from fitted(there, [(parameters.hypothesis, [parameters.vector])], f"{stage}, parameters only", 30)
+    kinds = dict(zip(("explained", "sayable", "placebo"), (by_hypothesis[h] for h, _ in tasks), strict=False))
+    return {"parameters_only": own, **kinds}
 
 
 def _diagnosis(
@@ -127,7 +125,6 @@ def _diagnosis(
 ) -> Diagnosis:
     nominal, final, sayable = fits["nominal"], fits["explained"], fits["sayable"]
     claimed = final.hypothesis.changes(final.vector, claimed=True)
-    fitted = windows_to_fit(problem, case.indices("train"))
     found = verdict(case.robot, selection, claimed)
     if found == "consistent":  # then nothing is changed, not even what a refit would bend
         final = sayable = nominal
@@ -144,7 +141,7 @@ def _diagnosis(
         if found == "parameters"
         else ()
     )
-    intervals = parameter_intervals(problem, final, fitted, problem.price)
+    intervals = parameter_intervals(problem, final)
     named = () if found in ("consistent", "unexplained") else (*claimed, *told)
     test, exact = shown.windows_of(case.indices("test")), shown.exact()
     places = [] if found == "consistent" else [step_place(selection)] if step else where(case.robot, selection)
@@ -195,7 +192,7 @@ def _predictions(case: Case, problem: Problem, nominal: Fit, final: Fit) -> tupl
     found = []
     for index, recording in enumerate(case.recordings):
         windows = problem.windows_of([index])
-        pair = ((replace(problem, correction=None), nominal), (problem.exact(), final))
+        pair = ((replace(problem, step=None), nominal), (problem.exact(), final))
         simulated = [comparison.simulated([f.member], windows)[0] for comparison, f in pair]
         rows = [problem.segments[w].rows for w in windows]
         logged = np.isin(problem.recordings[index].time, recording.time)

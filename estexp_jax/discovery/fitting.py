@@ -19,7 +19,7 @@ _STEP = 0.01
 """Finite-difference step, as a share of a parameter's present size ..."""
 _LEAST_STEP = 1e-3
 """... and at least this share of its largest."""
-_DAMPINGS = (1e-7, 1e-4, 1e-2, 1.0)
+DAMPINGS = (1e-7, 1e-4, 1e-2, 1.0)
 _SMALL = 0.7
 """Steps up to this share of a value are taken by factors."""
 _MOST_MEMBERS = 4096
@@ -65,7 +65,7 @@ def fit(
     problem: Problem,
     tasks: Sequence[Task],
     windows: np.ndarray,
-    price: float,
+    price: float | Sequence[float],
     *,
     stage: str,
     iterations: int = 8,
@@ -77,23 +77,26 @@ def fit(
         problem: the comparison.
         tasks: hypotheses with the vectors (n_free,) to start from; the best start is pursued.
         windows: indices of the windows.
-        price: cost of a value of the model being off by its `spread`, where noise costs 1.
+        price: cost of a value of the model being off by its `spread`, where noise costs 1; one, or one a task.
         stage: what to call it while it goes on.
         iterations: most steps.
-
-        newest_only: move only the parameters of the last claimed place, the others stay: cheap, for a first look.
+        newest_only: move only the parameters of the last claimed place, the others stay and cost nothing: cheap, for a
+            first look.
 
     Yields:
         Progress after each step.
     """
-    fits, moving, first = _remembered(problem, tasks, stage) or (*_screened(problem, tasks, windows, price), 0)
-    moving = [i for i in moving if _movable(fits[i].hypothesis).any()]
+    prices = list(price) if isinstance(price, Sequence) else [price] * len(tasks)
+    if newest_only:
+        prices = [0.0] * len(tasks)
+    fits, moving, first = _remembered(problem, tasks, stage) or (*_screened(problem, tasks, windows, prices), 0)
+    moving = [i for i in moving if movable(fits[i].hypothesis).any()]
     for iteration in range(first, iterations):
         _remember(problem, stage, fits, moving, iteration)
         yield Progress(stage, iteration, iterations, _note(fits))
         if not moving:
             break
-        improved = _step([fits[i] for i in moving], problem, windows, price, newest_only)
+        improved = _step([fits[i] for i in moving], problem, windows, [prices[i] for i in moving], newest_only)
         still = [i for i, new in zip(moving, improved, strict=True) if new.cost < fits[i].cost * (1.0 - _CONVERGED)]
         for i, new in zip(moving, improved, strict=True):
             fits[i] = new
@@ -130,56 +133,60 @@ def _note(fits: list[Fit]) -> str:
 
 
 def _screened(
-    problem: Problem, tasks: Sequence[Task], windows: np.ndarray, price: float
+    problem: Problem, tasks: Sequence[Task], windows: np.ndarray, prices: Sequence[float]
 ) -> tuple[list[Fit], list[int]]:
     """The best of several starts for each hypothesis, and the indices of those still to be improved: all."""
     starts = [(h, v) for h, vectors in tasks for v in vectors]
     owner = np.repeat(np.arange(len(tasks)), [len(vectors) for _, vectors in tasks])
-    costs = _costs(problem, starts, windows, price)
+    costs = _costs(problem, starts, windows, [prices[int(i)] for i in owner])
     best = [int(np.flatnonzero(owner == i)[np.argmin(costs[owner == i])]) for i in range(len(tasks))]
     return [Fit(*starts[b], float(costs[b])) for b in best], list(range(len(tasks)))
 
 
-def _prior(hypothesis: Hypothesis, vector: np.ndarray, price: float) -> np.ndarray:
-    """Residuals (n_free,) of values of the model that are off."""
-    return np.sqrt(price) * np.array([(v - f.neutral) / f.spread for f, v in zip(hypothesis.free, vector, strict=True)])
+def prior_cost(hypothesis: Hypothesis, vector: np.ndarray, price: float) -> float:
+    """What values of the model that are off cost."""
+    return price * sum(((v - f.neutral) / f.spread) ** 2 for f, v in zip(hypothesis.free, vector, strict=True))
 
 
 def _costs(
-    problem: Problem, members: Sequence[tuple[Hypothesis, np.ndarray]], windows: np.ndarray, price: float
+    problem: Problem,
+    members: Sequence[tuple[Hypothesis, np.ndarray]],
+    windows: np.ndarray,
+    prices: Sequence[float],
 ) -> np.ndarray:
     residuals = problem.residuals(members, windows)
     data = np.sum(np.square(residuals, dtype=np.float64), axis=(1, 2))
-    return data + np.array([np.sum(_prior(h, v, price) ** 2) for h, v in members])
+    return data + np.array([prior_cost(h, v, price) for (h, v), price in zip(members, prices, strict=True)])
 
 
-def _step(fits: list[Fit], problem: Problem, windows: np.ndarray, price: float, newest_only: bool) -> list[Fit]:
+def _step(
+    fits: list[Fit], problem: Problem, windows: np.ndarray, prices: Sequence[float], newest_only: bool
+) -> list[Fit]:
     """One Levenberg-Marquardt step of each fit; a fit that finds nothing better stays."""
-    candidates = []
-    moving = [_newest(f.hypothesis) if newest_only else _movable(f.hypothesis) for f in fits]
-    for f, own, slopes in zip(fits, moving, _jacobians(problem, fits, windows, moving), strict=True):
-        candidates += _candidates(f, own, *_normal_equations(f, price, *slopes))
-    costs = _costs(problem, [(f.hypothesis, c) for f, c in _paired(fits, candidates)], windows, price)
+    tried = []
+    moving = [_newest(f.hypothesis) if newest_only else movable(f.hypothesis) for f in fits]
+    slopes = jacobians(problem, fits, windows, moving)
+    for f, own, (residual, derivative), price in zip(fits, moving, slopes, prices, strict=True):
+        tried += candidates(f, own, *normal_equations(f, price, residual, derivative))
+    n = len(DAMPINGS)
+    members = [(fits[i // n].hypothesis, c) for i, c in enumerate(tried)]
+    costs = _costs(problem, members, windows, np.repeat(prices, n).tolist())
     found = []
     for i, f in enumerate(fits):
-        own = slice(i * len(_DAMPINGS), (i + 1) * len(_DAMPINGS))
+        own = slice(i * n, (i + 1) * n)
         best = int(np.argmin(costs[own]))
         better = costs[own][best] < f.cost
-        found.append(replace(f, vector=candidates[own][best], cost=float(costs[own][best])) if better else f)
+        found.append(replace(f, vector=tried[own][best], cost=float(costs[own][best])) if better else f)
     return found
-
-
-def _paired(fits: list[Fit], candidates: list[np.ndarray]) -> list[tuple[Fit, np.ndarray]]:
-    return [(fits[i // len(_DAMPINGS)], c) for i, c in enumerate(candidates)]
 
 
 def _newest(hypothesis: Hypothesis) -> np.ndarray:
     """Which parameters (n_free,) belong to the place claimed last."""
     own = np.array([(f.effect, f.site) == hypothesis.places[-1] for f in hypothesis.free], dtype=bool)
-    return own & _movable(hypothesis)
+    return own & movable(hypothesis)
 
 
-def _movable(hypothesis: Hypothesis) -> np.ndarray:
+def movable(hypothesis: Hypothesis) -> np.ndarray:
     """Which parameters (n_free,) are amounts."""
     return np.array([not f.chosen for f in hypothesis.free], dtype=bool)
 
@@ -189,11 +196,11 @@ def jacobian(problem: Problem, fitted: Fit, windows: np.ndarray) -> tuple[np.nda
 
     Only amounts are derived by; the derivatives by others are zero.
     """
-    [found] = _jacobians(problem, [fitted], windows, [_movable(fitted.hypothesis)])
+    [found] = jacobians(problem, [fitted], windows, [movable(fitted.hypothesis)])
     return found
 
 
-def _jacobians(
+def jacobians(
     problem: Problem, fits: Sequence[Fit], windows: np.ndarray, moving: Sequence[np.ndarray]
 ) -> Generator[tuple[np.ndarray, np.ndarray], None, None]:
     """`jacobian` of each fit, as many in one replay as memory allows: one alone would not fill it."""
@@ -226,7 +233,7 @@ def _differences(residuals: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, 
     return flat[0], derivative
 
 
-def _normal_equations(
+def normal_equations(
     fitted: Fit, price: float, residual: np.ndarray, derivative: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Gradient (n_free,) and Gauss-Newton matrix (n_free, n_free) of half the cost."""
@@ -245,7 +252,7 @@ def _steps(hypothesis: Hypothesis, vector: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def _candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: np.ndarray) -> list[np.ndarray]:
+def candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: np.ndarray) -> list[np.ndarray]:
     """Damped steps of the moving parameters, within bounds; those that a bound already holds back stay there."""
     free, vector = fitted.hypothesis.free, fitted.vector
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
@@ -254,7 +261,7 @@ def _candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: n
     unit = np.where(held, 0.0, 1.0) / scale
     normal = matrix * unit[:, None] * unit[None, :]
     found = []
-    for damping in _DAMPINGS:
+    for damping in DAMPINGS:
         regular = normal + np.diag(np.where(held, 1.0, damping + 1e-12))
         found.append(np.clip(_moved(fitted, -unit * np.linalg.solve(regular, unit * gradient)), low, high))
     return found

@@ -12,7 +12,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.onset import helps_before, onsets
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
-from estexp_jax.discovery.selection import NOISE, Selection, folds_of
+from estexp_jax.discovery.selection import NOISE, Selection
 from estexp_jax.inference.windows import segments_of
 
 _MEMORY = "from the onset on"
@@ -52,11 +52,11 @@ def starting_late(
     coarse, fine = (segments_of(case.robots, problem.recordings, config.window, part, began) for part in (1, finer))
     memory = problem.memory.setdefault(_MEMORY, {})
     cut = replace(problem, segments=tuple(coarse), fine=tuple(fine), began=began, memory=memory)
-    return replace(cut, correction=None, correction_finer=None, doubt=None)
+    return replace(cut, step=None, own={}, doubt=None)
 
 
 def select_late(
-    late: Problem, parameters: Hypothesis, whole: Selection, price: float, most: int
+    late: Problem, parameters: Hypothesis, whole: Selection, most: int
 ) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
     """`select` among claims that act from the onset on; None where they predict held-out windows no better.
 
@@ -64,9 +64,7 @@ def select_late(
         late: the comparison by `starting_late`.
         parameters: the hypothesis that only values of the model are off.
         whole: what was chosen as if everything acted from the start.
-        price: of unusual values of the model.
         most: largest number of effects.
     """
-    train = [i for i, r in enumerate(late.recordings) if r.role == "train"]
-    found, about = yield from select(late, parameters, folds_of(late, train), price, most)
+    found, about = yield from select(late, parameters, most)
     return (found, about) if found.chosen.places and found.chosen.error < whole.chosen.error else None

@@ -66,7 +66,7 @@ def helps_before(problem: Problem, began: Mapping[int, float], explained: Fit) -
     """Whether an explanation predicts what came before the onset better than the nominal simulator does."""
     windows = [
         w
-        for w, s in enumerate(problem.segments)
+        for w, s in ((int(w), problem.segments[w]) for w in problem.fitted)
         if s.recording in began and problem.recordings[s.recording].time[s.last] <= began[s.recording]
     ]
     if not windows:

@@ -12,6 +12,7 @@ import numpy as np
 
 from estexp_jax.discovery.doubt import directions, other_starts, whitened
 from estexp_jax.discovery.hypotheses import Hypothesis, Place, lanes
+from estexp_jax.discovery.slack import Slack
 from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
@@ -27,13 +28,12 @@ _BLOWN_UP = 10.0
 """Normalised error of a simulation that is no longer a number: worse than any that stays on its scale."""
 _MOST_LANES = 4096
 """Lanes replayed together, to bound memory."""
-_LEFT_OUT = (1.0, 0.9, 0.8, 0.0)
-"""Shares of the coarse step's error that a robot may lack: all of it, or it was simulated at a tenth, a fifth or the
-whole of that step."""
 _FAR = 1e6
 """Deviations; further is a simulation that blew up."""
 _LEAST_SHARE = 5e-4
 """Of a channel's range: no simulator is right to more."""
+_MOST_WINDOWS = 48
+"""So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
 
 
 def deviations(channels: Channels, recordings: Sequence[Recording]) -> np.ndarray:
@@ -60,11 +60,14 @@ class Problem:
         counted: robot steps simulated so far, a list of one number.
         noise: (recordings, channels) deviation that counts as one, in the channel's unit; NaN where it has no sample.
         places: what may be claimed.
-        correction: (windows, rows, channels) what the coarse step changes, found at one member by `about`; added
-            to everything simulated, because a step of some milliseconds alone may look like friction or delay.
-        correction_finer: the same for the fine step.
+        step: (windows, rows, channels) what no steps at all would change, found at one member by `about`; added to
+            everything simulated, because a step of some milliseconds alone may look like friction or delay.
+        own: the same for hypotheses at whose fits it was found by `corrected`: a coarse step distorts dry friction and
+            stops otherwise than free motion.
+        lacking: share of it that the robot lacks: 1 for real ones, less for one that was simulated itself.
         began: index of a recording to the time before which nothing that is claimed acts in it, s.
-        doubt: directions and factors of `doubt.directions` for each window, found there too.
+        doubt: directions and factors of `doubt.directions` for each window, found by `about` too.
+        slack: what values of the model and earlier claims would explain, if they were fitted; None: they are not.
         memory: the state of each stage of fitting, plain numbers and arrays by its name: kept by the caller, it lets an
             interrupted explanation go on where it was.
     """
@@ -78,9 +81,11 @@ class Problem:
     memory: dict[str, Any]
     noise: np.ndarray
     places: tuple[Place, ...]
-    correction: np.ndarray | None = None
-    correction_finer: np.ndarray | None = None
+    step: np.ndarray | None = None
+    own: Mapping[Hypothesis, np.ndarray] = field(default_factory=dict)
+    lacking: float = 1.0
     doubt: tuple[np.ndarray, np.ndarray] | None = None
+    slack: Slack | None = None
     began: Mapping[int, float] = field(default_factory=dict)
 
     def windows_of(self, recordings: Sequence[int]) -> np.ndarray:
@@ -88,32 +93,42 @@ class Problem:
         return np.array([i for i, s in enumerate(self.segments) if s.recording in recordings], dtype=int)
 
     def about(self, member: Member) -> Problem:
-        """The same comparison with what one member shows: the error of the coarse step, and of uncertain starts.
+        """The same comparison with what one member shows: the error of the coarse step, and of uncertain starts."""
+        coarse, [step] = self._steps([member])
+        return replace(self, step=self._spread(step), own={}, doubt=self._doubt(member, coarse[0]))
 
-        A robot does not step, but one that was simulated did, perhaps as coarsely as its nominal simulator: of the
-        steps it may have taken, the one that fits the training windows best counts.
-        """
-        windows = np.arange(len(self.segments))
-        fine, coarse = (self._replayed([member], windows, segments)[0] for segments in (self.fine, self.segments))
-        uncertain = replace(self, correction=None, doubt=self._doubt(member, coarse))
-        step = np.nan_to_num(fine - coarse) * self._whole
-        found = [replace(uncertain, correction=share * step) for share in _LEFT_OUT]
-        costs = [float(np.sum(np.square(p.residuals([member], self.trained), dtype=np.float64))) for p in found]
-        best = int(np.argmin(costs))
-        left = np.nan_to_num(coarse - fine) + found[best].correction
-        return replace(found[best], correction_finer=left)
+    def corrected(self, members: Sequence[Member]) -> Problem:
+        """The same comparison, in which each of these hypotheses is corrected by the step's error at its own fit."""
+        _, steps = self._steps(members)
+        found = {h: self._spread(step) for (h, _), step in zip(members, steps, strict=True)}
+        return replace(self, own={**self.own, **found})
 
-    def finer(self) -> Problem:
-        """The same comparison at the fine step, for what a coarse one distorts (dry friction); `about` came before."""
-        return replace(self, segments=self.fine, correction=self.correction_finer)
+    def _steps(self, members: Sequence[Member]) -> tuple[np.ndarray, np.ndarray]:
+        """Readings of fitted windows (members, windows, rows, channels), and what no steps at all would change."""
+        fine, coarse = (self._replayed(members, self.fitted, segments) for segments in (self.fine, self.segments))
+        return coarse, np.nan_to_num(fine - coarse) * self._whole
 
-    @cached_property
-    def price(self) -> float:
+    def _spread(self, x: np.ndarray) -> np.ndarray:
+        """An array of fitted windows (windows, ...) among all windows, 0 for others."""
+        whole = np.zeros((len(self.segments), *x.shape[1:]), x.dtype)
+        whole[self.fitted] = x
+        return whole
+
+    def price_of(self, windows: np.ndarray) -> float:
         """Price of a model's value being off by an ordinary error: that of one sample a deviation off, all costing 1.
 
         So weighs a normal prior of that deviation against as many independent samples.
         """
-        return 1.0 / float(np.isfinite(self._compared(self.trained)).sum())
+        return 1.0 / max(float(self.samples(windows).sum()), 1.0)
+
+    def samples(self, windows: np.ndarray) -> np.ndarray:
+        """Number of samples (windows,) that are compared."""
+        return np.isfinite(self._compared(windows)).sum(axis=(1, 2))
+
+    @cached_property
+    def fitted(self) -> np.ndarray:
+        """Indices of the windows that are fitted: those of training recordings; of very many, evenly spread ones."""
+        return self.trained[:: -(-len(self.trained) // _MOST_WINDOWS)]
 
     @property
     def trained(self) -> np.ndarray:
@@ -121,16 +136,20 @@ class Problem:
         return self.windows_of([i for i, r in enumerate(self.recordings) if r.role == "train"])
 
     def _doubt(self, member: Member, simulated: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """`doubt` of all windows about one member, whose readings (windows, rows, channels) are known."""
-        windows = np.arange(len(self.segments))
+        """`doubt` of all windows about one member, whose readings in fitted windows are known."""
+        windows = self.fitted
         starts = other_starts(self.replayer.robot.model, self.segments)
         if not starts:
             return None
-        others = np.stack([self._replayed([member], windows, segments)[0] for segments in starts], axis=3)
+        every = [s for segments in starts for s in segments]
+        which = np.concatenate([windows + k * len(self.segments) for k in range(len(starts))])
+        found = self._replayed([member], which, every)[0].reshape(len(starts), len(windows), *simulated.shape[1:])
+        others = np.moveaxis(found, 0, -1)
         change = (others - simulated[..., None]) / self._deviation(windows)[:, None, :, None]
         sampled = np.isfinite(self._compared(windows))[..., None]
         effect = np.where(sampled, np.clip(np.nan_to_num(change), -_FAR, _FAR), 0.0)
-        return directions(effect.reshape(len(windows), -1, len(starts)))
+        basis, kept = directions(effect.reshape(len(windows), -1, len(starts)))
+        return self._spread(basis), 1.0 + self._spread(kept - 1.0)
 
     @property
     def _whole(self) -> float:
@@ -155,13 +174,17 @@ class Problem:
         return replace(self, noise=noise)
 
     def simulated(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
-        """Readings (members, windows, rows, channels) with the correction, NaN beyond a window's end."""
+        """Readings (members, windows, rows, channels) without the error of the step, NaN beyond a window's end."""
         found = self._replayed(members, windows, self.segments)
-        return found if self.correction is None else found + self.correction[windows, : found.shape[2]]
+        for i, (hypothesis, _) in enumerate(members):
+            step = self.own.get(hypothesis, self.step)
+            if step is not None and self.lacking:
+                found[i] += self.lacking * step[windows, : found.shape[2]]
+        return found
 
     def exact(self) -> Problem:
         """The same comparison at the fine step, without correction: slow, and right for every member."""
-        return replace(self, segments=self.fine, correction=None, doubt=None)
+        return replace(self, segments=self.fine, step=None, own={}, doubt=None)
 
     def _replayed(self, members: Sequence[Member], windows: np.ndarray, segments: Sequence[Segment]) -> np.ndarray:
         found = []
@@ -210,7 +233,8 @@ class Problem:
         """Differences (members, windows, samples) in deviations: their squares sum to 1 where only noise is left.
 
         Samples are rows by channels; 0 where there is none. What other start states would explain counts little, once
-        `about` has found what they do. A simulation that blew up counts as off by ten times the channel's range.
+        `about` has found what they do; nor does what `slack` explains count. A simulation that blew up counts as off by
+        ten times the channel's range.
         """
         recorded, deviation = self._compared(windows), self._deviation(windows)[:, None, :]
         difference = (self.simulated(members, windows) - recorded) / deviation
@@ -221,7 +245,8 @@ class Problem:
         if self.doubt is not None:
             basis, kept = self.doubt
             flat = whitened(flat, self._cut(basis, recorded.shape)[windows], kept[windows])
-        return flat / np.float32(np.sqrt(sampled.sum()))
+        flat /= np.float32(np.sqrt(sampled.sum()))
+        return flat if self.slack is None else self.slack.taken_out(flat)
 
     def error(self, member: Member, windows: np.ndarray) -> float:
         """The nrmse of one hypothesis on windows."""

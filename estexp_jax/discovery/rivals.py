@@ -82,7 +82,7 @@ def fit_entry(
     """
     windows = {role: problem.windows_of(case.indices(role)) for role in ROLES}
     floors = {role: noise_floor(problem.channels, [case.recordings[i] for i in case.indices(role)]) for role in ROLES}
-    own, exact = replace(problem, correction=None), problem.exact()
+    own, exact = replace(problem, step=None), problem.exact()
     at = {name: own if name == "nominal" else exact for name in fits}
     errors = {name: {role: at[name].error(f.member, w) for role, w in windows.items()} for name, f in fits.items()}
     errors["black_box"] = dict(black_box)

@@ -8,6 +8,7 @@ import numpy as np
 
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming
+from estexp_jax.discovery.marginal import slackened
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.starts import RUNGS, climbed, starts
 from estexp_jax.physics.registry import effect
@@ -47,45 +48,59 @@ def simpler(problem: Problem, parameters: Hypothesis, chosen: Fit) -> list[Task]
     return fewer + lower
 
 
-def restarted(problem: Problem, fitted: Fit) -> list[Task]:
-    """A hypothesis to be fitted once more, from where it is; and apart from that, from all starts of its last claim.
-
-    The others start with the model's values as nominal: without the effect these were bent to stand in for it, and
-    along a valley in which all masses and motors shrink alike they would be slow to come back.
-    """
-    hypothesis = fitted.hypothesis
-    place = hypothesis.places[-1]
-    claimed = np.array([(f.effect, f.site) in hypothesis.places for f in hypothesis.free])
-    is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
-    nominal = np.where(claimed, fitted.vector, hypothesis.start())
-    own = starts(problem.replayer.robot, effect(place[0]), place[1], problem.seen)
-    fresh = [np.where(is_new, hypothesis.with_values(place, values), nominal) for values in own]
-    return [(hypothesis, [fitted.vector, nominal]), (hypothesis, fresh or [nominal])]
-
-
 def _keys(hypothesis: Hypothesis) -> list[tuple[str, str, str]]:
     return [(f.effect, f.site, f.parameter) for f in hypothesis.free]
 
 
 def looked_at(
-    problem: Problem, tasks: Sequence[Task], windows: np.ndarray, price: float, stage: str, n: int
-) -> Generator[Progress, None, list[Fit]]:
+    problem: Problem, base: Fit, tasks: Sequence[Task], cost: float, stage: str, n: int
+) -> Generator[Progress, None, list[Task]]:
     """The most promising of many hypotheses, by looks that move only what they claim last.
 
     All their starts are tried on a quarter of the windows. The better half, and what is simpler than one of these, goes
-    on to twice as many windows, with starts from the simpler one's solution; and so on, down to `n`.
+    on to twice as many windows, with starts from the simpler one's solution; and so on, down to `n`. All the time,
+    everything that `base` fits is taken as fitted beside them.
+
+    Args:
+        problem: the comparison.
+        base: the hypothesis that all of them add one place to, at the values that they start from.
+        tasks: hypotheses with vectors (n_free,) to start from.
+        cost: of the best explanation so far, 1 for noise.
+        stage: what to call it.
+        n: how many are wanted.
+
+    Returns:
+        The hypotheses with the vectors to fit them from.
     """
-    every = 4
-    looked = yield from fit(
-        problem, tasks, windows[::every], price, stage=f"{stage}, first look", iterations=2, newest_only=True
-    )
+    every, looked = 8, [Fit(h, vectors[0], np.inf) for h, vectors in tasks]
+    again = list(tasks)
     while every > 1:
         every //= 2
+        windows = problem.fitted[::every]
+        free = slackened(problem, base, windows, cost)
+        name = f"{stage}, look at 1/{every} of the windows"
+        looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
         best = with_rungs(sorted(looked, key=lambda f: f.cost), max(n, len(looked) // 2))
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
-        name = f"{stage}, look at 1/{every} of the windows"
-        looked = yield from fit(problem, again, windows[::every], price, stage=name, iterations=2, newest_only=True)
-    return with_rungs(sorted(looked, key=lambda f: f.cost), n)
+    return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
+
+
+def _settled(problem: Problem, free: Problem, base: Fit, looked: Sequence[Fit]) -> list[Task]:
+    """Hypotheses with vectors to fit them from: as they are, and with what else was taken as fitted."""
+    if free.slack is None or not looked:
+        return [(f.hypothesis, [f.vector]) for f in looked]
+    residuals = problem.residuals([f.member for f in looked], problem.fitted)
+    centre = [f.neutral if np.isfinite(f.spread) else v for f, v in zip(base.hypothesis.free, base.vector, strict=True)]
+    found: list[Task] = []
+    for f, offset in zip(looked, free.slack.offsets(residuals), strict=True):
+        values = dict(zip(_keys(base.hypothesis), np.array(centre) + offset, strict=True))
+        place = f.hypothesis.places[-1]
+        settled = [
+            v if (g.effect, g.site) == place else np.clip(values.get(k, v), g.low, g.high)
+            for k, g, v in zip(_keys(f.hypothesis), f.hypothesis.free, f.vector, strict=True)
+        ]
+        found.append((f.hypothesis, [f.vector, np.array(settled)]))
+    return found
 
 
 def with_rungs(ranked: Sequence[Fit], n: int) -> list[Fit]:

@@ -8,18 +8,20 @@ from typing import final
 
 import numpy as np
 
+from estexp_jax.discovery.cross_validation import cross_validated, held_out
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.screening import extended, looked_at, restarted, simpler, with_rungs, without
-from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, simplest, worth
+from estexp_jax.discovery.screening import extended, looked_at, simpler, without
+from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, worth
 from estexp_jax.discovery.starts import RUNGS
 
 _NEAR = 2.0
-"""Explanations up to so many times as far off as the best are judged again about its fit, where the step's error is
-known: that hid a Stribeck peak behind plain friction."""
-_PROMISING = 6
-"""So many of a round's hypotheses, the best fitted ones, are judged on held-out windows."""
+"""Explanations up to so many times as far off as the best are fitted again from all their starts, and judged about its
+fit."""
+_PROMISING = 8
+"""So many of a round's hypotheses, the most promising ones, are fitted in full."""
 
 
 @final
@@ -41,28 +43,18 @@ class _Found:
 @final
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """What does not change meanwhile: the hypothesis without claims, windows, price of values of the model."""
+    """What does not change meanwhile: the hypothesis without claims, and the windows."""
 
     parameters: Hypothesis
     folds: Sequence[Fold]
-    price: float
-
-    @property
-    def windows(self) -> np.ndarray:
-        """All windows that are fitted."""
-        return np.unique(np.concatenate([held for _, held in self.folds]))
 
 
-def select(
-    problem: Problem, parameters: Hypothesis, folds: Sequence[Fold], price: float, most: int
-) -> Generator[Progress, None, tuple[Selection, Problem]]:
+def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Progress, None, tuple[Selection, Problem]]:
     """Forward selection of up to `most` effects, then backward.
 
     Args:
         problem: the comparison.
         parameters: the hypothesis that only values of the model are off.
-        folds: windows to fit, and held out.
-        price: of unusual values of the model, as in `fit`.
         most: largest number of effects.
 
     Yields:
@@ -71,16 +63,14 @@ def select(
     Returns:
         The selection, and the comparison about the chosen explanation.
     """
-    search = _Search(parameters, folds, price)
+    search = _Search(parameters, folds_of(problem))
     start = Fit(parameters, parameters.start(), np.inf)
-    around = problem.about(start.member)
-    [first] = _held_out(around, [[start] * len(folds)], folds)
     tasks: list[Task] = [(parameters, [start.vector])]
-    [bent] = yield from fit(around, tasks, search.windows, dearer(price, first), stage="parameters")
-    problem = problem.heard(bent.member).about(start.member)
-    [nominal] = _held_out(replace(problem, correction=None), [[start] * len(folds)], folds)
-    [corrected] = _held_out(problem, [[start] * len(folds)], folds)
-    [own], problem = yield from _judged_there(search, problem, [(parameters, [bent.vector])], "parameters only")
+    [bent], around = yield from fitted(about(problem, start), tasks, "parameters")
+    problem = about(around.heard(bent.member), start)
+    nominal = held_out(replace(problem, step=None), start, search.folds)
+    corrected = held_out(problem, start, search.folds)
+    [own], problem = yield from _judged_about(search, problem, bent, [bent], "parameters only")
     found = _Found(problem, own, ())
     for n in range(1, most + 1):
         before = found.chosen
@@ -95,6 +85,41 @@ def select(
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
 
 
+def fitted(
+    problem: Problem, tasks: Sequence[Task], stage: str, iterations: int = 8
+) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
+    """Hypotheses fitted to all windows, first with the step's error as the comparison has it, then each with its own.
+
+    Of tasks with the same hypothesis the better fit counts.
+
+    Returns:
+        The fits, and the comparison with their own corrections.
+    """
+    price, name = problem.price_of(problem.fitted), f"{stage}, at first"
+    found = yield from fit(problem, tasks, problem.fitted, price, stage=name, iterations=iterations)
+    better = {f.hypothesis: f for f in sorted(found, key=lambda f: f.cost, reverse=True)}
+    kept = [f for f in found if better[f.hypothesis] is f]
+    return (yield from _refitted(problem, kept, stage, iterations))
+
+
+def _refitted(
+    problem: Problem, fits: Sequence[Fit], stage: str, iterations: int = 8
+) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
+    """Fits to which the comparison was about something else, fitted on, each with its own step's error."""
+    there, prices = problem.corrected([f.member for f in fits]), prices_of(problem, fits)
+    tasks: list[Task] = [(f.hypothesis, [f.vector]) for f in fits]
+    return (yield from fit(there, tasks, there.fitted, prices, stage=stage, iterations=iterations)), there
+
+
+def prices_of(problem: Problem, fits: Sequence[Fit]) -> list[float]:
+    """What an unusual value of the model costs beside each fit.
+
+    Where a hypothesis leaves more than noise, less can be read from the data, and unusual values cost more in
+    proportion. Else they would be bent to the utmost to stand in for an effect that is not yet known.
+    """
+    return [problem.price_of(problem.fitted) * max(1.0, f.cost) for f in fits]
+
+
 def _added(search: _Search, found: _Found, n: int) -> Generator[Progress, None, _Found]:
     """The best explanation with one effect more, if it is worth it; it and its rivals judged afresh about its fit."""
     stage = f"explanations with {n} effect{'s' * (n > 1)}"
@@ -102,10 +127,8 @@ def _added(search: _Search, found: _Found, n: int) -> Generator[Progress, None, 
     tried, best = (*found.tried, *grown), simplest(grown)
     if not worth(best, found.chosen):
         return replace(found, tried=tried)
-    rivals = _rivals(grown, best)
-    others = [task for e in rivals for task in restarted(found.problem, e.fitted)]
-    tasks = [*restarted(found.problem, best.fitted), *others]
-    again, problem = yield from _judged_there(search, found.problem, tasks, f"{stage}, finer step")
+    near = [best.fitted, *(e.fitted for e in _rivals(grown, best))]
+    again, problem = yield from _judged_about(search, found.problem, best.fitted, near, f"{stage}, about the best")
     anew = {e.places: e for e in again}
     return _Found(problem, simplest(again), tuple(anew.get(e.places, e) for e in tried))
 
@@ -125,8 +148,8 @@ def _exchanged(search: _Search, found: _Found) -> Generator[Progress, None, _Fou
     new = [e for e in grown if set(e.places) != set(chosen.places)]
     if not new:
         return found
-    tasks = restarted(found.problem, simplest(new).fitted)
-    [best], problem = yield from _judged_there(search, found.problem, tasks, f"{stage}, finer step")
+    other = simplest(new).fitted
+    [best], problem = yield from _judged_about(search, found.problem, other, [other], f"{stage}, about the best")
     tried = (*found.tried, *(e for e in new if e.places != best.places), best)
     return _Found(problem, best, tried) if best.error < chosen.error else replace(found, tried=tried)
 
@@ -135,69 +158,39 @@ def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Fo
     """The simplest explanation that the chosen one is not worth more than."""
     while tasks := simpler(found.problem, search.parameters, found.chosen.fitted):
         stage = f"simpler than {found.chosen.fitted.hypothesis.label}"
-        fewer, _ = yield from _judged_there(search, found.problem, tasks, stage)
+        fewer = yield from _judged(search, found.problem, tasks, stage)
         best = min(fewer, key=lambda e: e.error)
         tried = (*found.tried, *fewer)
         if worth(found.chosen, best):
             return replace(found, tried=tried)
-        found = _Found(found.problem.about(best.fitted.member), best, tried)
+        found = _Found(about(found.problem, best.fitted), best, tried)
     return found
-
-
-def dearer(price: float, explanation: Explanation) -> float:
-    """The price of unusual values while an explanation is the best: where it leaves more than noise, less can be read.
-
-    Else values of the model would be bent to the utmost to stand in for an effect that is not yet known.
-    """
-    return price * max(1.0, explanation.error**2)
 
 
 def _grown(search: _Search, found: _Found, base: Fit, stage: str) -> Generator[Progress, None, list[Explanation]]:
     """The best explanations with one effect more than a fit."""
-    problem, price = found.problem, dearer(search.price, found.chosen)
-    places = [p for p in problem.places if p not in base.hypothesis.places]
+    problem, hypothesis = found.problem, base.hypothesis
+    if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
+        base = Fit(hypothesis, hypothesis.start(), np.inf)
+    places = [p for p in problem.places if p not in hypothesis.places]
     tasks = [extended(problem, search.parameters, base, p) for p in places]
-    looked = yield from looked_at(problem, tasks, search.windows, price, stage, _PROMISING + 2)
-    fits = yield from fit(problem, [(f.hypothesis, [f.vector]) for f in looked], search.windows, price, stage=stage)
-    promising = with_rungs(sorted(fits, key=lambda f: f.cost), _PROMISING)
-    return (yield from _cross_validated(problem, promising, search.folds, price, stage))
+    promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, _PROMISING)
+    return (yield from _judged(search, problem, promising, stage))
 
 
-def _judged_there(
-    search: _Search, problem: Problem, tasks: Sequence[Task], stage: str
+def _judged_about(
+    search: _Search, problem: Problem, best: Fit, fits: Sequence[Fit], stage: str
 ) -> Generator[Progress, None, tuple[list[Explanation], Problem]]:
-    """Hypotheses fitted and judged by the comparison about the first one's fit, which is returned too.
-
-    Of tasks with the same hypothesis the better fit counts.
-    """
-    price, windows = search.price, search.windows
-    [first, *_] = yield from fit(problem, tasks[:1], windows, price, stage=f"{stage}, at first")
-    price *= max(1.0, first.cost)
-    again: list[Task] = [(first.hypothesis, [first.vector, *tasks[0][1]]), *tasks[1:]]
-    there = problem.about(first.member).finer()
-    fits = yield from fit(there, again, windows, price, stage=stage)
-    better = {f.hypothesis: f for f in sorted(fits, key=lambda f: f.cost, reverse=True)}
-    judged = yield from _cross_validated(there, list(better.values()), search.folds, price, stage)
-    return judged, problem.about(better[first.hypothesis].member)
+    """Fits taken further and judged by the comparison about one of them, which is returned too."""
+    found, there = yield from _refitted(about(problem, best), fits, stage)
+    yield Progress(f"{stage}, held-out windows", 0, 1)
+    return cross_validated(there, found, search.folds, prices_of(there, found)), there
 
 
-def _cross_validated(
-    problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold], price: float, stage: str
+def _judged(
+    search: _Search, problem: Problem, tasks: Sequence[Task], stage: str
 ) -> Generator[Progress, None, list[Explanation]]:
-    """Each hypothesis fitted anew without each fold's held-out windows, and judged on them."""
-    by_fold = []
-    for k, (fitted, _) in enumerate(folds):
-        name = f"{stage}, held-out part {k + 1} of {len(folds)}"
-        tasks: list[Task] = [(f.hypothesis, [f.vector]) for f in fits]
-        by_fold.append((yield from fit(problem, tasks, fitted, price, stage=name, iterations=3)))
-    found = _held_out(problem, [list(each) for each in zip(*by_fold, strict=True)], folds)
-    return [replace(e, fitted=f) for e, f in zip(found, fits, strict=True)]
-
-
-def _held_out(problem: Problem, fits: Sequence[Sequence[Fit]], folds: Sequence[Fold]) -> list[Explanation]:
-    """Explanations of hypotheses with one fit a fold, each judged on its fold's held-out windows."""
-    parts = []
-    for k, (_, held) in enumerate(folds):
-        residuals = problem.residuals([each[k].member for each in fits], held).astype(np.float64)
-        parts.append(np.sum(residuals**2, axis=2) / len(folds))
-    return [Explanation(each[0], np.concatenate([p[i] for p in parts])) for i, each in enumerate(fits)]
+    """Hypotheses fitted, each with its own step's error taken out, and judged on held-out windows."""
+    found, there = yield from fitted(problem, tasks, stage)
+    yield Progress(f"{stage}, held-out windows", 0, 1)
+    return cross_validated(there, found, search.folds, prices_of(there, found))

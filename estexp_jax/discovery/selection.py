@@ -23,8 +23,6 @@ _CHANCE = 0.05
 _TIE = 1.03
 """Held-out squared errors this near are no reason to prefer one explanation to another."""
 _FOLDS = 3
-_MOST_WINDOWS = 48
-"""So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
 _PRICE = 1.1
 """Factor on the held-out squared error for each effect, when explanations are compared for their probability."""
 
@@ -82,21 +80,16 @@ class Selection:
     chosen: Explanation
 
 
-def windows_to_fit(problem: Problem, recordings: Sequence[int]) -> np.ndarray:
-    """Indices of windows of some recordings: all, or where there are very many, evenly spread ones."""
-    windows = problem.windows_of(recordings)
-    return windows[:: -(-len(windows) // _MOST_WINDOWS)]
-
-
-def folds_of(problem: Problem, recordings: Sequence[int]) -> list[Fold]:
-    """Ways to hold windows of training recordings out, so that each is held out once: (to fit, held out).
+def folds_of(problem: Problem) -> list[Fold]:
+    """Ways to hold fitted windows out, so that each is held out once: (to fit, held out).
 
     Whole recordings are held out where there are at least three; else stretches of time. Never single samples.
     """
-    windows = windows_to_fit(problem, recordings)
+    windows = problem.fitted
     owner = np.array([problem.segments[w].recording for w in windows])
+    recordings = sorted(set(owner.tolist()))
     if len(recordings) >= _FOLDS:
-        part = np.array([list(recordings).index(r) % _FOLDS for r in owner])
+        part = np.array([recordings.index(r) % _FOLDS for r in owner])
     else:
         rank = np.array([np.sum(owner[:i] == r) / np.sum(owner == r) for i, r in enumerate(owner)])
         part = (rank * _FOLDS).astype(int)

@@ -12,7 +12,7 @@ _NORMAL_90 = 1.645
 _ENDS_90 = (5.0, 95.0)
 
 
-def parameter_intervals(problem: Problem, fitted: Fit, windows: np.ndarray, price: float) -> np.ndarray:
+def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     """90 % interval (n_free, 2) of each parameter, within its bounds.
 
     Residuals within a window are correlated, so windows, not samples, count as independent (the cluster-robust
@@ -21,6 +21,7 @@ def parameter_intervals(problem: Problem, fitted: Fit, windows: np.ndarray, pric
 
     Source: Liang and Zeger, Biometrika 73 (1986).
     """
+    windows, price = problem.fitted, problem.price_of(problem.fitted)
     residual, derivative = jacobian(problem, fitted, windows)
     free = fitted.hypothesis.free
     scale = np.array([f.size for f in free])

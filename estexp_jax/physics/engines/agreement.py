@@ -166,7 +166,7 @@ def agreement_of(walker: Walker, states: Visited, sets: Sequence[Sequence[Change
 
 
 def replay_agreement(replayer: Replayer, robot: Robot, n: int) -> Agreement:
-    """How far a replayer is from the referee after one physics step, with the executable of its replays.
+    """How far a replayer is from the referee after one physics step, with each of the executables of its replays.
 
     Args:
         replayer: the engine.
@@ -186,8 +186,10 @@ def replay_agreement(replayer: Replayer, robot: Robot, n: int) -> Agreement:
         for ctrl, qpos, qvel in zip(told, states.qpos, states.qvel, strict=True)
     ]
     values = stack([encode(replayer.robot, replayer.catalogue, ())] * n)
-    found = replayer.replay(values, parts, np.arange(n)).qvel[:, 1]
-    return agreement(found, _stepped([_changed(robot, ())], states, told, 1), 1)
+    expected = _stepped([_changed(robot, ())], states, told, 1)
+    runs = [np.resize(np.arange(n), max(n, lanes)) for lanes in replayer.fewest]
+    found = [replayer.replay({k: v[run] for k, v in values.items()}, parts, run).qvel[:, 1] for run in runs]
+    return agreement(np.concatenate(found), np.concatenate([expected[run] for run in runs]), 1)
 
 
 def _changed(robot: Robot, changes: Sequence[Change]) -> mujoco.MjModel:

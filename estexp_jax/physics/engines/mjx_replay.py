@@ -8,6 +8,7 @@ from typing import Any, final
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.changes import Values
@@ -17,7 +18,7 @@ from estexp_jax.physics.engines.mjx_terms import Hidden, Now
 from estexp_jax.physics.engines.replay_inputs import Drive
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
 
-MJX_REPLAY = (64, 256)
+MJX_REPLAY = ((64,), 256)
 """Lanes in a chunk, and physics steps in a call."""
 
 
@@ -29,8 +30,16 @@ class MjxReplayer(Replayer):
     def _prepared(self, values: Values, overrides: tuple) -> Any:
         return values, overrides
 
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Any]:
-        return _block(self, *prepared, state, drive)
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        seen = []
+        for first in range(0, drive.length.shape[1], self.block):
+            part = Drive(*(x[:, first : first + self.block] for x in drive))
+            state, out = _block(self, *prepared, state, part)
+            seen.append(out)
+        sensors, qpos, qvel = (
+            np.concatenate([np.asarray(x) for x in kind], axis=1) for kind in zip(*seen, strict=True)
+        )
+        return sensors, qpos, qvel
 
 
 @partial(jax.jit, static_argnums=0)

@@ -5,12 +5,13 @@ A lane is one hypothesis on one segment of a recording.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.effects.base import CommandShift, Distortion, ReadingShift
+from estexp_jax.physics.effects.base import CommandShift, Distortion, Effect, ReadingShift
 from estexp_jax.physics.effects.controller_fault import CommandRoute
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
@@ -50,12 +51,17 @@ def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[
     length = np.zeros((len(segments), n_steps), np.float32)
     ctrl = np.zeros((len(segments), n_steps, nu), np.float32)
     enable = np.ones((len(segments), n_steps, nu), np.float32)
+    punctual = _punctual(shifts, sources)
+    commanded: dict[int, np.ndarray] = {}
     for i, s in enumerate(segments):
         k = s.steps.n_steps + 1
-        start = np.concatenate([s.steps.start[:1] - _MOMENT, s.steps.start])
-        span = np.concatenate([[_MOMENT], s.steps.length])
+        if not (punctual[i] and id(s) in commanded):
+            start = np.concatenate([s.steps.start[:1] - _MOMENT, s.steps.start])
+            span = np.concatenate([[_MOMENT], s.steps.length])
+            mean = s.history.mean(start, span, shifts[i], sources[i])
+            commanded |= {id(s): mean} if punctual[i] else {}
         length[i, 1:k] = s.steps.length
-        ctrl[i, :k] = s.history.mean(start, span, shifts[i], sources[i])
+        ctrl[i, :k] = commanded[id(s)] if punctual[i] else mean
         enable[i, 0] = s.enable[max(s.first - 1, 0)]
         enable[i, 1:k] = s.enable[s.first + s.steps.row]
         ctrl[i, k:], enable[i, k:] = ctrl[i, k - 1], enable[i, k - 1]
@@ -70,8 +76,9 @@ def starts(
     qvel = np.array([s.start.qvel for s in segments], np.float32)
     faults = [e for e in catalogue if isinstance(e, Distortion)]
     late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    doubted = late.any(axis=1) | changed(robot, faults, values)
     for i, s in enumerate(segments):
-        if not ((faults or late[i].any()) and s.start.sensed):
+        if not (doubted[i] and s.start.sensed):
             continue
         for column, place, speed in s.start.sensed:
             if late[i, column] > 0.0 and s.path is not None:  # true now is what is read later
@@ -104,6 +111,20 @@ def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Seg
         ctrl = s.history.mean(start, np.maximum(length, 1e-3), shifts[i], sources[i])
         found.append(Roll(there.qpos[at], there.qvel[at], ctrl, s.enable[row], length))
     return Roll(*(np.stack(column).astype(np.float32) for column in zip(*found, strict=True)))
+
+
+def changed(robot: Robot, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Which lanes (lanes,) have one of some effects at work."""
+    found = np.zeros(_lanes(values), bool)
+    for e in effects:
+        nothing = np.array([p.neutral for p in e.parameters], np.float32)
+        found |= (np.asarray(values[e.name], np.float32) != nothing).any(axis=(1, 2))
+    return found
+
+
+def _punctual(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
+    """Which lanes (lanes,) get their commands as they were logged."""
+    return ~shifts.any(axis=1) & (sources == np.arange(sources.shape[1])).all(axis=1)
 
 
 def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:

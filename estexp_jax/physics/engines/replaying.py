@@ -24,7 +24,7 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.engines.batching import Choice, cores
 from estexp_jax.physics.engines.mjx_model import MjxModel, fields_of, mjx_model, switched
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now, stateful
-from estexp_jax.physics.engines.replay_inputs import Drive, Roll, drive_of, read_late, rolls, starts
+from estexp_jax.physics.engines.replay_inputs import Drive, Roll, changed, drive_of, read_late, rolls, starts
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
@@ -81,14 +81,14 @@ class Replayer(abc.ABC):
     Attributes:
         on_mjx: the nominal robot and the catalogue of effects.
         differing: what differs from recording to recording.
-        width: lanes in a chunk.
+        widths: lanes in a chunk, narrow ones for few lanes, so that no core idles and little is filled up.
         block: physics steps in a call.
         choice: which engine it is, and why.
     """
 
     on_mjx: MjxModel
     differing: Differing
-    width: int
+    widths: tuple[int, ...]
     block: int
     choice: Choice
 
@@ -97,8 +97,13 @@ class Replayer(abc.ABC):
         """What does not change from block to block; `overrides` are the lanes' `differing`."""
 
     @abc.abstractmethod
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, tuple[_Array, _Array, _Array]]:
-        """The lanes after a block, and (lanes, block, ...) sensors, qpos and qvel at the beginning of each step."""
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Sensors, qpos and qvel (lanes, steps, ...) at the beginning of each step; whole blocks of steps."""
+
+    @property
+    def fewest(self) -> list[int]:
+        """For each width, a number of lanes that are replayed in chunks of that width."""
+        return [1, *(w * cores() + 1 for w in self.widths[:-1])]
 
     @property
     def robot(self) -> Robot:
@@ -126,13 +131,16 @@ class Replayer(abc.ABC):
             which: (lanes,) index of each lane's segment.
         """
         which = np.asarray(which)
-        order = np.argsort([segments[w].steps.n_steps for w in which], kind="stable")
-        chunks = [order[i : i + self.width] for i in range(0, len(order), self.width)]
+        width = next((w for w in self.widths if len(which) <= w * cores()), self.widths[-1])
+        remembers = changed(self.robot, stateful(self.catalogue), values)
+        order = np.lexsort([remembers, [segments[w].steps.n_steps for w in which]])
+        chunks = [order[i : i + width] for i in range(0, len(order), width)]
 
         def run(lanes: np.ndarray) -> Replay:
-            chosen = np.resize(lanes, self.width)  # the last chunk repeats its lanes
+            chosen = np.resize(lanes, width)  # the last chunk repeats its lanes
             part = {name: np.asarray(v, np.float32)[chosen] for name, v in values.items()}
-            return self._chunk(part, [segments[w] for w in which[chosen]], len(lanes))
+            here = [segments[w] for w in which[chosen]]
+            return self._chunk(part, here, len(lanes), remembers=bool(remembers[lanes].any()))
 
         with ThreadPoolExecutor(cores()) as threads:
             parts = list(threads.map(run, chunks))
@@ -146,8 +154,8 @@ class Replayer(abc.ABC):
             whole[lanes, : found.shape[1]] = found
         return whole
 
-    def _chunk(self, values: Values, segments: list[Segment], n: int) -> Replay:
-        """Replay `width` lanes, keep the first `n`."""
+    def _chunk(self, values: Values, segments: list[Segment], n: int, *, remembers: bool) -> Replay:
+        """Replay a chunk's lanes, keep the first `n`; if none remembers, what came before the start does not matter."""
         model, template = self.robot.model, self.on_mjx.data
         n_steps = max(s.steps.n_steps for s in segments) + 2  # one before for the forces, one more to read the last row
         blocks = -(-n_steps // self.block)
@@ -162,22 +170,17 @@ class Replayer(abc.ABC):
             {},
         )
         if stateful(self.catalogue):
-            state = state._replace(hidden=self._hidden(values, overrides, segments))
-        prepared, seen = self._prepared(values, overrides), []
-        for b in range(blocks):
-            part = jax.tree.map(lambda x, b=b: x[:, b * self.block : (b + 1) * self.block], drive)
-            state, out = self._advanced(prepared, state, part)
-            seen.append(jax.tree.map(np.asarray, out))
-        whole = [np.concatenate([part[i] for part in seen], axis=1)[:, 1:] for i in range(3)]
+            state = state._replace(hidden=self._hidden(values, overrides, segments, remembers=remembers))
+        whole = [x[:, 1:] for x in self._advanced(self._prepared(values, overrides), state, drive)]
         read_late(self.robot, self.catalogue, whole[0], values, segments)
         rows = max(s.rows for s in segments[:n])
         return Replay(
             *(np.stack([_rows(x[i], s.steps.sample, rows) for i, s in enumerate(segments[:n])]) for x in whole)
         )
 
-    def _hidden(self, values: Values, overrides: tuple, segments: list[Segment]) -> Hidden:
+    def _hidden(self, values: Values, overrides: tuple, segments: list[Segment], *, remembers: bool) -> Hidden:
         """Hidden variables (lanes, n_sites) at the lanes' starts: rolled along each recording's rows before them."""
-        n_rows = max(s.first if s.path is not None else 0 for s in segments)
+        n_rows = max(s.first if s.path is not None else 0 for s in segments) if remembers else 0
         blocks = -(-n_rows // _ROLL)
         before = rolls(self.robot, self.catalogue, values, segments, blocks * _ROLL)
         hidden = _rested(self, values, overrides, jax.tree.map(lambda x: x[:, 0], before))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any, final
@@ -24,7 +25,7 @@ from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.engines.replay_inputs import Drive
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
 
-LANES_REPLAY = (200, 32)
+LANES_REPLAY = ((40, 104), 64)
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
 
 
@@ -34,7 +35,7 @@ class LanesReplayer(Replayer):
     """A replayer in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
-    _programs: dict[str, Any] = field(default_factory=dict, init=False)
+    _programs: dict[tuple[str, int], Any] = field(default_factory=dict, init=False)
 
     @cached_property
     def lanes(self) -> LanesModel:
@@ -42,25 +43,40 @@ class LanesReplayer(Replayer):
         return lanes_model(self.on_mjx, self.differing.fields)
 
     def _prepared(self, values: Values, overrides: tuple) -> Any:
+        prepare, _ = self._compiled("prepare", lambda: self._preparing(values, overrides), values)
+        return prepare(values, overrides)
+
+    def _preparing(self, values: Values, overrides: tuple) -> tuple[Any, bool]:
+        return lowered(jax.vmap(self._edited, out_axes=-1), values, overrides).compile(), True
+
+    def _compiled(self, name: str, compile_it: Callable[[], tuple[Any, bool]], values: Any) -> tuple[Any, bool]:
+        """A program for the lanes of a chunk like this one, compiled the first time."""
+        key = name, len(jax.tree.leaves(values)[0])
         with self._lock:
-            if "prepare" not in self._programs:
-                prepare = lowered(jax.vmap(self._edited, out_axes=-1), values, overrides)
-                self._programs["shapes"] = prepare.out_info
-                self._programs["prepare"] = prepare.compile()
-        return self._programs["prepare"](values, overrides)
+            if key not in self._programs:
+                self._programs[key] = compile_it()
+        return self._programs[key]
 
     def _edited(self, values: Values, overrides: tuple) -> Any:
         model = self.model(values, overrides)
         return {name: field_of(model, name) for name in self.lanes.written}, values
 
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Any]:
-        last = jax.tree.map(_lanes_last, (state, drive))
-        with self._lock:
-            if "block" not in self._programs:
-                block = lowered(self._blocked, self._programs["shapes"], *last)
-                self._programs["block"], self._programs["fast"] = compiled(block, self.width)
-        state, seen = self._programs["block"](prepared, *last)
-        return jax.tree.map(_lanes_first, state), jax.tree.map(_lanes_first, seen)
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        carried, driven = jax.tree.map(_lanes_last, state), Drive(*map(_lanes_last, drive))
+        first, width = Drive(*(x[: self.block] for x in driven)), len(drive.length)
+
+        def compile_it() -> tuple[Any, bool]:
+            return compiled(lowered(self._blocked, prepared, carried, first), width)
+
+        advance, _ = self._compiled("block", compile_it, state)
+        seen = []
+        for begin in range(0, len(driven.length), self.block):
+            carried, out = advance(prepared, carried, Drive(*(x[begin : begin + self.block] for x in driven)))
+            seen.append(out)
+        sensors, qpos, qvel = (
+            np.moveaxis(np.concatenate([np.asarray(x) for x in kind]), -1, 0) for kind in zip(*seen, strict=True)
+        )
+        return sensors, qpos, qvel
 
     def _blocked(self, prepared: Any, state: State, drive: Drive) -> Any:
         (fields, values), plan = prepared, self.lanes.plan
@@ -94,7 +110,3 @@ class LanesReplayer(Replayer):
 
 def _lanes_last(x: Any) -> np.ndarray:
     return np.ascontiguousarray(np.moveaxis(np.asarray(x), 0, -1))
-
-
-def _lanes_first(x: Any) -> np.ndarray:
-    return np.moveaxis(np.asarray(x), -1, 0)
