@@ -15,18 +15,16 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Fold
 
 
-def cross_validated(
-    problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold], prices: Sequence[float]
-) -> list[Explanation]:
+def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]) -> list[Explanation]:
     """Each hypothesis fitted anew without each fold's held-out windows, and judged on them.
 
     Args:
         problem: the comparison.
         fits: to all windows of the folds.
         folds: windows to fit, windows held out; each is held out once.
-        prices: of unusual values of the model, one a fit, as in `fit`.
     """
     windows = np.sort(np.concatenate([held for _, held in folds]))
+    prices = problem.prices([f.member for f in fits])
     samples, moving = problem.samples(windows), [movable(f.hypothesis) for f in fits]
     slopes = list(jacobians(problem, fits, windows, moving))
     parts: list[list[np.ndarray]] = [[] for _ in fits]

@@ -34,8 +34,8 @@ class Case:
         return [i for i, r in enumerate(self.recordings) if r.role == role]
 
 
-_ELSEWHERE = ("joint_jam", "part_lost", "neuron_fault")
-"""A jam is a viscous friction; lost parts and neurons are what `recover` looks for."""
+_ELSEWHERE = ("neuron_fault",)
+"""There is no network behind a recording's commands."""
 EXPLAINING = tuple(e.name for e in ALL if e.name not in _ELSEWHERE)
 """The effects that recordings are explained by."""
 

@@ -11,7 +11,7 @@ import numpy as np
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
-from estexp_jax.discovery.fitting import Fit, Progress, Task
+from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
 from estexp_jax.discovery.late import begun, select_late, starting_late
@@ -93,7 +93,7 @@ def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, Non
     """The chosen explanation, its part that MJCF can say, and its rivals, fitted to all training windows."""
     chosen, parameters = selection.chosen.fitted, selection.parameters.fitted
     changes = chosen.hypothesis.changes(chosen.vector, claimed=True)
-    said = [c for c in map(tell.told_change, changes) if expressible(c)]
+    said = [c for c in (c if expressible(c) else tell.told_change(c) for c in changes) if expressible(c)]
     sayable = claiming(problem.replayer.robot, parameters.hypothesis, [(c.effect, c.name or "") for c in said])
     known = {(f.effect, f.site, f.parameter): v for f, v in zip(chosen.hypothesis.free, chosen.vector, strict=True)}
     known |= {(c.effect, c.name or "", name): v for c in said for name, v in c.parameters.items()}
@@ -107,8 +107,10 @@ def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, Non
     stage = "all training recordings"
     fits, _ = yield from fitted(problem, tasks, stage, 20)
     by_hypothesis = {f.hypothesis: f for f in fits}
-    there = about(problem, parameters)
-    [own], _ = yield from fitted(there, [(parameters.hypothesis, [parameters.vector])], f"{stage}, parameters only", 30)
+    there = about(problem, parameters).corrected([parameters.member])
+    bent: list[Task] = [(parameters.hypothesis, [parameters.vector])]
+    price, name = there.price_of(there.fitted), f"{stage}, parameters only"
+    [own] = yield from fit(there, bent, there.fitted, price, stage=name, iterations=30)
     kinds = dict(zip(("explained", "sayable", "placebo"), (by_hypothesis[h] for h, _ in tasks), strict=False))
     return {"parameters_only": own, **kinds}
 

@@ -13,6 +13,8 @@ from typing import final
 import numpy as np
 
 from estexp_jax.physics.changes import Change, Values, neutral
+from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.effects.joint_jam import jam_damping
 from estexp_jax.physics.effects.servo_damping import servo_damping
 from estexp_jax.physics.effects.sites import ALL_ALIKE, joint_dofs
 from estexp_jax.physics.registry import Catalogue, effect
@@ -31,13 +33,19 @@ _BENT = {
 BENT = ("viscous_friction", "coulomb_friction", "armature", "motor_weakness", "body_mass", "servo_damping")
 """The effects that change values a model has; all of them are fitted beside whatever is claimed."""
 
-VARIANTS = {"stribeck_bristles": "stribeck_friction", "load_bristles": "load_dependent_friction"}
+VARIANTS = {
+    "stribeck_bristles": "stribeck_friction",
+    "load_bristles": "load_dependent_friction",
+    "part_stub": "part_lost",
+}
 """Other forms of effects, tried wherever these are."""
 
 TOLERANCE = 0.3
 """Share by which a value of the model may be off and still count as a wrong parameter."""
 _ORDINARY = 0.03
 """Share by which values of models usually are off."""
+_JAMMED = 0.5
+"""Degree of a jam from which on damping is called one; below, it is viscous friction."""
 
 
 def claimable(effects: Sequence[str]) -> tuple[str, ...]:
@@ -62,7 +70,7 @@ class Free:
         low, high: bounds, in its unit.
         neutral: where it does nothing.
         spread: deviation that counts as ordinary for a value of the model; infinite for an effect's own parameter.
-        chosen: whether it names an element: then only starts choose it, no step moves it.
+        chosen: whether it names an element or has but one value: then only starts choose it, no step moves it.
         present: the model's own value that it adds to; that times (1 - it) for a loss.
         loss: whether it is one.
     """
@@ -202,9 +210,19 @@ def _own(robot: Robot, place: Place) -> list[Free]:
     e = effect(name)
     row = e.sites(robot).index(site)
     return [
-        Free(name, site, p.name, row, column, low, high, p.neutral, np.inf, chosen=bool(p.refers))
-        for column, (p, (low, high)) in enumerate(zip(e.parameters, e.bounds(robot, site), strict=True))
+        Free(name, site, p.name, row, column, low, high, p.neutral, np.inf, chosen=bool(p.refers) or low == high)
+        for column, (p, (low, high)) in enumerate(zip(e.parameters, _bounds(robot, e, site), strict=True))
     ]
+
+
+def _bounds(robot: Robot, e: Effect, site: str) -> tuple[tuple[float, float], ...]:
+    """Where an effect's parameters are looked for: what another name says better is left to that one."""
+    bounds = e.bounds(robot, site)
+    if e.name == "joint_jam":
+        return ((_JAMMED, bounds[0][1]),)
+    if e.name == "viscous_friction":
+        return ((bounds[0][0], min(bounds[0][1], max(jam_damping(robot, site, _JAMMED), 0.01 * bounds[0][1]))),)
+    return bounds
 
 
 def _nuisance(robot: Robot, name: str) -> list[Free]:

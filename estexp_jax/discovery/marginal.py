@@ -32,7 +32,7 @@ def slackened(problem: Problem, base: Fit, windows: np.ndarray, cost: float) -> 
     free, price = base.hypothesis.free, problem.price_of(windows) * max(1.0, cost)
     _, derivative = jacobian(problem, base, windows)
     claimed = np.array([np.isinf(f.spread) for f in free], dtype=bool)
-    spread = np.array([f.size if own else f.spread for f, own in zip(free, claimed, strict=True)])
+    spread = np.array([(f.size or 1.0) if own else f.spread for f, own in zip(free, claimed, strict=True)])
     offset = np.where(claimed, 0.0, base.vector - base.hypothesis.start())
     return replace(problem, slack=slack_of(derivative, price / spread**2, offset))
 

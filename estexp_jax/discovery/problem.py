@@ -16,7 +16,7 @@ from estexp_jax.discovery.slack import Slack
 from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
-from estexp_jax.inference.noise import loudness, noise_deviation
+from estexp_jax.inference.noise import correlation_rows, loudness, noise_deviation
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.segment import Segment
@@ -120,6 +120,20 @@ class Problem:
         So weighs a normal prior of that deviation against as many independent samples.
         """
         return 1.0 / max(float(self.samples(windows).sum()), 1.0)
+
+    def prices(self, members: Sequence[Member]) -> list[float]:
+        """What an unusual value of the model costs beside each fit of the fitted windows.
+
+        Where a hypothesis leaves more than noise, or what lasts for many rows, less can be read from the data, and
+        unusual values cost more in proportion. Else they would be bent to the utmost to stand in for an effect that is
+        not yet known, or drift along what the data hardly tell for the sake of errors that nothing here can mend.
+        """
+        left, price = self.residuals(members, self.fitted), self.price_of(self.fitted)
+        shape = (len(self.fitted), -1, len(self.channels.names))
+        costs = np.asarray(np.sum(left**2, axis=(1, 2), dtype=np.float64))
+        return [
+            price * max(1.0, float(c)) * correlation_rows(r.reshape(shape)) for c, r in zip(costs, left, strict=True)
+        ]
 
     def samples(self, windows: np.ndarray) -> np.ndarray:
         """Number of samples (windows,) that are compared."""

@@ -106,18 +106,10 @@ def _refitted(
     problem: Problem, fits: Sequence[Fit], stage: str, iterations: int = 8
 ) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
     """Fits to which the comparison was about something else, fitted on, each with its own step's error."""
-    there, prices = problem.corrected([f.member for f in fits]), prices_of(problem, fits)
+    there = problem.corrected([f.member for f in fits])
+    prices = there.prices([f.member for f in fits])
     tasks: list[Task] = [(f.hypothesis, [f.vector]) for f in fits]
     return (yield from fit(there, tasks, there.fitted, prices, stage=stage, iterations=iterations)), there
-
-
-def prices_of(problem: Problem, fits: Sequence[Fit]) -> list[float]:
-    """What an unusual value of the model costs beside each fit.
-
-    Where a hypothesis leaves more than noise, less can be read from the data, and unusual values cost more in
-    proportion. Else they would be bent to the utmost to stand in for an effect that is not yet known.
-    """
-    return [problem.price_of(problem.fitted) * max(1.0, f.cost) for f in fits]
 
 
 def _added(search: _Search, found: _Found, n: int) -> Generator[Progress, None, _Found]:
@@ -184,7 +176,7 @@ def _judged_about(
     """Fits taken further and judged by the comparison about one of them, which is returned too."""
     found, there = yield from _refitted(about(problem, best), fits, stage)
     yield Progress(f"{stage}, held-out windows", 0, 1)
-    return cross_validated(there, found, search.folds, prices_of(there, found)), there
+    return cross_validated(there, found, search.folds), there
 
 
 def _judged(
@@ -193,4 +185,4 @@ def _judged(
     """Hypotheses fitted, each with its own step's error taken out, and judged on held-out windows."""
     found, there = yield from fitted(problem, tasks, stage)
     yield Progress(f"{stage}, held-out windows", 0, 1)
-    return cross_validated(there, found, search.folds, prices_of(there, found))
+    return cross_validated(there, found, search.folds)

@@ -78,6 +78,10 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             return [(low + x, bounds[1][1]) for x in inside] + [(bounds[0][0], high - x) for x in inside]
         case "torque_saturation" | "ground_friction":
             return [(float(x),) for x in np.geomspace(*bounds[0], 8)]
+        case "part_lost" | "part_stub":
+            return [(1.0,)]
+        case "joint_jam":
+            return [(f,) for f in (0.55, 0.7, 0.85)]
         case "motor_fade":
             return list(product((0.2, 0.7), (0.5, 2.0, 8.0, 30.0)))
         case "joint_compliance":

@@ -21,7 +21,7 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
 
     Source: Liang and Zeger, Biometrika 73 (1986).
     """
-    windows, price = problem.fitted, problem.price_of(problem.fitted)
+    windows, [price] = problem.fitted, problem.prices([fitted.member])
     residual, derivative = jacobian(problem, fitted, windows)
     free = fitted.hypothesis.free
     scale = np.array([f.size for f in free])

@@ -43,6 +43,26 @@ def _typical_difference(time: np.ndarray, samples: np.ndarray, order: int) -> fl
     return float(np.median(np.abs(np.sum(weights * samples[near], axis=1)))) / 0.6745
 
 
+def correlation_rows(residuals: np.ndarray) -> float:
+    """For how many rows residuals go on as they are: so many count as one independent sample; 1 for white noise.
+
+    The sum of the autocorrelation over lags, up to where it first falls under a twentieth.
+
+    Source: Sokal, Monte Carlo Methods in Statistical Mechanics (1997), section 3.
+
+    Args:
+        residuals: (windows, rows, channels), 0 where there is no sample.
+    """
+    rows = residuals.shape[1]
+    spectrum = np.fft.rfft(residuals.astype(np.float64), 2 * rows, axis=1)
+    covariance = np.fft.irfft(np.abs(spectrum) ** 2, axis=1)[:, :rows].sum(axis=(0, 2))
+    if covariance[0] <= 0.0:
+        return 1.0
+    correlation = covariance / covariance[0]
+    small = np.flatnonzero(correlation < 0.05)
+    return float(1.0 + 2.0 * correlation[1 : int(small[0]) if len(small) else rows].sum())
+
+
 def loudness(differences: np.ndarray) -> np.ndarray:
     """Standard deviation (channels,) of what is left of signals beside parabolas through nine samples at a time.
 

@@ -32,6 +32,7 @@ from estexp_jax.physics.effects.motor_fade import MotorFade
 from estexp_jax.physics.effects.motor_weakness import MotorWeakness
 from estexp_jax.physics.effects.neuron_fault import NeuronFault
 from estexp_jax.physics.effects.part_lost import PartLost
+from estexp_jax.physics.effects.part_stub import PartStub
 from estexp_jax.physics.effects.quadratic_drag import QuadraticDrag
 from estexp_jax.physics.effects.sensor_bias import SensorBias
 from estexp_jax.physics.effects.sensor_delay import SensorDelay
@@ -86,7 +87,7 @@ ALL: Catalogue = (
 )
 """Every effect the program knows. Terms act in this order: what changes a motor's torque, then what passes it on."""
 
-VARIANTS: Catalogue = (StribeckBristles(), LoadBristles(), ServoDamping())
+VARIANTS: Catalogue = (StribeckBristles(), LoadBristles(), ServoDamping(), PartStub())
 """Other forms of effects of the catalogue, told under its names."""
 
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")

@@ -8,8 +8,10 @@ import pytest
 from estexp_jax.physics.effects.base import JointMoment
 from estexp_jax.physics.effects.hysteresis import Hysteresis
 from estexp_jax.physics.effects.load_bristles import LoadBristles
+from estexp_jax.physics.effects.part_stub import PartStub
 from estexp_jax.physics.effects.servo_damping import ServoDamping, servo_damping
 from estexp_jax.physics.effects.stribeck_bristles import StribeckBristles
+from estexp_jax.physics.engines.mjx_model import mjx_model
 from estexp_jax.physics.registry import ALL, VARIANTS, effect
 from estexp_jax.physics.robot import Robot
 
@@ -73,3 +75,32 @@ def test_servo_damping_changes_the_motors_own_force():
         mujoco.mj_forward(model, data)
         forces.append(float(data.qfrc_actuator[0]))
     assert forces[1] - forces[0] == pytest.approx(-0.4 * 3.0)
+
+
+ARM = """
+<mujoco>
+  <worldbody><body name="upper"><joint name="a" axis="0 1 0"/><geom size="0.1" mass="1" pos="0.2 0 0"/>
+    <body name="lower" pos="0.4 0 0"><joint name="b" axis="0 1 0"/><geom name="g" size="0.05" mass="0.5" pos="0.1 0 0"/>
+    </body></body></worldbody>
+  <actuator><motor name="m" joint="b"/></actuator>
+</mujoco>
+"""
+
+
+def test_a_stub_weighs_next_to_nothing_touches_nothing_and_is_still_driven():
+    robot = Robot.from_string(ARM, "arm.xml")
+    spec = robot.spec.copy()
+    PartStub().write_mjcf(robot, spec, "lower", {"lost": 1.0})
+    written = spec.compile()
+    lower = robot.index("body", "lower")
+    assert written.body_mass[lower] == pytest.approx(0.005)
+    assert written.body_inertia[lower] == pytest.approx(0.01 * robot.model.body_inertia[lower])
+    assert written.body_mass[robot.index("body", "upper")] == pytest.approx(1.0)
+    assert written.geom("g").contype[0] == 0 and written.nu == 1
+    on_mjx = mjx_model(robot, (PartStub(),))
+    for lost in (0.0, 1.0):
+        values = jnp.zeros((len(PartStub().sites(robot)), 1)).at[PartStub().sites(robot).index("lower"), 0].set(lost)
+        edited = PartStub().edit(robot, on_mjx.model, values)
+        expected = written if lost else robot.model
+        assert np.asarray(edited.body_mass) == pytest.approx(expected.body_mass)
+        assert np.asarray(edited.body_inertia) == pytest.approx(expected.body_inertia, abs=1e-9)
