@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.discovery.fitting import Fit
-from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.selection import NOISE, Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
@@ -19,10 +18,11 @@ _TOLD = 0.01
 """Smallest probability of an alternative worth a line."""
 
 
-def presence(selection: Selection, shares: np.ndarray, place: Place) -> float:
-    """Probability that an effect is present: share of all explanations in which it is, by their probabilities."""
-    everything = [selection.parameters, *selection.tried]
-    return float(sum(s for e, s in zip(everything, shares, strict=True) if place in e.places))
+def presence(selection: Selection, shares: np.ndarray, change: Change) -> float:
+    """Probability that an effect is present: share of all explanations that tell of it, by their probabilities."""
+    everything, wanted = [selection.parameters, *selection.tried], told_change(change).place
+    told = [{told_change(c).place for c in e.claims} for e in everything]
+    return float(sum(share for places, share in zip(told, shares, strict=True) if wanted in places))
 
 
 def told_change(change: Change) -> Change:

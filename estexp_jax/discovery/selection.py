@@ -23,8 +23,9 @@ _CHANCE = 0.05
 _TIE = 1.03
 """Held-out squared errors this near are no reason to prefer one explanation to another."""
 _FOLDS = 3
-_PRICE = 1.1
-"""Factor on the held-out squared error for each effect, when explanations are compared for their probability."""
+_PRICE, _MORE = 1.1, 1.03
+"""Factors on the held-out squared error for each effect, and for each of its parameters beyond the first, when
+explanations are compared for their probability."""
 
 
 Fold = tuple[np.ndarray, np.ndarray]
@@ -123,7 +124,13 @@ def p_value(new: Explanation, old: Explanation) -> float:
 def probabilities(selection: Selection, seed: int, n: int = 2000) -> np.ndarray:
     """Share of resampled held-out windows on which each of (parameters, *tried) is best, after its price."""
     everything = [selection.parameters, *selection.tried]
-    costs = np.array([e.held_out * _PRICE ** len(e.places) for e in everything])
+    costs = np.array([e.held_out * _penalty(e) for e in everything])
     windows = np.random.default_rng(seed).integers(0, costs.shape[1], size=(n, costs.shape[1]))
     winners = np.argmin(costs[:, windows].sum(axis=2), axis=0)
     return np.bincount(winners, minlength=len(everything)) / n
+
+
+def _penalty(explanation: Explanation) -> float:
+    effects = len(explanation.places)
+    own = sum(np.isinf(f.spread) for f in explanation.fitted.hypothesis.free)
+    return float(_PRICE**effects * _MORE ** max(own - effects, 0))

@@ -33,6 +33,7 @@ RUNGS = {
     "quadratic_drag": "viscous_friction",
     "external_force": "body_mass",
     "actuator_lag": "command_delay",
+    "joint_compliance": "armature",
 }
 """Effect to the simpler one that it contains or nearly equals: compared wherever the richer one is."""
 
@@ -109,6 +110,9 @@ def climbed(name: str, simpler: Mapping[str, float]) -> Vectors:
         case "stribeck_bristles":
             t, way = simpler["T"], simpler["T"] / simpler["sigma"]
             return [(0.8 * t, 0.4 * t, w, way) for w in (0.05, 0.3)]
+        case "joint_compliance":
+            inertia = max(simpler["I"], 1e-6)
+            return [(inertia * w**2, 0.2 * inertia * w, inertia) for w in (30.0, 60.0, 120.0, 240.0)]
         case "motor_fade":
             return [(min(max(2.0 * simpler["loss"], 0.05), 0.95), tau) for tau in (1.0, 5.0)]
         case _:

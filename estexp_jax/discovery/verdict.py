@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from estexp_jax.discovery.hypotheses import TOLERANCE, Hypothesis
+import numpy as np
+
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.hypotheses import TOLERANCE
 from estexp_jax.discovery.selection import NOISE, Selection, worth
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.changes import Change
@@ -57,7 +60,24 @@ def _present(robot: Robot, change: Change) -> float:
     return float(getattr(model, fields[change.effect])[model.jnt_dofadr[robot.index("joint", name)]])
 
 
-def bent_values(robot: Robot, hypothesis: Hypothesis, changes: tuple[Change, ...]) -> tuple[Change, ...]:
-    """Those changes of the model's own values that are worth telling: by more than one per cent."""
-    told = [c for c in changes if abs(next(iter(c.parameters.values()))) > 0.01 * _present(robot, c)]
-    return tuple(c for c in told if (c.effect, c.name or "") not in hypothesis.places)
+def bent_values(robot: Robot, fitted: Fit, intervals: np.ndarray) -> tuple[Change, ...]:
+    """Those changes of the model's own values that are worth telling, the relatively largest first.
+
+    More than one per cent, and more than the interval leaves in doubt; at least the largest one.
+
+    Args:
+        robot: the nominal robot.
+        fitted: the values beside what is claimed.
+        intervals: (n_free, 2) of all of them.
+    """
+    free = zip(fitted.hypothesis.free, intervals, strict=True)
+    settled = {(f.effect, f.site) for f, (low, high) in free if low > 0.0 or high < 0.0}
+    changes = fitted.hypothesis.changes(fitted.vector, claimed=False)
+    ranked = sorted((c for c in changes if _share(robot, c) > 0.01), key=lambda c: _share(robot, c), reverse=True)
+    return tuple(c for c in ranked if (c.effect, c.name or "") in settled) or tuple(ranked[:1])
+
+
+def _share(robot: Robot, change: Change) -> float:
+    """By which share of what it is in the model a value is changed."""
+    present = _present(robot, change)
+    return abs(next(iter(change.parameters.values()))) / present if present > 0.0 else 0.0

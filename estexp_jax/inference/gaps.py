@@ -48,4 +48,25 @@ def bridged(recording: Recording) -> Recording:
         sensor=known(recording.sensor),
         qpos=known(recording.qpos),
         qvel=known(recording.qvel),
+        guessed=rank > 0,
     )
+
+
+def recommanded(recording: Recording, side: np.ndarray) -> Recording:
+    """A bridged recording with other commands in the rows that were lost.
+
+    Args:
+        recording: with `guessed` rows.
+        side: (rows,) for lost rows: -1 goes on as the two rows before them, 1 leads to the two rows after them, 0
+            leaves what is there.
+    """
+    if recording.guessed is None or not side.any():
+        return recording
+    logged, ctrl = np.flatnonzero(~recording.guessed), recording.ctrl.copy()
+    for row in np.flatnonzero(recording.guessed & (side != 0)):
+        near = logged[logged < row][-2:][::-1] if side[row] < 0 else logged[logged > row][:2]
+        if len(near):
+            first, second = near[0], near[-1]
+            slope = (ctrl[first] - ctrl[second]) / max(abs(first - second), 1)
+            ctrl[row] = ctrl[first] + slope * abs(row - first)
+    return replace(recording, ctrl=ctrl)

@@ -25,6 +25,7 @@ class Recording:
         role: `train` or `test`.
         settings: what is known to differ in this recording, `<element>.<name>.<attribute>` to value.
         notes: remarks of the reader on what it found (ignored columns, gaps).
+        guessed: (rows,) which rows' commands nobody logged; None: all were logged.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Recording:
     role: str = "train"
     settings: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    guessed: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         rows = self.time.shape[0]

@@ -1,8 +1,9 @@
 """Lost rows come back with commands between their neighbours and no readings; nothing else changes."""
 
 import numpy as np
+import pytest
 
-from estexp_jax.inference.gaps import bridged
+from estexp_jax.inference.gaps import bridged, recommanded
 
 
 def test_lost_rows_come_back_where_the_clock_lacks_them(mixed, blank):
@@ -25,3 +26,18 @@ def test_an_uneven_clock_and_a_long_pause_stay_as_they_are(mixed, blank):
     assert bridged(uneven) is uneven
     paused = blank(np.concatenate([np.arange(20) / 50.0, 1.0 + np.arange(20) / 50.0]))
     assert bridged(paused) is paused
+
+
+def test_lost_commands_go_on_as_before_or_lead_to_what_came_after(mixed, blank):
+    rows, kept = np.arange(60), np.delete(np.arange(60), [20, 40, 41])
+    before, after = 0.01 * rows, 0.5 + 0.02 * rows
+    recording = blank(kept / 50.0)
+    recording.ctrl[:] = np.where(rows < 20, before, after)[kept, None]
+    found = bridged(recording)
+    assert found.guessed is not None and set(np.flatnonzero(found.guessed)) == {20, 40, 41}
+    for side, expected in ((-1, before[20]), (0, 0.5 * (before[19] + after[21])), (1, after[20])):
+        told = recommanded(found, np.full(60, side))
+        assert told.ctrl[20] == pytest.approx(expected)
+        assert told.ctrl[40] == pytest.approx(after[40])
+        np.testing.assert_array_equal(told.ctrl[kept], recording.ctrl)
+    assert recommanded(recording, np.ones(57)) is recording

@@ -5,7 +5,7 @@ import pytest
 
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import channels_of, spans
-from estexp_jax.inference.noise import noise_deviation, noise_floor
+from estexp_jax.inference.noise import correlation_rows, noise_deviation, noise_floor
 
 
 def motion(time):
@@ -62,3 +62,16 @@ def test_the_floor_is_the_error_of_a_perfect_simulator(mixed, blank):
         perfect.append(np.stack([difference, np.zeros(len(time))], axis=1) ** 2 / spans(channels, recording) ** 2)
     assert noise_floor(channels, recordings) == pytest.approx(nrmse(perfect), rel=0.1)
     assert noise_floor(channels, []) == 0.0
+
+
+@pytest.mark.parametrize(("memory", "rows"), [(0.0, 1.0), (0.8, 9.0), (0.95, 39.0)])
+def test_what_lasts_counts_as_fewer_samples(memory, rows):
+    rng = np.random.default_rng(77)
+    noise = rng.standard_normal((6, 4000, 2))
+    for k in range(1, 4000):
+        noise[:, k] += memory * noise[:, k - 1]
+    assert correlation_rows(noise) == pytest.approx(rows, rel=0.2)
+
+
+def test_no_residuals_last_for_no_time():
+    assert correlation_rows(np.zeros((2, 50, 3))) == 1.0

@@ -93,16 +93,18 @@ def equivalents(case: Case) -> list[list[str]]:
     """For each effect, names that say the same on these recordings, so count as right where equivalents count.
 
     Without a stretch with the motor off, back-EMF and viscous friction differ only in what a torque sensor shows. On a
-    planar robot gravity's tilt, the first joint's zero offset and its sensor's bias differ only in servo commands.
+    planar robot gravity's tilt, the first joint's zero offset and its sensor's bias differ only in servo commands; at
+    any other joint the last two do. These robots have motors without servos.
     """
     torque = any(c.kind == "torque" for c in channels(ROBOTS[case.plan.robot].model, layout(case.plan.robot)))
     off = any(not np.all(r.rows.enable) for r in case.recorded)
     drags = {"back_emf", "viscous_friction"} if not off and not torque else set()
-    turned = {"gravity_tilt", "joint_offset", "sensor_bias"} if case.plan.robot in ("planar", "cartpole") else set()
+    shifted = {"joint_offset", "sensor_bias"} if case.plan.robot in ("planar", "cartpole") else set()
+    turned = {"gravity_tilt", *shifted} if shifted else set()
     found = []
     for p in case.plan.planted:
         name = CATALOGUE[p.effect].name
         first = p.joint in (-1, 0 if case.plan.robot == "planar" else 1)
-        groups = [g for g in (drags, turned if first else set()) if name in g]
+        groups = [g for g in (drags, turned if first else shifted) if name in g]
         found.append(sorted(set().union(*groups) - {name}) if groups else [])
     return found

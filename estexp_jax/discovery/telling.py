@@ -1,0 +1,160 @@
+"""All that was found, told: the verdict, and the findings in the words of `findings.json`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+
+from estexp_jax.discovery import findings as tell
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
+from estexp_jax.discovery.export import expressible
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.location import where
+from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.rivals import RIVALS, fit_entry
+from estexp_jax.discovery.selection import Selection, probabilities
+from estexp_jax.discovery.uncertainty import parameter_intervals
+from estexp_jax.discovery.verdict import bent_values, verdict
+from estexp_jax.discovery.when import never, when
+from estexp_jax.physics.changes import Change
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Found:
+    """All that was found in a case, before it is told.
+
+    Attributes:
+        problem: the comparison about the chosen explanation.
+        shown: the comparison as the results show it: nothing taken out of anything.
+        selection: what was tried and chosen.
+        fits: nominal, explained, sayable and rivals, fitted to all training windows.
+        learned: errors of the black box.
+        seen: what the joints of the robot with refitted parameters lack, in each training recording.
+    """
+
+    problem: Problem
+    shown: Problem
+    selection: Selection
+    fits: Mapping[str, Fit]
+    learned: Mapping[str, float]
+    seen: Sequence[ForceResidual]
+
+    @property
+    def claimed(self) -> tuple[Change, ...]:
+        """The claims of the explained simulator, with their values."""
+        final = self.fits["explained"]
+        return final.hypothesis.changes(final.vector, claimed=True)
+
+
+def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
+    """What was found in a case, judged on the test recordings and told.
+
+    Args:
+        case: what was explained.
+        config: how.
+        found: everything.
+    """
+    judged, found, step = _judged(case, found)
+    final, claimed = found.fits["explained"], found.claimed
+    body = {
+        "schema": "estexp.findings/1",
+        "verdict": judged,
+        **_told(case, config, found, judged, step),
+        "data": tell.data_entries(case.recordings),
+        "cost": {"wall_s": None, "compile_s": None, "robot_steps": found.problem.counted[0]},
+        "seed": config.seed,
+        "versions": {},
+    }
+    return Diagnosis(
+        case,
+        config,
+        body,
+        found.selection,
+        changes=_at_work(final),
+        mjcf_changes=_at_work(found.fits["sayable"]),
+        left_out=tuple(c for c in claimed if not (expressible(c) or expressible(tell.told_change(c)))),
+        predictions=_predictions(case, found.shown, found.fits["nominal"], final),
+    )
+
+
+def _judged(case: Case, found: Found) -> tuple[str, Found, Change | None]:
+    """The verdict, the fits that go with it, and the time step where that is to blame."""
+    judged, nominal = verdict(case.robot, found.selection, found.claimed), found.fits["nominal"]
+    if judged == "consistent":  # then nothing is changed, not even what a refit would bend
+        fits = {**dict.fromkeys(("nominal", "explained", "sayable"), nominal)}
+        return judged, replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]}), None
+    if judged != "parameters" or found.claimed:
+        return judged, found, None
+    error = found.shown.error(nominal.member, found.shown.trained)
+    step = step_to_blame(found.selection, error, float(case.robot.model.opt.timestep))
+    return (judged if step is None else "missing_physics"), found, step
+
+
+def _told(case: Case, config: ExplainConfig, found: Found, judged: str, step: Change | None) -> dict[str, Any]:
+    """The entries of the findings that depend on what was found."""
+    selection, wrong = found.selection, judged != "consistent"
+    shares, timestep = probabilities(selection, config.seed), float(case.robot.model.opt.timestep)
+    named, what = ((), [step_entry(step)]) if step else _what(case, found, judged, shares)
+    places = [] if not wrong else [step_place(selection)] if step else where(case.robot, selection)
+    rivals = {name: f for name, f in found.fits.items() if name in RIVALS}
+    errors = fit_entry(case, config, found.shown, rivals, found.learned)
+    test, exact = found.shown.windows_of(case.indices("test")), found.shown.exact()
+    return {
+        "side": "numerics" if step else tell.side(named),
+        "where": places,
+        "when": never(case) if step or not wrong else when(case, found.seen, places, found.shown.began, config.seed),
+        "what": what,
+        "alternatives": tell.alternatives(selection, shares, lambda f: exact.error(f.member, test)),
+        "fit": errors,
+        "advice": tell.advice(judged, found.claimed, case.recordings, shares)
+        + tell.step_advice(selection, timestep)
+        + tell.black_box_advice(judged, errors),
+    }
+
+
+def _what(case: Case, found: Found, judged: str, shares: np.ndarray) -> tuple[tuple[Change, ...], list[dict[str, Any]]]:
+    """The changes that are told, and their entries: claims, or values of the model by how far they are off."""
+    final, claimed = found.fits["explained"], found.claimed
+    if judged in ("consistent", "unexplained"):
+        return (), []
+    intervals = parameter_intervals(found.problem, final)
+    bent = bent_values(case.robot, final, intervals) if judged == "parameters" else ()
+    entries = [tell.what_entry(c, final, intervals, tell.presence(found.selection, shares, c)) for c in claimed]
+    return (*claimed, *bent), entries + [tell.what_entry(c, final, intervals, 1.0) for c in bent]
+
+
+def _at_work(fitted: Fit) -> tuple[Change, ...]:
+    """The changes of a fit, without those that change nothing."""
+    off = {(f.effect, f.site) for f, v in zip(fitted.hypothesis.free, fitted.vector, strict=True) if v != f.neutral}
+    return tuple(c for c in fitted.hypothesis.changes(fitted.vector) if (c.effect, c.name or "") in off)
+
+
+def _predictions(case: Case, problem: Problem, nominal: Fit, final: Fit) -> tuple[Prediction, ...]:
+    found = []
+    for index, recording in enumerate(case.recordings):
+        windows = problem.windows_of([index])
+        pair = ((replace(problem, step=None), nominal), (problem.exact(), final))
+        simulated = [comparison.simulated([f.member], windows)[0] for comparison, f in pair]
+        rows = [problem.segments[w].rows for w in windows]
+        logged = np.isin(problem.recordings[index].time, recording.time)
+        joined = [np.concatenate([s[k, :n] for k, n in enumerate(rows)])[logged] for s in simulated]
+        number = np.repeat(np.arange(len(windows)), rows)[logged]
+        recorded = problem.channels.recorded(recording)
+        prediction = Prediction(
+            recording.name,
+            recording.role,
+            recording.time,
+            number,
+            problem.channels.names,
+            recorded,
+            joined[0],
+            joined[1],
+        )
+        found.append(prediction)
+    return tuple(found)
