@@ -37,6 +37,8 @@ VARIANTS = {
     "stribeck_bristles": "stribeck_friction",
     "load_bristles": "load_dependent_friction",
     "part_stub": "part_lost",
+    "outer_compliance": "joint_compliance",
+    "outer_backlash": "backlash",
 }
 """Other forms of effects, tried wherever these are."""
 

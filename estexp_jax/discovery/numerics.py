@@ -8,7 +8,7 @@ from estexp_jax.discovery.selection import Selection, p_value
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.time_step import TimeStep
 
-_PLAIN = 0.01
+_PLAIN = 0.022
 """An error over the readings' range (nrmse) below which steps cause what they cause everywhere."""
 _ALONE = 0.3
 """Share of the nominal simulator's error that may remain once its step's error is taken out."""

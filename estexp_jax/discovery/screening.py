@@ -13,6 +13,9 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.starts import RUNGS, climbed, starts
 from estexp_jax.physics.registry import effect
 
+_BEST = 4
+"""Of so many best hypotheses, richer relatives are looked at longer than they seem worth."""
+
 
 def extended(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place) -> Task:
     """A hypothesis with one more place, and the vectors to start it from: what is known, plus any of its own starts."""
@@ -57,9 +60,9 @@ def looked_at(
 ) -> Generator[Progress, None, list[Task]]:
     """The most promising of many hypotheses, by looks that move only what they claim last.
 
-    All their starts are tried on a quarter of the windows. The better half, and what is simpler than one of these, goes
-    on to twice as many windows, with starts from the simpler one's solution; and so on, down to `n`. All the time,
-    everything that `base` fits is taken as fitted beside them.
+    All their starts are tried on a quarter of the windows. The better half, what is simpler than one of these, and what
+    is richer than the best, goes on to twice as many windows, with starts from the simpler one's solution; and so on,
+    down to `n`. All the time, everything that `base` fits is taken as fitted beside them.
 
     Args:
         problem: the comparison.
@@ -80,7 +83,8 @@ def looked_at(
         free = slackened(problem, base, windows, cost)
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
-        best = with_rungs(sorted(looked, key=lambda f: f.cost), max(n, len(looked) // 2))
+        ranked = sorted(looked, key=lambda f: f.cost)
+        best = _with_richer(with_rungs(ranked, max(n, len(looked) // 2)), ranked)
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
 
@@ -108,6 +112,16 @@ def with_rungs(ranked: Sequence[Fit], n: int) -> list[Fit]:
     first = list(ranked[:n])
     wanted = {(*places[:-1], (RUNGS[places[-1][0]], places[-1][1])) for places in map(_places, first) if _rich(places)}
     return first + [f for f in ranked[n:] if _places(f) in wanted]
+
+
+def _with_richer(kept: Sequence[Fit], ranked: Sequence[Fit]) -> list[Fit]:
+    """With them, the richer relatives of the best, whose own starts may all have been far off."""
+    best = {_places(f)[-1] for f in ranked[:_BEST]}
+    return [*kept, *(f for f in ranked if f not in kept and (RUNGS.get(_last(f)[0]), _last(f)[1]) in best)]
+
+
+def _last(fitted: Fit) -> Place:
+    return _places(fitted)[-1]
 
 
 def _places(fitted: Fit) -> tuple[Place, ...]:

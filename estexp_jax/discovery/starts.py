@@ -34,6 +34,7 @@ RUNGS = {
     "external_force": "body_mass",
     "actuator_lag": "command_delay",
     "joint_compliance": "armature",
+    "outer_compliance": "armature",
 }
 """Effect to the simpler one that it contains or nearly equals: compared wherever the richer one is."""
 
@@ -85,7 +86,7 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             return [(f,) for f in (0.55, 0.7, 0.85)]
         case "motor_fade":
             return list(product((0.2, 0.7), (0.5, 2.0, 8.0, 30.0)))
-        case "joint_compliance":
+        case "joint_compliance" | "outer_compliance":
             return [(k, 0.1 * bounds[1][1], i) for k, i in product(_spread(bounds[0], 4), _spread(bounds[2], 2))]
         case "com_shift" | "external_force":
             return _along_axes(bounds, 0.1)
@@ -110,7 +111,7 @@ def climbed(name: str, simpler: Mapping[str, float]) -> Vectors:
         case "stribeck_bristles":
             t, way = simpler["T"], simpler["T"] / simpler["sigma"]
             return [(0.8 * t, 0.4 * t, w, way) for w in (0.05, 0.3)]
-        case "joint_compliance":
+        case "joint_compliance" | "outer_compliance":
             inertia = max(simpler["I"], 1e-6)
             return [(inertia * w**2, 0.2 * inertia * w, inertia) for w in (30.0, 60.0, 120.0, 240.0)]
         case "motor_fade":

@@ -8,7 +8,7 @@ from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.actuator_lag import ActuatorLag
 from estexp_jax.physics.effects.armature import Armature
 from estexp_jax.physics.effects.back_emf import BackEmf
-from estexp_jax.physics.effects.backlash import Backlash
+from estexp_jax.physics.effects.backlash import Backlash, OuterBacklash
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.body_mass import BodyMass
 from estexp_jax.physics.effects.cogging import Cogging
@@ -21,7 +21,7 @@ from estexp_jax.physics.effects.external_force import ExternalForce
 from estexp_jax.physics.effects.gravity_tilt import GravityTilt
 from estexp_jax.physics.effects.ground_friction import GroundFriction
 from estexp_jax.physics.effects.hysteresis import Hysteresis
-from estexp_jax.physics.effects.joint_compliance import JointCompliance
+from estexp_jax.physics.effects.joint_compliance import JointCompliance, OuterCompliance
 from estexp_jax.physics.effects.joint_jam import JointJam
 from estexp_jax.physics.effects.joint_limit import JointLimit
 from estexp_jax.physics.effects.joint_offset import JointOffset
@@ -87,7 +87,14 @@ ALL: Catalogue = (
 )
 """Every effect the program knows. Terms act in this order: what changes a motor's torque, then what passes it on."""
 
-VARIANTS: Catalogue = (StribeckBristles(), LoadBristles(), ServoDamping(), PartStub())
+VARIANTS: Catalogue = (
+    StribeckBristles(),
+    LoadBristles(),
+    ServoDamping(),
+    PartStub(),
+    OuterCompliance(),
+    OuterBacklash(),
+)
 """Other forms of effects of the catalogue, told under its names."""
 
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")

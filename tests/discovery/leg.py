@@ -46,6 +46,8 @@ CASES: dict[str, Values] = {
     "sensor_bias@knee_angle": {"bias": 0.08},
     "sensor_delay@thigh_angle": {"delay": 0.03},
     "sensor_stuck@knee_angle": {"value": 0.3},
+    "joint_jam@knee": {"f": 0.6},
+    "part_lost@shank": {},
     "body_mass@shank": {"dm": 0.4},
     "com_shift@thigh": {"x": 0.05},
     "joint_offset@knee": {"offset": 0.15},
@@ -101,6 +103,11 @@ class Leg:
         match effect:
             case "viscous_friction" | "back_emf":
                 m.dof_damping[dof] += v.get("c", v.get("k"))
+            case "joint_jam":  # full torque turns it by a degree a second at f = 1
+                m.dof_damping[dof] *= (m.actuator_forcerange[dof, 1] / np.deg2rad(1.0) / 0.05) ** v["f"]
+            case "part_lost":
+                m.body_mass[m.body(self.place).id] *= 0.01
+                m.body_inertia[m.body(self.place).id] *= 0.01
             case "coulomb_friction":
                 m.dof_frictionloss[dof] = v["T"]
             case "armature":

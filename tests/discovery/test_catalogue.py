@@ -8,6 +8,7 @@ import pytest
 
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery.diagnosis import EXPLAINING, ExplainConfig
+from estexp_jax.discovery.hypotheses import claimable, simulated
 from estexp_jax.discovery.starts import RUNGS, Seen, climbed, starts
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.engines.choice import replayer
@@ -24,7 +25,7 @@ CONFIG = ExplainConfig(window=2.0, most=1)
 @cache
 def shared() -> Replayer:
     leg = Robot.from_xml(model_path("leg"))
-    return replayer(leg, catalogue(CONFIG.effects), [leg])
+    return replayer(leg, catalogue(simulated(CONFIG.effects)), [leg])
 
 
 def _shared(*_: object, **__: object) -> Replayer:
@@ -45,7 +46,7 @@ def test_the_whole_catalogue_is_concealed_somewhere() -> None:
     assert set(JOINTS) == set(Robot.from_xml(model_path("leg")).names("joint"))
 
 
-@pytest.mark.parametrize("name", EXPLAINING)
+@pytest.mark.parametrize("name", claimable(EXPLAINING))
 def test_searches_start_where_the_effect_is_present(name: str) -> None:
     e = effect(name)
     for subject in map(robot, ROBOTS):
@@ -60,7 +61,7 @@ def test_searches_start_where_the_effect_is_present(name: str) -> None:
 
 
 def test_richer_laws_start_from_simpler_ones() -> None:
-    amounts = {"T": 0.5, "sigma": 250.0, "loss": 0.3, "c": 0.1, "dm": 0.1, "delay": 0.01}
+    amounts = {"T": 0.5, "sigma": 250.0, "loss": 0.3, "c": 0.1, "dm": 0.1, "delay": 0.01, "I": 0.01}
     for richer, simpler in RUNGS.items():
         assert effect(richer).kind == effect(simpler).kind or richer == "external_force"
         own = {p.name: amounts[p.name] for p in effect(simpler).parameters}

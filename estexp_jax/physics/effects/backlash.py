@@ -6,28 +6,29 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.rotor import rotor_step
+from estexp_jax.physics.effects.rotor import held, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.robot import Robot
 
 _SUBSTEPS = 4
 
 
-@final
-class Backlash(Term):
+class _Backlash(Term):
     """The rotor turns freely within |x| < half_gap, x = its angle less the joint's; at either end it pushes the joint.
 
     Its inertia is the joint's armature, which the joint has only while they touch; where they meet, inelastically, the
-    joint gets the rotor's momentum, and they move on as one. The motor's own loop sees the rotor. The rotor takes
-    implicit sub-steps; the joint gets the mean push of the sub-steps, with the motor's braking implicitly.
+    joint gets the rotor's momentum, and they move on as one. The rotor takes implicit sub-steps; the joint gets their
+    mean push, with the motor's braking implicitly.
     """
 
-    name: ClassVar[str] = "backlash"
+    #: Whether the motor's own loop sees the rotor, or the joint.
+    collocated: ClassVar[bool]
     kind: ClassVar[str] = "joint"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_gap", "rad"),)
     equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
-    n_states: ClassVar[int] = 2
+    n_states: ClassVar[int] = 3
+    shows: ClassVar[int | None] = 2
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return driven_joint_sites(robot)
@@ -39,13 +40,14 @@ class Backlash(Term):
         return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return jnp.zeros_like(q), w
+        return jnp.zeros_like(q), w, jnp.zeros_like(q)
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         (gap,) = p
-        x, a = state
+        x, a, _ = state
+        moment = moment if self.collocated else held(moment)
         q, w, inertia, h = moment.q, moment.w, moment.armature, moment.dt / _SUBSTEPS
-        push = braking = apart = jnp.zeros_like(q)
+        push = braking = apart = shown = jnp.zeros_like(q)
         for _ in range(_SUBSTEPS):
             q = q + h * w
             touched = jnp.abs(x) >= gap
@@ -54,6 +56,7 @@ class Backlash(Term):
             touches = jnp.abs(x) >= gap
             x = jnp.clip(x, -gap, gap)
             torque = moment.torque_at(q + x, w)
+            shown = shown + torque / _SUBSTEPS
             stays = (touched & touches & (torque * x >= 0.0)) / _SUBSTEPS
             push = push + stays * torque + (touches & ~touched) * inertia * (a - w) / moment.dt
             braking = braking - stays * slope
@@ -66,4 +69,23 @@ class Backlash(Term):
             inertia=jnp.where(has_play & (apart == 1.0), -inertia, 0.0),
             motor=jnp.where(has_play, 0.0, 1.0),
         )
-        return does, (x, a)
+        return does, (x, a, jnp.where(has_play, shown, 0.0))
+
+
+@final
+class Backlash(_Backlash):
+    """The motor's own loop sees the rotor, as most servos' encoders do."""
+
+    name: ClassVar[str] = "backlash"
+    collocated: ClassVar[bool] = True
+
+
+@final
+class OuterBacklash(_Backlash):
+    """The motor's own loop sees the joint, by an encoder behind the play; told as backlash."""
+
+    name: ClassVar[str] = "outer_backlash"
+    collocated: ClassVar[bool] = False
+
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return "backlash", values

@@ -147,6 +147,8 @@ class Term(Effect):
 
     #: Hidden variables of its own at each site.
     n_states: ClassVar[int] = 0
+    #: Which of them is the torque of a motor that turns something else than the joint: sensors of the motor show it.
+    shows: ClassVar[int | None] = None
 
     @abc.abstractmethod
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:

@@ -44,3 +44,8 @@ def rotor_step(
     drive = inertia * a + h * (torque - by_speed * a - k * (r - q) + d * w)
     after = drive / (inertia - h * by_speed + h * d + h**2 * (k - by_place))
     return r + h * after, after, by_speed
+
+
+def held(moment: JointMoment) -> JointMoment:
+    """The same moment of a motor whose own loop sees the joint: where its rotor is does not change its torque."""
+    return moment._replace(torque_at=lambda r, a: moment.torque)

@@ -17,6 +17,7 @@ from estexp_jax.physics.engines.mjx_model import stepped, switched
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now
 from estexp_jax.physics.engines.replay_inputs import Drive
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
+from estexp_jax.physics.engines.shown import shown_torques
 
 MJX_REPLAY = ((64,), 256)
 """Lanes in a chunk, and physics steps in a call."""
@@ -72,4 +73,8 @@ def _step(self: MjxReplayer, model: mjx.Model, values: Values, state: State, dri
     now = Now(state.qpos, state.qvel, drive.ctrl, drive.enable, drive.length)
     does = self.on_mjx.acted(model, values, state.hidden, now)
     data = self.on_mjx.data.replace(qpos=state.qpos, qvel=state.qvel, act=state.act, qacc_warmstart=state.warmstart)
-    return stepped(does, data), does.hidden
+    after = stepped(does, data)
+    for s in shown_torques(self.robot, self.catalogue):
+        torque = s.factor * does.hidden[s.effect][s.state][s.row]
+        after = after.replace(sensordata=after.sensordata.at[s.column].add(torque))
+    return after, does.hidden

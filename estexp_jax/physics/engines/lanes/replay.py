@@ -24,6 +24,7 @@ from estexp_jax.physics.engines.lanes.xla import compiled, lowered
 from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.engines.replay_inputs import Drive
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
+from estexp_jax.physics.engines.shown import shown_torques
 
 LANES_REPLAY = ((40, 104), 64)
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
@@ -85,6 +86,7 @@ class LanesReplayer(Replayer):
         reader = Reader(plan, numbers, stepper.inertias)
         acting = Acting(self.robot, self.catalogue, plan, numbers, values)
         before = jnp.asarray(is_acceleration(self.robot))[:, None]
+        shown = shown_torques(self.robot, self.catalogue)
 
         def step(carry: tuple[LaneState, Any, Hidden], now: Drive) -> Any:
             lanes, felt, hidden = carry
@@ -96,6 +98,8 @@ class LanesReplayer(Replayer):
             lanes, hidden = jax.tree.map(partial(jnp.where, moves), (stepped, after), (lanes, hidden))
             read = reader.read(instant, range(plan.model.nsensor))
             sensed = felt if not read else jnp.stack([read[i] + jnp.zeros_like(qpos[0]) for i in sorted(read)])
+            for s in shown:
+                sensed = sensed.at[s.column].add(s.factor * after[s.effect][s.state][s.row])
             return (lanes, sensed, hidden), (jnp.where(before, felt, sensed), qpos, qvel)
 
         start = (packed(plan, state.qpos, state.qvel, state.warmstart), state.sensordata, state.hidden)
