@@ -10,10 +10,19 @@ import numpy as np
 
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.commanded import commanded
+from estexp_jax.discovery.dating import dated, short_windows
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.hypotheses import claimable, claiming, known_values, parameters_only, simulated, singles
+from estexp_jax.discovery.hypotheses import (
+    Hypothesis,
+    claimable,
+    claiming,
+    known_values,
+    parameters_only,
+    simulated,
+    singles,
+)
 from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
@@ -71,11 +80,7 @@ def explain(
     nominal = Fit(parameters, parameters.start(), np.inf)
     whole = commanded(whole, nominal.member)
     selection, problem = yield from select(whole, parameters, config.most)
-    began = begun(case, problem, selection, config.seed)
-    if began:
-        late = starting_late(case, config, problem, began, FINER)
-        better = yield from select_late(late, parameters, selection, config.most)
-        (selection, problem), began = (better, began) if better else ((selection, problem), {})
+    selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
     shown = replace(whole, began=began)
@@ -83,6 +88,21 @@ def explain(
     learned = black_box_errors(case, config, shown, bases)
     yield Progress("test recordings", 0, 1)
     return diagnosis(case, config, Found(problem, shown, selection, fits, learned, bases[0][1]))
+
+
+def _late(
+    case: Case, config: ExplainConfig, problem: Problem, selection: Selection, parameters: Hypothesis
+) -> Generator[Progress, None, tuple[Selection, Problem, dict[int, float]]]:
+    """The selection among claims that begin part-way, if they do: with its comparison and the dates, refined by it."""
+    began = begun(case, problem, selection, FINER, config.seed)
+    if not began:
+        return selection, problem, {}
+    late = starting_late(case, config, problem, began, FINER)
+    better = yield from select_late(late, parameters, selection, config.most)
+    if better is None:
+        return selection, problem, {}
+    again = dated(short_windows(case, problem, FINER), [better[0].chosen.fitted])
+    return *better, again or began
 
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:

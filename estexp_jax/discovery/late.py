@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping
 from dataclasses import replace
 
+from estexp_jax.discovery.dating import dated, short_windows
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import driven, force_residuals
@@ -16,25 +17,34 @@ from estexp_jax.discovery.selection import NOISE, Selection
 from estexp_jax.inference.windows import segments_of
 
 _MEMORY = "from the onset on"
+_LIKELY = 5
+"""So many of the best single claims may be the one that begins, where none was worth it from the start."""
 
 
-def begun(case: Case, problem: Problem, selection: Selection, seed: int) -> dict[int, float]:
+def begun(case: Case, problem: Problem, selection: Selection, finer: int, seed: int) -> dict[int, float]:
     """When the mismatch begins in each training recording, s; empty: from the start, or nothing is wrong.
 
     Args:
         case: what is explained.
         problem: the comparison.
         selection: what was chosen as if everything acted from the start.
+        finer: part of the model's step that `Problem.fine` takes.
         seed: of what is drawn.
     """
-    if selection.nominal.error <= NOISE:
+    chosen = selection.chosen
+    if chosen.error <= NOISE:
         return {}
+    claims = chosen.places and [chosen] or [e for e in selection.tried if len(e.places) == 1]
+    likely = sorted(claims, key=lambda e: e.error)[:_LIKELY]
+    found = dated(short_windows(case, problem, finer), [e.fitted for e in likely])
+    if found:
+        return found
     train = case.indices("train")
     # Parameters fitted to whole recordings would leave traces of the mismatch before it began: so the nominal robot.
     seen = force_residuals(problem, [robot.model for robot in case.robots], train)
     dofs = driven(case.robot.model, seen).tolist()
     found = onsets(dict(zip(train, seen, strict=True)), dofs, seed)
-    return {} if found and helps_before(problem, found, selection.chosen.fitted) else found
+    return {} if found and helps_before(problem, found, chosen.fitted) else found
 
 
 def starting_late(

@@ -32,8 +32,6 @@ _FAR = 1e6
 """Deviations; further is a simulation that blew up."""
 _LEAST_SHARE = 5e-4
 """Of a channel's range: no simulator is right to more."""
-_MOST_WINDOWS = 48
-"""So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
 
 
 def deviations(channels: Channels, recordings: Sequence[Recording]) -> np.ndarray:
@@ -65,6 +63,7 @@ class Problem:
         own: the same for hypotheses at whose fits it was found by `corrected`: a coarse step distorts dry friction and
             stops otherwise than free motion.
         lacking: share of it that the robot lacks: 1 for real ones, less for one that was simulated itself.
+        most: so many windows are fitted at most: minutes of one motion teach little more, and cost as much more.
         began: index of a recording to the time before which nothing that is claimed acts in it, s.
         doubt: directions and factors of `doubt.directions` for each window, found by `about` too.
         slack: what values of the model and earlier claims would explain, if they were fitted; None: they are not.
@@ -86,6 +85,7 @@ class Problem:
     lacking: float = 1.0
     doubt: tuple[np.ndarray, np.ndarray] | None = None
     slack: Slack | None = None
+    most: int = 48
     began: Mapping[int, float] = field(default_factory=dict)
 
     def windows_of(self, recordings: Sequence[int]) -> np.ndarray:
@@ -142,7 +142,7 @@ class Problem:
     @cached_property
     def fitted(self) -> np.ndarray:
         """Indices of the windows that are fitted: those of training recordings; of very many, evenly spread ones."""
-        return self.trained[:: -(-len(self.trained) // _MOST_WINDOWS)]
+        return self.trained[:: -(-len(self.trained) // self.most)]
 
     @property
     def trained(self) -> np.ndarray:
