@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -31,11 +31,13 @@ from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.searching import fitted, select
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.discovery.telling import Found, diagnosis
+from estexp_jax.inference.apart import excluded, kept_apart
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import segments_of
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.robot import Robot
 
 FINER = 4
 """The explained simulator steps at this part of the nominal step."""
@@ -47,13 +49,22 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    simulator = replayer(case.robot, catalogue(simulated(config.effects)), case.robots, engine=config.engine)
     places = tuple(singles(case.robot, catalogue(claimable(config.effects))))
     recordings = tuple(map(bridged, case.recordings))
     coarse, fine = (tuple(segments_of(case.robots, recordings, config.window, finer)) for finer in (1, FINER))
+    paths = {s.recording: s.path.qpos for s in coarse if s.path is not None}
+    apart = kept_apart(case.robot, list(paths.values())) if len(paths) == len(recordings) else []
+    robot, *robots = _each(lambda r: excluded(r, apart), (case.robot, *case.robots))
+    simulator = replayer(robot, catalogue(simulated(config.effects)), robots, engine=config.engine)
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
     return Problem(simulator, recordings, coarse, fine, channels, [0], memory, noise, places)
+
+
+def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:
+    """A change of each robot, of the same one only once."""
+    known = {id(r): change(r) for r in {id(r): r for r in robots}.values()}
+    return [known[id(r)] for r in robots]
 
 
 def explain(
