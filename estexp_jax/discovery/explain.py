@@ -34,7 +34,7 @@ from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.inference.apart import excluded, kept_apart
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
-from estexp_jax.inference.windows import segments_of
+from estexp_jax.inference.windows import fitting_window, segments_of
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
@@ -59,6 +59,15 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
     return Problem(simulator, recordings, coarse, fine, channels, [0], memory, noise, places)
+
+
+def _to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
+    """The comparison that is fitted, perhaps with shorter windows."""
+    window = fitting_window(case.robot, config.window)
+    if window == config.window:
+        return whole
+    coarse, fine = (tuple(segments_of(case.robots, whole.recordings, window, finer)) for finer in (1, FINER))
+    return replace(whole, segments=coarse, fine=fine)
 
 
 def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:
@@ -90,7 +99,7 @@ def explain(
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
     whole = commanded(whole, nominal.member)
-    selection, problem = yield from select(whole, parameters, config.most)
+    selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)

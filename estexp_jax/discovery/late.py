@@ -14,7 +14,7 @@ from estexp_jax.discovery.onset import helps_before, onsets
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Selection
-from estexp_jax.inference.windows import segments_of
+from estexp_jax.inference.windows import fitting_window, segments_of
 
 _MEMORY = "from the onset on"
 _LIKELY = 5
@@ -59,7 +59,8 @@ def starting_late(
         began: the onset in each training recording, s.
         finer: part of the model's step that `Problem.fine` takes.
     """
-    coarse, fine = (segments_of(case.robots, problem.recordings, config.window, part, began) for part in (1, finer))
+    window = fitting_window(case.robot, config.window)
+    coarse, fine = (segments_of(case.robots, problem.recordings, window, part, began) for part in (1, finer))
     memory = problem.memory.setdefault(_MEMORY, {})
     cut = replace(problem, segments=tuple(coarse), fine=tuple(fine), began=began, memory=memory)
     return replace(cut, step=None, own={}, doubt=None)

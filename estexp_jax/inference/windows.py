@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import mujoco
 import numpy as np
 
 from estexp_jax.inference.start import motion_of
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, segment
+
+_STRIDE = 0.4
+"""Longest window, s, that is fitted where a floating robot touches the ground."""
 
 
 def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> list[tuple[int, int]]:
@@ -32,6 +36,20 @@ def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> li
         else:
             windows[-1] = (windows[-1][0], last)
     return windows
+
+
+def fitting_window(robot: Robot, longest: float) -> float:
+    """Length of the windows to fit, s: shorter where robots that touch the ground soon part for good.
+
+    A foot that touches down a moment sooner is elsewhere after a stride; no value of the model can be read from that.
+
+    Args:
+        robot: the nominal robot.
+        longest: length of the windows that are shown, s.
+    """
+    floats = bool((robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
+    touches = bool((robot.model.geom_contype | robot.model.geom_conaffinity).any())
+    return min(longest, _STRIDE) if floats and touches else longest
 
 
 def segments_of(

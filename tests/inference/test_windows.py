@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from estexp_jax.inference.windows import segments_of, window_rows
+from estexp_jax.inference.windows import fitting_window, segments_of, window_rows
+from estexp_jax.physics.robot import Robot
 
 
 @pytest.mark.parametrize("length", [0.5, 0.73, 2.0, 9.0])
@@ -53,3 +54,21 @@ def test_a_finer_segment_has_as_many_times_the_steps(mixed, blank):
     [coarse], [fine] = (segments_of([mixed], recordings, np.inf, finer) for finer in (1, 4))
     assert fine.steps.n_steps == 4 * coarse.steps.n_steps
     assert fine.steps.sample.tolist() == (4 * coarse.steps.sample).tolist()
+
+
+FLOATING = """
+<mujoco>
+  <default><geom contype="{touches}" conaffinity="{touches}"/></default>
+  <worldbody>
+    <geom type="plane" size="5 5 0.1"/>
+    <body pos="0 0 1"><freejoint/><geom size="0.1"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def test_robots_that_touch_the_ground_are_fitted_in_short_windows():
+    feet, ghost = (Robot.from_string(FLOATING.format(touches=n), "floating.xml") for n in (1, 0))
+    assert fitting_window(feet, 2.0) == fitting_window(feet, np.inf) < 0.5
+    assert fitting_window(feet, 0.2) == 0.2
+    assert fitting_window(ghost, 2.0) == 2.0
