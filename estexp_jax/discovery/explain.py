@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
@@ -38,7 +39,10 @@ from estexp_jax.inference.windows import fitting_window, segments_of
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.segment import Segment
 
+_WINDOWS, _WORK = (16, 48), 48_000
+"""Fewest and most windows that are fitted of long recordings, and how often the robot's forces are computed in them."""
 FINER = 4
 """The explained simulator steps at this part of the nominal step."""
 
@@ -58,7 +62,15 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     simulator = replayer(robot, catalogue(simulated(config.effects)), robots, engine=config.engine)
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
-    return Problem(simulator, recordings, coarse, fine, channels, [0], memory, noise, places)
+    problem = Problem(simulator, recordings, coarse, fine, channels, [0], memory, noise, places)
+    return replace(problem, most=_most_windows(case.robot, coarse))
+
+
+def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
+    """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
+    stages = 4 if int(robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4) else 1
+    work = stages * max(s.steps.n_steps for s in segments)
+    return int(np.clip(_WORK // work, *_WINDOWS))
 
 
 def _to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:

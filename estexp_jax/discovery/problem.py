@@ -63,7 +63,7 @@ class Problem:
         own: the same for hypotheses at whose fits it was found by `corrected`: a coarse step distorts dry friction and
             stops otherwise than free motion.
         lacking: share of it that the robot lacks: 1 for real ones, less for one that was simulated itself.
-        most: so many windows are fitted at most: minutes of one motion teach little more, and cost as much more.
+        most: so many windows are fitted at most.
         began: index of a recording to the time before which nothing that is claimed acts in it, s.
         doubt: directions and factors of `doubt.directions` for each window, found by `about` too.
         slack: what values of the model and earlier claims would explain, if they were fitted; None: they are not.

@@ -18,8 +18,7 @@ from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, 
 from estexp_jax.discovery.starts import RUNGS
 
 _NEAR = 2.0
-"""Explanations up to so many times as far off as the best are fitted again from all their starts, and judged about its
-fit."""
+"""Explanations up to so many times as far off as the best are fitted on and judged about its fit."""
 _PROMISING = 8
 """So many of a round's hypotheses, the most promising ones, are fitted in full."""
 
