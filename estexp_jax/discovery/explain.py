@@ -37,6 +37,7 @@ from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import fitting_window, segments_of
 from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
@@ -56,14 +57,30 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     places = tuple(singles(case.robot, catalogue(claimable(config.effects))))
     recordings = tuple(map(bridged, case.recordings))
     coarse, fine = (tuple(segments_of(case.robots, recordings, config.window, finer)) for finer in (1, FINER))
-    paths = {s.recording: s.path.qpos for s in coarse if s.path is not None}
-    apart = kept_apart(case.robot, list(paths.values())) if len(paths) == len(recordings) else []
-    robot, *robots = _each(lambda r: excluded(r, apart), (case.robot, *case.robots))
-    simulator = replayer(robot, catalogue(simulated(config.effects)), robots, engine=config.engine)
+    simulator = _replayer(case, config, _apart(case, coarse, case.indices("train")))
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
     problem = Problem(simulator, recordings, coarse, fine, channels, [0], memory, noise, places)
     return replace(problem, most=_most_windows(case.robot, coarse))
+
+
+def _replayer(case: Case, config: ExplainConfig, apart: Sequence[tuple[int, int]]) -> Replayer:
+    """Of the robots, without contacts between some pairs of their bodies."""
+    robot, *robots = _each(lambda r: excluded(r, apart), (case.robot, *case.robots))
+    return replayer(robot, catalogue(simulated(config.effects)), robots, engine=config.engine)
+
+
+def _apart(case: Case, segments: Sequence[Segment], recordings: Sequence[int]) -> list[tuple[int, int]]:
+    """Pairs of bodies that some recordings, whose paths are known, never brought near each other."""
+    paths = {s.recording: s.path.qpos for s in segments if s.path is not None and s.recording in recordings}
+    return kept_apart(case.robot, list(paths.values())) if len(paths) == len(recordings) else []
+
+
+def _shown(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
+    """The comparison that is shown: where test recordings bring parts near each other, these may touch."""
+    fitted, every = (_apart(case, whole.segments, r) for r in (case.indices("train"), range(len(case.recordings))))
+    near = set(fitted) - set(every)
+    return replace(whole, replayer=_replayer(case, config, every)) if near else whole
 
 
 def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
@@ -115,7 +132,7 @@ def explain(
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
-    shown = replace(whole, began=began)
+    shown = replace(_shown(case, config, whole), began=began)
     bases = [base_of(case, shown, fits[name]) for name in ("parameters_only", "nominal")]
     learned = black_box_errors(case, config, shown, bases)
     yield Progress("test recordings", 0, 1)

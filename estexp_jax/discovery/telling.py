@@ -87,7 +87,7 @@ def _judged(case: Case, found: Found) -> tuple[str, Found, Change | None]:
     """The verdict, the fits that go with it, and the time step where that is to blame."""
     judged, nominal = verdict(case.robot, found.selection, found.claimed), found.fits["nominal"]
     if judged == "consistent":  # then nothing is changed, not even what a refit would bend
-        fits = {**dict.fromkeys(("nominal", "explained", "sayable"), nominal)}
+        fits = dict.fromkeys(("nominal", "explained", "sayable"), nominal)
         return judged, replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]}), None
     if judged != "parameters" or found.claimed:
         return judged, found, None

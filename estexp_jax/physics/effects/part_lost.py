@@ -13,7 +13,7 @@ from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.sites import lost_bodies
 from estexp_jax.physics.robot import Robot, spec_element
 
-_NEVER = -1e6
+NO_CONTACT = -1e6
 """A contact margin that no distance undercuts."""
 
 
@@ -40,18 +40,11 @@ def _or_world(bodies: Sequence[int | None]) -> np.ndarray:
     return np.array([b or 0 for b in bodies], dtype=int)
 
 
-@final
-class PartLost(Edit):
-    """No mass, no contact, no motor below the joint. The structure stays, so nothing is compiled anew.
+class Loss(Edit):
+    """What a body that comes off takes with it; `lost` is 0 or 1, in between is not meant."""
 
-    The lost joints keep a rotor inertia of 1 kg m2, so that the mass matrix stays regular; they pull on nothing.
-    `lost` is 0 or 1; in between is not meant.
-    """
-
-    name: ClassVar[str] = "part_lost"
     kind: ClassVar[str] = "body"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("lost", ""),)
-    equation: ClassVar[str] = "the body and all below it are gone"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
     stales_inertia: ClassVar[bool] = True
@@ -61,6 +54,17 @@ class PartLost(Edit):
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((1.0, 1.0),)
+
+
+@final
+class PartLost(Loss):
+    """No mass, no contact, no motor below the joint. The structure stays, so nothing is compiled anew.
+
+    The lost joints keep a rotor inertia of 1 kg m2, so that the mass matrix stays regular; they pull on nothing.
+    """
+
+    name: ClassVar[str] = "part_lost"
+    equation: ClassVar[str] = "the body and all below it are gone"
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the part {site} broke off"
@@ -75,7 +79,7 @@ class PartLost(Edit):
             body_inertia=model.body_inertia * left["body"][:, None],
             dof_armature=model.dof_armature * left["dof"] + gone["dof"],
             dof_frictionloss=model.dof_frictionloss * left["dof"],
-            geom_margin=jnp.where(gone["geom"] > 0.5, _NEVER, model.geom_margin),
+            geom_margin=jnp.where(gone["geom"] > 0.5, NO_CONTACT, model.geom_margin),
             actuator_gainprm=model.actuator_gainprm * left["actuator"][:, None],
             actuator_biasprm=model.actuator_biasprm * left["actuator"][:, None],
         )

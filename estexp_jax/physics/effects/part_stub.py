@@ -9,34 +9,19 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.description import weigh
-from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.part_lost import lost_masks
-from estexp_jax.physics.effects.sites import lost_bodies
+from estexp_jax.physics.effects.part_lost import NO_CONTACT, Loss, lost_masks
 from estexp_jax.physics.robot import Robot, spec_element
 
 _STUB = 0.01
 """Share of masses and inertias that remains."""
-_NEVER = -1e6
-"""A contact margin that no distance undercuts."""
 
 
 @final
-class PartStub(Edit):
+class PartStub(Loss):
     """Next to no mass and no contact below the joint, while its motor and its sensors work on."""
 
     name: ClassVar[str] = "part_stub"
-    kind: ClassVar[str] = "body"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("lost", ""),)
     equation: ClassVar[str] = "the body and all below it are gone but for a stub"
-    in_mjcf: ClassVar[bool] = True
-    source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
-    stales_inertia: ClassVar[bool] = True
-
-    def sites(self, robot: Robot) -> tuple[str, ...]:
-        return lost_bodies(robot)
-
-    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return ((1.0, 1.0),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the part {site} broke off but for a stub that its motor turns"
@@ -51,7 +36,7 @@ class PartStub(Edit):
         return model.replace(
             body_mass=model.body_mass * left,
             body_inertia=model.body_inertia * left[:, None],
-            geom_margin=jnp.where(gone["geom"] > 0.5, _NEVER, model.geom_margin),
+            geom_margin=jnp.where(gone["geom"] > 0.5, NO_CONTACT, model.geom_margin),
         )
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:

@@ -1,0 +1,30 @@
+"""Test recordings have no say in which contacts are left out of what is fitted; what is shown of them may touch."""
+
+import numpy as np
+
+from estexp_jax.discovery import explain as explain_module
+from estexp_jax.discovery.diagnosis import Case, ExplainConfig
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.robot import Robot
+from tests.inference.test_apart import LEGS, path
+
+SENSORS = '<sensor><jointpos name="ql" joint="l"/><jointpos name="qr" joint="r"/></sensor></mujoco>'
+CONFIG = ExplainConfig(window=0.25, most=1, effects=("viscous_friction",), engine="mjx")
+
+
+def recording(swing: float, role: str) -> Recording:
+    angles = path(swing)
+    n, nothing = len(angles), np.full(angles.shape, np.nan)
+    return Recording(
+        f"{role}_{swing}.csv", np.arange(n) / 100.0, np.zeros((n, 2)), np.ones((n, 2)), angles, nothing, nothing, role
+    )
+
+
+def test_only_training_recordings_decide_what_is_left_out_of_fits():
+    robot = Robot.from_string(LEGS.replace("</mujoco>", SENSORS), "legs.xml")
+    for near, shown in ((0.1, 1), (0.3, 0)):
+        recordings = (recording(0.1, "train"), recording(0.12, "train"), recording(near, "test"))
+        case = Case(robot, recordings, (robot,) * 3)
+        whole = explain_module.problem_of(case, CONFIG, {})
+        assert whole.replayer.robot.model.nexclude == 1
+        assert explain_module._shown(case, CONFIG, whole).replayer.robot.model.nexclude == shown
