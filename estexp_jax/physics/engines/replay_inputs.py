@@ -19,6 +19,8 @@ from estexp_jax.physics.segment import Path, Segment
 
 _MOMENT = 1e-6
 """So long before a row its command is not yet there, s."""
+_LAG = 0.04
+"""Commands of this time tell where a servo is, s: it follows a little late."""
 
 
 class Drive(NamedTuple):
@@ -82,17 +84,38 @@ def starts(
             continue
         for column, place, speed in s.start.sensed:
             if late[i, column] > 0.0 and s.path is not None:  # true now is what is read later
-                then = s.steps.start[0] + late[i, column]
-                qpos[i, place] = s.path.at(then, s.path.qpos, place)
-                qvel[i, speed] = s.path.at(then, s.path.qvel, speed)
+                now, then = s.steps.start[0], s.steps.start[0] + late[i, column]
+                qpos[i, place] += s.path.at(then, s.path.qpos, place) - s.path.at(now, s.path.qpos, place)
+                qvel[i, speed] += s.path.at(then, s.path.qvel, speed) - s.path.at(now, s.path.qvel, speed)
         columns, places, speeds = map(list, zip(*s.start.sensed, strict=True))
         now = np.zeros((2, robot.model.nsensordata))
         now[:, columns] = qpos[i, places]
         now[1, columns] += qvel[i, speeds]  # the reading a second later, at this speed
         for effect in reversed(faults):
             now = effect.restore(robot, now, values[effect.name][i])
-        true = np.where(np.isnan(now[:, columns]), robot.home()[places], now[:, columns])
-        qpos[i, places], qvel[i, speeds] = true[0], true[1] - true[0]
+        blind = np.isnan(now[0, columns])
+        guess, fast = _commanded(robot, s) if blind.any() else (robot.home(), np.zeros(robot.model.nv))
+        shift = s.start.qpos - s.path.qpos[s.first] if s.path is not None else np.zeros(robot.model.nq)
+        pushed = s.start.qvel - s.path.qvel[s.first] if s.path is not None else np.zeros(robot.model.nv)
+        qpos[i, places] = np.where(blind, (guess + shift)[places], now[0, columns])
+        qvel[i, speeds] = np.where(blind, (fast + pushed)[speeds], now[1, columns] - now[0, columns])
+    return qpos, qvel
+
+
+def _commanded(robot: Robot, s: Segment) -> tuple[np.ndarray, np.ndarray]:
+    """Where servos were told to be at a segment's start, (nq,) and (nv,); home and at rest what has none.
+
+    The best guess of a joint that nothing was read of.
+    """
+    model, qpos, qvel = robot.model, robot.home().copy(), np.zeros(robot.model.nv)
+    begin = s.steps.start[0] - np.array([3.0, 1.0]) * _LAG / 2.0
+    before, now = s.history.mean(begin, np.full(2, _LAG), np.zeros(model.nu))
+    for a in range(model.nu):
+        joint, pull = robot.joint_of_actuator(a), -model.actuator_biasprm[a, 1] * model.actuator_gear[a, 0]
+        if joint in robot.scalar_joints and pull != 0.0:
+            factor = model.actuator_gainprm[a, 0] / pull
+            qpos[model.jnt_qposadr[joint]] = factor * now[a]
+            qvel[model.jnt_dofadr[joint]] = factor * (now[a] - before[a]) / _LAG
     return qpos, qvel
 
 

@@ -91,6 +91,27 @@ def test_a_window_under_a_late_sensor_starts_where_the_robot_was() -> None:
     np.testing.assert_allclose(replay.sensors[0, :, 1], read[MIDDLE:, 1], atol=1e-3)
 
 
+def test_another_start_stays_another_start_under_a_late_sensor() -> None:
+    read = np.cumsum(np.full((ROWS, 2), 0.002), axis=0)
+    path = Path(log().time, read, np.zeros((ROWS, 2)))
+    starts = []
+    for shift in (0.0, 0.05):
+        begin = Start(read[MIDDLE] + [0.0, shift], np.array([0.0, 2.0 * shift]), ((1, 1, 1),))
+        replay = run("sensor_delay@bend delay=0.02", replace(part(MIDDLE, begin), path=path))
+        starts.append(np.array([replay.qpos[0, 0], replay.qvel[0, 0]]))
+    np.testing.assert_allclose(starts[1] - starts[0], [[0.0, 0.05], [0.0, 0.1]], atol=1e-6)
+
+
+def test_under_a_stuck_sensor_a_servo_starts_where_it_was_told_to_be() -> None:
+    told = np.stack([0.3 + 0.8 * PERIOD * np.arange(ROWS), np.zeros(ROWS)], axis=1)
+    start = Start(np.array([0.1, 0.7]), np.zeros(2), ((0, 0, 0), (1, 1, 1)))
+    replay = run("sensor_stuck@angle value=0.7", part(MIDDLE, start, log(told)))
+    servo = ROBOT.model.actuator_gainprm[0, 0] / -ROBOT.model.actuator_biasprm[0, 1]
+    late = 0.8 * 0.02  # half of the time over which commands count
+    assert replay.qpos[0, 0, 0] == pytest.approx(servo * (told[MIDDLE, 0] - late), abs=0.005)
+    assert replay.qvel[0, 0, 0] == pytest.approx(servo * 0.8, rel=0.05)
+
+
 def test_a_stuck_sensor_starts_at_home_and_stays() -> None:
     start = Start(np.array([0.1, 0.7]), np.zeros(2), ((0, 0, 0), (1, 1, 1)))
     replay = run("sensor_stuck@bend value=0.7", part(start=start))
