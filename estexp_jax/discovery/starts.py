@@ -15,6 +15,7 @@ from typing import final
 import numpy as np
 
 from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
 SHARES = (0.004, 0.04, 0.3)
@@ -35,6 +36,8 @@ RUNGS = {
     "actuator_lag": "command_delay",
     "joint_compliance": "armature",
     "outer_compliance": "armature",
+    "rebound_limit": "joint_limit",
+    "motor_heat": "motor_fade",
 }
 """Effect to the simpler one that it contains or nearly equals: compared wherever the richer one is."""
 
@@ -78,6 +81,8 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             low, high = _range(robot, site, seen)
             inside = [share * (high - low) for share in (0.05, 0.15, 0.3)]
             return [(low + x, bounds[1][1]) for x in inside] + [(bounds[0][0], high - x) for x in inside]
+        case "rebound_limit":
+            return [(*stop, 0.01, 0.2) for stop in starts(robot, effect("joint_limit"), site, seen)]
         case "torque_saturation" | "ground_friction":
             return [(float(x),) for x in np.geomspace(*bounds[0], 8)]
         case "part_lost" | "part_stub":
@@ -86,6 +91,8 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             return [(f,) for f in (0.55, 0.7, 0.85)]
         case "motor_fade":
             return list(product((0.2, 0.7), (0.5, 2.0, 8.0, 30.0)))
+        case "motor_heat":
+            return list(product((0.3, 0.7), (0.5, 2.0, 8.0), (0.05, 0.15, 0.4)))
         case "joint_compliance" | "outer_compliance":
             return [(k, 0.1 * bounds[1][1], i) for k, i in product(_spread(bounds[0], 4), _spread(bounds[2], 2))]
         case "com_shift" | "external_force":
@@ -114,6 +121,11 @@ def climbed(name: str, simpler: Mapping[str, float]) -> Vectors:
         case "joint_compliance" | "outer_compliance":
             inertia = max(simpler["I"], 1e-6)
             return [(inertia * w**2, 0.2 * inertia * w, inertia) for w in (30.0, 60.0, 120.0, 240.0)]
+        case "motor_heat":
+            return [(simpler["loss"], simpler["tau"], share) for share in (0.6, 0.3, 0.15)]
+        case "rebound_limit":
+            stop = simpler["low"], simpler["high"]
+            return [(*stop, time, ratio) for time, ratio in product((0.006, 0.02), (0.1, 0.4))]
         case "motor_fade":
             return [(min(max(2.0 * simpler["loss"], 0.05), 0.95), tau) for tau in (1.0, 5.0)]
         case _:

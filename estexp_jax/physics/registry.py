@@ -29,11 +29,13 @@ from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.load_bristles import LoadBristles
 from estexp_jax.physics.effects.load_dependent_friction import LoadDependentFriction
 from estexp_jax.physics.effects.motor_fade import MotorFade
+from estexp_jax.physics.effects.motor_heat import MotorHeat
 from estexp_jax.physics.effects.motor_weakness import MotorWeakness
 from estexp_jax.physics.effects.neuron_fault import NeuronFault
 from estexp_jax.physics.effects.part_lost import PartLost
 from estexp_jax.physics.effects.part_stub import PartStub
 from estexp_jax.physics.effects.quadratic_drag import QuadraticDrag
+from estexp_jax.physics.effects.rebound_limit import ReboundLimit
 from estexp_jax.physics.effects.sensor_bias import SensorBias
 from estexp_jax.physics.effects.sensor_delay import SensorDelay
 from estexp_jax.physics.effects.sensor_gain import SensorGain
@@ -94,6 +96,8 @@ VARIANTS: Catalogue = (
     PartStub(),
     OuterCompliance(),
     OuterBacklash(),
+    ReboundLimit(),
+    MotorHeat(),
 )
 """Other forms of effects of the catalogue, told under its names."""
 

@@ -61,7 +61,8 @@ def test_searches_start_where_the_effect_is_present(name: str) -> None:
 
 
 def test_richer_laws_start_from_simpler_ones() -> None:
-    amounts = {"T": 0.5, "sigma": 250.0, "loss": 0.3, "c": 0.1, "dm": 0.1, "delay": 0.01, "I": 0.01}
+    amounts = {"T": 0.5, "sigma": 250.0, "loss": 0.3, "c": 0.1, "dm": 0.1, "delay": 0.01, "I": 0.01, "tau": 2.0}
+    amounts |= {"low": -1.0, "high": 1.0}
     for richer, simpler in RUNGS.items():
         assert effect(richer).kind == effect(simpler).kind or richer == "external_force"
         own = {p.name: amounts[p.name] for p in effect(simpler).parameters}

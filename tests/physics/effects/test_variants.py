@@ -5,10 +5,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.physics.effects.base import JointMoment
+from estexp_jax.physics.effects.base import NEVER, JointMoment
 from estexp_jax.physics.effects.hysteresis import Hysteresis
 from estexp_jax.physics.effects.load_bristles import LoadBristles
+from estexp_jax.physics.effects.motor_fade import MotorFade
+from estexp_jax.physics.effects.motor_heat import MotorHeat
 from estexp_jax.physics.effects.part_stub import PartStub
+from estexp_jax.physics.effects.rebound_limit import ReboundLimit
 from estexp_jax.physics.effects.servo_damping import ServoDamping, servo_damping
 from estexp_jax.physics.effects.stribeck_bristles import StribeckBristles
 from estexp_jax.physics.engines.mjx_model import mjx_model
@@ -49,6 +52,26 @@ def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
     return left
 
 
+def test_a_motor_hot_at_its_largest_torque_only_is_the_one_that_fades():
+    own, less = (tuple(jnp.full(1, x) for x in p) for p in ((0.6, 2.0), (0.6, 2.0, 1.0)))
+    one, states, left = jnp.ones(1), [(jnp.zeros(1),), (jnp.zeros(1),)], []
+    for torque in np.random.default_rng(5).uniform(-1.0, 1.0, 200):
+        now = JointMoment(one, one, one * torque, one, one * 0.02, one, one, lambda q, w: q, lambda joint: joint)
+        pairs = [t.act(p, now, s) for t, p, s in zip((MotorFade(), MotorHeat()), (own, less), states, strict=True)]
+        states = [state for _, state in pairs]
+        left.append([float(does.motor[0]) for does, _ in pairs])
+    np.testing.assert_allclose(*np.array(left).T, rtol=1e-6)
+    assert left[-1][0] < 0.9
+
+
+def test_a_motor_that_heats_early_gets_no_weaker_than_it_can():
+    p, one, state = tuple(jnp.full(1, x) for x in (0.6, 0.1, 0.2)), jnp.ones(1), (jnp.zeros(1),)
+    for _ in range(200):
+        now = JointMoment(one, one, one, one, one * 0.02, one, one, lambda q, w: q, lambda joint: joint)
+        does, state = MotorHeat().act(p, now, state)
+    assert float(does.motor[0]) == pytest.approx(0.4)
+
+
 def test_bristles_slide_at_their_law():
     p = tuple(jnp.full(1, x) for x in (0.4, 0.3, 0.2, 1e-3))
     for speed in (0.05, -0.2, 1.5):
@@ -75,6 +98,49 @@ def test_servo_damping_changes_the_motors_own_force():
         mujoco.mj_forward(model, data)
         forces.append(float(data.qfrc_actuator[0]))
     assert forces[1] - forces[0] == pytest.approx(-0.4 * 3.0)
+
+
+BALL = """
+<mujoco>
+  <option timestep="0.001"/>
+  <worldbody><body><joint name="j" type="slide" axis="0 0 1"/><geom size="0.1" mass="2"/></body></worldbody>
+</mujoco>
+"""
+
+
+def thrown_back(**values):
+    """Speed with which a ball that falls from 1 m leaves a stop, over that with which it meets it."""
+    robot = Robot.from_string(BALL, "ball.xml")
+    spec = robot.spec.copy()
+    ReboundLimit().write_mjcf(
+        robot, spec, "j", {"low": -1.0, "high": NEVER, "time": 0.02, "damping_ratio": 1.0} | values
+    )
+    model = spec.compile()
+    data, speeds = mujoco.MjData(model), []
+    for _ in range(700):
+        mujoco.mj_step(model, data)
+        speeds.append(data.qvel[0])
+    assert data.qpos.min() > -1.1 and min(speeds) == pytest.approx(-np.sqrt(2 * 9.81), rel=0.02)
+    return max(speeds[450:]) / -min(speeds)
+
+
+def test_the_less_a_stop_is_damped_the_more_it_bounces():
+    back = [thrown_back(damping_ratio=d) for d in (1.0, 0.4, 0.1)]
+    assert back[0] < 0.2 < back[1] < 0.6 < back[2] < 1.0
+
+
+def test_a_stop_that_bounces_is_edited_as_it_is_written():
+    robot = Robot.from_string(BALL, "ball.xml")
+    there = mjx_model(robot, (ReboundLimit(),))
+    values = {"rebound_limit": jnp.array([[-1.0, NEVER, 0.03, 0.2]])}
+    edited = there.edited(there.model, values)
+    spec = robot.spec.copy()
+    ReboundLimit().write_mjcf(robot, spec, "j", {"low": -1.0, "high": NEVER, "time": 0.03, "damping_ratio": 0.2})
+    written = spec.compile()
+    np.testing.assert_allclose(edited.jnt_solref, written.jnt_solref)
+    assert float(edited.jnt_range[0, 0]) == written.jnt_range[0, 0] == -1.0
+    absent = there.edited(there.model, {"rebound_limit": jnp.array([[-NEVER, NEVER, 0.03, 0.2]])})
+    np.testing.assert_allclose(absent.jnt_solref, robot.model.jnt_solref)
 
 
 ARM = """

@@ -6,6 +6,7 @@ Source: MuJoCo documentation, "Computation": "Constraint model"; `engine_core_co
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import jax.numpy as jnp
 import mujoco
@@ -45,7 +46,8 @@ def _stop(plan: Plan, numbers: Numbers, joint: Joint, q: Scalar, speed: Scalar, 
     low, high = (sub(q, numbers.get("jnt_range", ids, 0)), sub(numbers.get("jnt_range", ids, 1), q))
     sign = jnp.where(low < high, 1.0, -1.0).astype(q.dtype)
     violation = sub(jnp.minimum(low, high), numbers.get("jnt_margin", ids))
-    soft = Softness.of(numbers, plan.model.jnt_solref[ids], plan.model.jnt_solimp[ids])
+    ref = tuple(numbers.get("jnt_solref", ids, i) for i in range(2))
+    soft = replace(Softness.of(numbers, plan.model.jnt_solref[ids], plan.model.jnt_solimp[ids]), ref=ref)
     impedance = soft.impedance(violation)
     spring, damper = soft.spring(dt, safe=_safe(plan))
     weight = numbers.get("dof_invweight0", dof.addresses)

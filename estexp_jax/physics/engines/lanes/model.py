@@ -19,7 +19,7 @@ FIELDS = frozenset(
     (
         *("body_mass", "body_inertia", "body_ipos", "body_iquat", "body_pos", "body_quat", "body_invweight0"),
         *("dof_armature", "dof_damping", "dof_frictionloss", "dof_invweight0", "qpos0", "qpos_spring"),
-        *("jnt_axis", "jnt_pos", "jnt_range", "jnt_margin", "jnt_stiffness", "jnt_actfrcrange"),
+        *("jnt_axis", "jnt_pos", "jnt_range", "jnt_solref", "jnt_margin", "jnt_stiffness", "jnt_actfrcrange"),
         *("geom_pos", "geom_quat", "geom_size", "geom_margin", "geom_friction", "site_pos", "site_quat"),
         *("actuator_gear", "actuator_gainprm", "actuator_biasprm", "actuator_ctrlrange", "actuator_forcerange"),
         "opt.gravity",
@@ -28,7 +28,7 @@ FIELDS = frozenset(
 """Fields of a model that lanes take from robot to robot."""
 _SHARED = frozenset(
     (
-        *("geom_solref", "geom_solimp", "geom_solmix", "jnt_solref", "jnt_solimp", "dof_solref", "dof_solimp"),
+        *("geom_solref", "geom_solimp", "geom_solmix", "jnt_solimp", "dof_solref", "dof_solimp"),
         *("opt.impratio", "sensor_cutoff"),
     )
 )
