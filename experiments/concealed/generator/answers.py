@@ -15,6 +15,8 @@ from experiments.concealed.generator.sensing import channels
 
 _INNER = ("source", "reference", "axis", "times", "ratio")
 """Parameters of ours that no name of the catalogue has."""
+_JAMMED = 0.5
+"""Degree from which on a jam is told from viscous friction."""
 
 
 def answer(case: Case) -> dict[str, Any]:
@@ -60,8 +62,13 @@ def _effect(planted: Planted, effect: Effect, robot: str) -> dict[str, Any]:
         "strength": planted.strength,
         "parameters": {k: v for k, v in effect.parameters.items() if k not in _INNER},
         "scored": list(kind.scored),
-        "accepted": list(kind.accepted),
+        "accepted": [*kind.accepted, *_merged(kind.name, effect)],
     }
+
+
+def _merged(name: str, effect: Effect) -> list[str]:
+    """Under which other name it goes: a jam that is not one yet is viscous friction."""
+    return ["viscous_friction"] if name == "joint_jam" and effect.parameters["f"] < _JAMMED else []
 
 
 def element(planted: Planted, robot: str) -> str | None:
