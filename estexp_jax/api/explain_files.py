@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
-from estexp_jax.discovery.explain import FINER
 from estexp_jax.discovery.export import explained_spec, explained_xml
+from estexp_jax.inference.windows import FINER
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.runs import RunFolder, write_json
 

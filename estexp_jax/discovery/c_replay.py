@@ -95,7 +95,7 @@ def simulated_with(problem: Problem, models: Sequence[mujoco.MjModel], law: Law,
         law: the force.
         windows: indices of the windows.
     """
-    segments = [problem.fine[w] for w in windows]
+    segments = [problem.replays.cut.fine[w] for w in windows]
     robot, effects = problem.replayer.robot, problem.replayer.catalogue
     nothing = stack([neutral(robot, effects)] * len(segments))
     drive = drive_of(robot, effects, nothing, segments, max(s.steps.n_steps for s in segments) + 2)

@@ -12,6 +12,7 @@ import numpy as np
 
 from estexp_jax.discovery.problem import Member, Problem
 from estexp_jax.inference.gaps import recommanded
+from estexp_jax.inference.windows import Cut
 from estexp_jax.physics.schedule import CommandHistory
 from estexp_jax.physics.segment import Segment
 
@@ -57,4 +58,5 @@ def _with_commands(problem: Problem, sides: list[np.ndarray]) -> Problem:
     def retold(segments: tuple[Segment, ...]) -> tuple[Segment, ...]:
         return tuple(replace(s, history=histories[s.recording]) for s in segments)
 
-    return replace(problem, recordings=recordings, segments=retold(problem.segments), fine=retold(problem.fine))
+    cut = Cut(*map(retold, problem.replays.cut))
+    return replace(problem, recordings=recordings, replays=replace(problem.replays, cut=cut))

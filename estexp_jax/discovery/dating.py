@@ -19,7 +19,7 @@ import numpy as np
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.inference.windows import segments_of
+from estexp_jax.inference.windows import cut_of
 
 _SHORT = 0.2
 """Length of a window, s."""
@@ -36,16 +36,15 @@ class Dated(NamedTuple):
     left: float
 
 
-def short_windows(case: Case, problem: Problem, finer: int) -> Problem:
+def short_windows(case: Case, problem: Problem) -> Problem:
     """The comparison with short windows, all of which are fitted.
 
     Args:
         case: what is explained.
         problem: the comparison.
-        finer: part of the model's step that `Problem.fine` takes.
     """
-    coarse, fine = (tuple(segments_of(case.robots, problem.recordings, _SHORT, part)) for part in (1, finer))
-    return replace(problem, segments=coarse, fine=fine, step=None, own={}, doubt=None, began={}, most=sys.maxsize)
+    cut = cut_of(case.robots, problem.recordings, _SHORT)
+    return replace(problem.with_windows(cut), most=sys.maxsize)
 
 
 def dated(short: Problem, fits: Sequence[Fit]) -> dict[int, float]:

@@ -10,14 +10,20 @@ Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 
+from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.scales import joint_span
 from estexp_jax.physics.segment import Segment, Start
 
+_POSITION = int(mujoco.mjtSensor.mjSENS_JOINTPOS)
+_AROUND, _PER_SECOND = 0.02, 10.0
+"""Of a joint's range: how far from where it was told to be it may start; and in so many ways a second."""
 _INFLATED = 2.0
 """Factor on the states' variance: jolts are smoothed away more than steady motion."""
 
@@ -30,6 +36,23 @@ def other_starts(model: mujoco.MjModel, segments: Sequence[Segment]) -> list[lis
         for k in range(2)
         if any(s.start.covariance is not None and s.start.covariance[dof].any() for s in segments)
     ]
+
+
+def blinded(robot: Robot, hypothesis: Hypothesis, segments: Sequence[Segment]) -> Sequence[Segment]:
+    """Segments with starts as uncertain as a hypothesis makes them: what a stuck sensor shows tells nothing."""
+    stuck = [robot.index("sensor", site) for name, site in hypothesis.places if name == "sensor_stuck"]
+    joints = [int(robot.model.sensor_objid[s]) for s in stuck if robot.model.sensor_type[s] == _POSITION]
+    wide = {int(robot.model.jnt_dofadr[j]): 0.5 * (_AROUND * np.subtract(*joint_span(robot, j))) ** 2 for j in joints}
+    return [replace(s, start=_widened(s.start, wide)) for s in segments] if wide else segments
+
+
+def _widened(start: Start, wide: Mapping[int, float]) -> Start:
+    if start.covariance is None:
+        return start
+    covariance = start.covariance.copy()
+    for dof, variance in wide.items():
+        covariance[dof] = variance * np.diag([1.0, _PER_SECOND**2])
+    return start._replace(covariance=covariance)
 
 
 def _shifted(model: mujoco.MjModel, start: Start, dof: int, k: int) -> Start:

@@ -27,7 +27,9 @@ from estexp_jax.discovery.hypotheses import (
 from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
+from estexp_jax.discovery.possible import possible
 from estexp_jax.discovery.problem import Problem, deviations
+from estexp_jax.discovery.replays import Replays
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.searching import fitted, select
 from estexp_jax.discovery.selection import Selection
@@ -35,7 +37,7 @@ from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.inference.apart import excluded, kept_apart
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
-from estexp_jax.inference.windows import fitting_window, segments_of
+from estexp_jax.inference.windows import cut_of, fitting_window
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.registry import catalogue
@@ -44,8 +46,6 @@ from estexp_jax.physics.segment import Segment
 
 _WINDOWS, _WORK = (16, 48), 48_000
 """Fewest and most windows that are fitted of long recordings, and how often the robot's forces are computed in them."""
-FINER = 4
-"""The explained simulator steps at this part of the nominal step."""
 
 
 def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
@@ -54,14 +54,15 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    places = tuple(singles(case.robot, catalogue(claimable(config.effects))))
     recordings = tuple(map(bridged, case.recordings))
-    coarse, fine = (tuple(segments_of(case.robots, recordings, config.window, finer)) for finer in (1, FINER))
-    simulator = _replayer(case, config, _apart(case, coarse, case.indices("train")))
+    every = singles(case.robot, catalogue(claimable(config.effects)))
+    places = tuple(p for p in every if possible(case.robot, p, recordings))
+    cut = cut_of(case.robots, recordings, config.window)
+    simulator = _replayer(case, config, _apart(case, cut.whole, case.indices("train")))
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
-    problem = Problem(simulator, recordings, coarse, fine, channels, [0], memory, noise, places)
-    return replace(problem, most=_most_windows(case.robot, coarse))
+    problem = Problem(Replays(simulator, channels, cut), recordings, memory, noise, places)
+    return replace(problem, most=_most_windows(case.robot, cut.whole))
 
 
 def _replayer(case: Case, config: ExplainConfig, apart: Sequence[tuple[int, int]]) -> Replayer:
@@ -80,7 +81,8 @@ def _shown(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     """The comparison that is shown: where test recordings bring parts near each other, these may touch."""
     fitted, every = (_apart(case, whole.segments, r) for r in (case.indices("train"), range(len(case.recordings))))
     near = set(fitted) - set(every)
-    return replace(whole, replayer=_replayer(case, config, every)) if near else whole
+    replays = replace(whole.replays, replayer=_replayer(case, config, every)) if near else whole.replays
+    return replace(whole, replays=replays)
 
 
 def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
@@ -95,8 +97,7 @@ def _to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     window = fitting_window(case.robot, config.window)
     if window == config.window:
         return whole
-    coarse, fine = (tuple(segments_of(case.robots, whole.recordings, window, finer)) for finer in (1, FINER))
-    return replace(whole, segments=coarse, fine=fine)
+    return whole.with_windows(cut_of(case.robots, whole.recordings, window))
 
 
 def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:
@@ -132,7 +133,7 @@ def explain(
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
-    shown = replace(_shown(case, config, whole), began=began)
+    shown = _shown(case, config, whole).with_windows(whole.replays.cut, began)
     bases = [base_of(case, shown, fits[name]) for name in ("parameters_only", "nominal")]
     learned = black_box_errors(case, config, shown, bases)
     yield Progress("test recordings", 0, 1)
@@ -143,14 +144,14 @@ def _late(
     case: Case, config: ExplainConfig, problem: Problem, selection: Selection, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem, dict[int, float]]]:
     """The selection among claims that begin part-way, if they do: with its comparison and the dates, refined by it."""
-    began = begun(case, problem, selection, FINER, config.seed)
+    began = yield from begun(case, problem, selection, config.seed)
     if not began:
         return selection, problem, {}
-    late = starting_late(case, config, problem, began, FINER)
+    late = starting_late(case, config, problem, began)
     better = yield from select_late(late, parameters, selection, config.most)
     if better is None:
         return selection, problem, {}
-    again = dated(short_windows(case, problem, FINER), [better[0].chosen.fitted])
+    again = dated(short_windows(case, problem), [better[0].chosen.fitted])
     return *better, again or began
 
 

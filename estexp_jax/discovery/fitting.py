@@ -1,13 +1,16 @@
 """Fitting many hypotheses at once: bounded Levenberg-Marquardt on finite differences, all of it in batched replays.
 
-Source: Nocedal and Wright, Numerical Optimization (2006), chapter 10; the damping is chosen each time among four
-candidates simulated together, which costs no extra round trip.
+The damping is chosen each time among four candidates simulated together, which costs no extra round trip. Derivatives
+by many values cost most; so some steps are taken with those of the last point, mended by what the step showed.
+
+Sources: Nocedal and Wright, Numerical Optimization (2006), chapter 10; Madsen, Nielsen and Tingleff, Methods for
+Non-Linear Least Squares Problems (2004), section 3.5 (the secant version).
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple, final
 
 import numpy as np
@@ -26,6 +29,8 @@ _MOST_MEMBERS = 4096
 """Derivatives are taken by so many windows of simulations at once, to bound memory."""
 _CONVERGED = 1e-3
 """Relative fall of the cost under which a fit rests."""
+_STEPS_EACH = 4
+"""Most steps with derivatives found once."""
 
 
 Task = tuple[Hypothesis, Sequence[np.ndarray]]
@@ -96,9 +101,11 @@ def fit(
         yield Progress(stage, iteration, iterations, _note(fits))
         if not moving:
             break
-        improved = _step([fits[i] for i in moving], problem, windows, [prices[i] for i in moving], newest_only)
-        still = [i for i, new in zip(moving, improved, strict=True) if new.cost < fits[i].cost * (1.0 - _CONVERGED)]
-        for i, new in zip(moving, improved, strict=True):
+        found = _iterated([fits[i] for i in moving], problem, windows, [prices[i] for i in moving], newest_only)
+        still = []
+        for i, (new, rests) in zip(moving, found, strict=True):
+            if not rests and new.cost < fits[i].cost * (1.0 - _CONVERGED):
+                still.append(i)
             fits[i] = new
         moving = still
     _remember(problem, stage, fits, moving, iterations)
@@ -159,25 +166,75 @@ def _costs(
     return data + np.array([prior_cost(h, v, price) for (h, v), price in zip(members, prices, strict=True)])
 
 
-def _step(
+@dataclass
+class _Walk:
+    """A fit on its way: where it is, and what is known of the slopes there.
+
+    Attributes:
+        at: where.
+        moving: (n_free,) which parameters move.
+        residual, derivative: (windows, samples), (windows, samples, n_free).
+        price: of unusual values.
+        goes_on: whether another step with these derivatives may pay.
+        rests: whether no step would.
+    """
+
+    at: Fit
+    moving: np.ndarray
+    residual: np.ndarray
+    derivative: np.ndarray
+    price: float
+    goes_on: bool = True
+    rests: bool = False
+
+    def candidates(self) -> list[np.ndarray]:
+        """Where a step may lead."""
+        return candidates(self.at, self.moving, *normal_equations(self.at, self.price, self.residual, self.derivative))
+
+    def step_to(self, vectors: Sequence[np.ndarray], residuals: np.ndarray) -> None:
+        """Go to the best of some candidates, whose residuals (candidates, windows, samples) are known, if it is better.
+
+        Derivatives along the step are mended by what it showed.
+        """
+        hypothesis, costs = self.at.hypothesis, np.sum(np.square(residuals, dtype=np.float64), axis=(1, 2))
+        costs += [prior_cost(hypothesis, v, self.price) for v in vectors]
+        best = int(np.argmin(costs))
+        new = Fit(hypothesis, vectors[best], float(costs[best]))
+        if new.cost >= self.at.cost:
+            self.goes_on = False
+            return
+        step, shown = new.vector - self.at.vector, residuals[best].astype(np.float64)
+        expected = self.residual + self.derivative @ step
+        foreseen = self.at.cost - np.sum(expected**2) - prior_cost(hypothesis, new.vector, self.price)
+        small = _CONVERGED * self.at.cost
+        self.rests = self.at.cost - new.cost < small and foreseen < 2.0 * small
+        self.goes_on = self.at.cost - new.cost >= small
+        weight = np.einsum("wsn,wsn->n", self.derivative, self.derivative) * step
+        if weight @ step > 0.0:
+            self.derivative += (shown - expected)[..., None] * (weight / (weight @ step))
+        self.at, self.residual = new, shown
+
+
+def _iterated(
     fits: list[Fit], problem: Problem, windows: np.ndarray, prices: Sequence[float], newest_only: bool
-) -> list[Fit]:
-    """One Levenberg-Marquardt step of each fit; a fit that finds nothing better stays."""
-    tried = []
+) -> list[tuple[Fit, bool]]:
+    """Levenberg-Marquardt steps of each fit, with derivatives found once; and whether it rests.
+
+    A fit that finds nothing better stays.
+    """
     moving = [_newest(f.hypothesis) if newest_only else movable(f.hypothesis) for f in fits]
     slopes = jacobians(problem, fits, windows, moving)
-    for f, own, (residual, derivative), price in zip(fits, moving, slopes, prices, strict=True):
-        tried += candidates(f, own, *normal_equations(f, price, residual, derivative))
-    n = len(DAMPINGS)
-    members = [(fits[i // n].hypothesis, c) for i, c in enumerate(tried)]
-    costs = _costs(problem, members, windows, np.repeat(prices, n).tolist())
-    found = []
-    for i, f in enumerate(fits):
-        own = slice(i * n, (i + 1) * n)
-        best = int(np.argmin(costs[own]))
-        better = costs[own][best] < f.cost
-        found.append(replace(f, vector=tried[own][best], cost=float(costs[own][best])) if better else f)
-    return found
+    walks = [_Walk(f, m, *s, price) for f, m, s, price in zip(fits, moving, slopes, prices, strict=True)]
+    for _ in range(1 if newest_only else _STEPS_EACH):
+        going = [w for w in walks if w.goes_on]
+        if not going:
+            break
+        tried = [w.candidates() for w in going]
+        members = [(w.at.hypothesis, v) for w, vectors in zip(going, tried, strict=True) for v in vectors]
+        residuals = problem.residuals(members, windows)
+        for i, (w, vectors) in enumerate(zip(going, tried, strict=True)):
+            w.step_to(vectors, residuals[i * len(vectors) : (i + 1) * len(vectors)])
+    return [(w.at, w.rests) for w in walks]
 
 
 def _newest(hypothesis: Hypothesis) -> np.ndarray:

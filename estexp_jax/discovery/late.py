@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Mapping
 from dataclasses import replace
 
+from estexp_jax.discovery.beginnings import parted
 from estexp_jax.discovery.dating import dated, short_windows
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.fitting import Progress
@@ -14,29 +15,34 @@ from estexp_jax.discovery.onset import helps_before, onsets
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Selection
-from estexp_jax.inference.windows import fitting_window, segments_of
+from estexp_jax.inference.windows import cut_of, fitting_window
 
 _MEMORY = "from the onset on"
 _LIKELY = 5
 """So many of the best single claims may be the one that begins, where none was worth it from the start."""
 
 
-def begun(case: Case, problem: Problem, selection: Selection, finer: int, seed: int) -> dict[int, float]:
+def begun(case: Case, problem: Problem, selection: Selection, seed: int) -> Generator[Progress, None, dict[int, float]]:
     """When the mismatch begins in each training recording, s; empty: from the start, or nothing is wrong.
 
     Args:
         case: what is explained.
         problem: the comparison.
         selection: what was chosen as if everything acted from the start.
-        finer: part of the model's step that `Problem.fine` takes.
         seed: of what is drawn.
+
+    Yields:
+        Progress.
     """
     chosen = selection.chosen
     if chosen.error <= NOISE:
         return {}
     claims = chosen.places and [chosen] or [e for e in selection.tried if len(e.places) == 1]
     likely = sorted(claims, key=lambda e: e.error)[:_LIKELY]
-    found = dated(short_windows(case, problem, finer), [e.fitted for e in likely])
+    found = dated(short_windows(case, problem), [e.fitted for e in likely])
+    if found:
+        return found
+    found = yield from parted(case, problem, selection.parameters.fitted.hypothesis)
     if found:
         return found
     train = case.indices("train")
@@ -47,9 +53,7 @@ def begun(case: Case, problem: Problem, selection: Selection, finer: int, seed: 
     return {} if found and helps_before(problem, found, chosen.fitted) else found
 
 
-def starting_late(
-    case: Case, config: ExplainConfig, problem: Problem, began: Mapping[int, float], finer: int
-) -> Problem:
+def starting_late(case: Case, config: ExplainConfig, problem: Problem, began: Mapping[int, float]) -> Problem:
     """The comparison with a window beginning where the mismatch does; claims act from there on.
 
     Args:
@@ -57,13 +61,11 @@ def starting_late(
         config: how.
         problem: the comparison as if everything acted from the start.
         began: the onset in each training recording, s.
-        finer: part of the model's step that `Problem.fine` takes.
     """
     window = fitting_window(case.robot, config.window)
-    coarse, fine = (segments_of(case.robots, problem.recordings, window, part, began) for part in (1, finer))
+    cut = cut_of(case.robots, problem.recordings, window, began)
     memory = problem.memory.setdefault(_MEMORY, {})
-    cut = replace(problem, segments=tuple(coarse), fine=tuple(fine), began=began, memory=memory)
-    return replace(cut, step=None, own={}, doubt=None)
+    return replace(problem.with_windows(cut, began), memory=memory)
 
 
 def select_late(

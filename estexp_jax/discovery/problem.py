@@ -7,29 +7,27 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, final
 
-import mujoco
 import numpy as np
 
-from estexp_jax.discovery.doubt import directions, other_starts, whitened
-from estexp_jax.discovery.hypotheses import Hypothesis, Place, lanes
+from estexp_jax.discovery.doubt import blinded, directions, other_starts, whitened
+from estexp_jax.discovery.hypotheses import Hypothesis, Place
+from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
 from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
 from estexp_jax.inference.noise import correlation_rows, loudness, noise_deviation
+from estexp_jax.inference.windows import Cut
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.segment import Segment
 
-Member = tuple[Hypothesis, np.ndarray]
-"""A hypothesis with a vector (n_free,) of its parameters."""
-
 _BLOWN_UP = 10.0
 """Normalised error of a simulation that is no longer a number: worse than any that stays on its scale."""
-_MOST_LANES = 4096
-"""Lanes replayed together, to bound memory."""
 _FAR = 1e6
 """Deviations; further is a simulation that blew up."""
+_LOUDEST = 3.0
+"""Factor by which noise may be louder than it seems in a reading."""
 _LEAST_SHARE = 5e-4
 """Of a channel's range: no simulator is right to more."""
 
@@ -50,43 +48,66 @@ class Problem:
     """Recordings cut into windows, and the simulator to replay them.
 
     Attributes:
-        replayer: of the robot and the catalogue.
+        replays: of the windows, by the simulator.
         recordings: what was recorded.
-        segments: the windows, at the model's own step.
-        fine: the same windows at a fraction of it, standing for the time that a robot does not cut into steps.
-        channels: the readings compared.
-        counted: robot steps simulated so far, a list of one number.
         noise: (recordings, channels) deviation that counts as one, in the channel's unit; NaN where it has no sample.
         places: what may be claimed.
         step: (windows, rows, channels) what no steps at all would change, found at one member by `about`; added to
             everything simulated, because a step of some milliseconds alone may look like friction or delay.
-        own: the same for hypotheses at whose fits it was found by `corrected`: a coarse step distorts dry friction and
+        rough: (windows, rows, channels) how far that is in doubt, found by `about` too: where a foot touches down, half
+            the step does not make half the error. It counts as noise.
+        own: `step` for hypotheses at whose fits it was found by `corrected`: a coarse step distorts dry friction and
             stops otherwise than free motion.
         lacking: share of it that the robot lacks: 1 for real ones, less for one that was simulated itself.
         most: so many windows are fitted at most.
-        began: index of a recording to the time before which nothing that is claimed acts in it, s.
         doubt: directions and factors of `doubt.directions` for each window, found by `about` too.
         slack: what values of the model and earlier claims would explain, if they were fitted; None: they are not.
         memory: the state of each stage of fitting, plain numbers and arrays by its name: kept by the caller, it lets an
             interrupted explanation go on where it was.
     """
 
-    replayer: Replayer
+    replays: Replays
     recordings: tuple[Recording, ...]
-    segments: tuple[Segment, ...]
-    fine: tuple[Segment, ...]
-    channels: Channels
-    counted: list[int]
     memory: dict[str, Any]
     noise: np.ndarray
     places: tuple[Place, ...]
     step: np.ndarray | None = None
+    rough: np.ndarray | None = None
     own: Mapping[Hypothesis, np.ndarray] = field(default_factory=dict)
     lacking: float = 1.0
     doubt: tuple[np.ndarray, np.ndarray] | None = None
     slack: Slack | None = None
     most: int = 48
-    began: Mapping[int, float] = field(default_factory=dict)
+
+    @property
+    def replayer(self) -> Replayer:
+        """The simulator, of the robot and the catalogue."""
+        return self.replays.replayer
+
+    @property
+    def channels(self) -> Channels:
+        """The readings compared."""
+        return self.replays.channels
+
+    @property
+    def counted(self) -> list[int]:
+        """Robot steps simulated so far, a list of one number."""
+        return self.replays.counted
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The windows at the model's own step."""
+        return self.replays.cut.whole
+
+    def with_windows(self, cut: Cut, began: Mapping[int, float] | None = None) -> Problem:
+        """The same comparison in other windows, of whose steps and starts nothing is known yet.
+
+        Args:
+            cut: the windows.
+            began: as in `Replays`.
+        """
+        there = replace(self.replays, cut=cut, began=began or {})
+        return replace(self, replays=there, step=None, rough=None, own={}, doubt=None)
 
     def windows_of(self, recordings: Sequence[int]) -> np.ndarray:
         """Indices of the windows of some recordings."""
@@ -94,19 +115,15 @@ class Problem:
 
     def about(self, member: Member) -> Problem:
         """The same comparison with what one member shows: the error of the coarse step, and of uncertain starts."""
-        coarse, [step] = self._steps([member])
-        return replace(self, step=self._spread(step), own={}, doubt=self._doubt(member, coarse[0]))
+        coarse, step, rough = self.replays.step_about(member, self.fitted)
+        there = replace(self, step=self._spread(step), rough=self._spread(rough), own={})
+        return replace(there, doubt=there._doubt(member, coarse))
 
     def corrected(self, members: Sequence[Member]) -> Problem:
         """The same comparison, in which each of these hypotheses is corrected by the step's error at its own fit."""
-        _, steps = self._steps(members)
+        _, steps = self.replays.steps(members, self.fitted)
         found = {h: self._spread(step) for (h, _), step in zip(members, steps, strict=True)}
         return replace(self, own={**self.own, **found})
-
-    def _steps(self, members: Sequence[Member]) -> tuple[np.ndarray, np.ndarray]:
-        """Readings of fitted windows (members, windows, rows, channels), and what no steps at all would change."""
-        fine, coarse = (self._replayed(members, self.fitted, segments) for segments in (self.fine, self.segments))
-        return coarse, np.nan_to_num(fine - coarse) * self._whole
 
     def _spread(self, x: np.ndarray) -> np.ndarray:
         """An array of fitted windows (windows, ...) among all windows, 0 for others."""
@@ -152,44 +169,39 @@ class Problem:
     def _doubt(self, member: Member, simulated: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """`doubt` of all windows about one member, whose readings in fitted windows are known."""
         windows = self.fitted
-        starts = other_starts(self.replayer.robot.model, self.segments)
+        robot = self.replayer.robot
+        starts = other_starts(robot.model, blinded(robot, member[0], self.segments))
         if not starts:
             return None
         every = [s for segments in starts for s in segments]
         which = np.concatenate([windows + k * len(self.segments) for k in range(len(starts))])
-        found = self._replayed([member], which, every)[0].reshape(len(starts), len(windows), *simulated.shape[1:])
-        others = np.moveaxis(found, 0, -1)
-        change = (others - simulated[..., None]) / self._deviation(windows)[:, None, :, None]
+        [found] = self.replays.readings([member], which, every)
+        others = np.moveaxis(found.reshape(len(starts), len(windows), *simulated.shape[1:]), 0, -1)
+        change = (others - simulated[..., None]) / self._deviation(windows, simulated.shape[1])[..., None]
         sampled = np.isfinite(self._compared(windows))[..., None]
         effect = np.where(sampled, np.clip(np.nan_to_num(change), -_FAR, _FAR), 0.0)
         basis, kept = directions(effect.reshape(len(windows), -1, len(starts)))
         return self._spread(basis), 1.0 + self._spread(kept - 1.0)
 
-    @property
-    def _whole(self) -> float:
-        """What makes the difference between coarse and fine steps that to no steps at all (Richardson)."""
-        if int(self.replayer.robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4):
-            return 1.0
-        steps, finer = self.segments[0].steps.n_steps, self.fine[0].steps.n_steps
-        return finer / max(finer - steps, 1)
-
     def heard(self, member: Member) -> Problem:
         """The same comparison with noise as loud as one member's residuals are from row to row.
 
         Differences of a reading see little of noise that lasts for some rows. Residuals hold no motion, so there it
-        can be told from a mismatch, which lasts as long as motions do.
+        can be told from a mismatch, which lasts as long as motions do; most of them: what swings fast is no noise.
         """
         windows = self.trained
         difference = self.simulated([member], windows)[0] - self._compared(windows)
         noise = self.noise.copy()
         for recording in {self.segments[w].recording for w in windows}:
             own = np.array([self.segments[w].recording == recording for w in windows])
-            noise[recording] = np.fmax(noise[recording], loudness(difference[own]))
+            noise[recording] = np.fmax(
+                noise[recording], np.fmin(loudness(difference[own]), _LOUDEST * noise[recording])
+            )
         return replace(self, noise=noise)
 
     def simulated(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
         """Readings (members, windows, rows, channels) without the error of the step, NaN beyond a window's end."""
-        found = self._replayed(members, windows, self.segments)
+        found = self.replays.readings(members, windows, self.segments)
         for i, (hypothesis, _) in enumerate(members):
             step = self.own.get(hypothesis, self.step)
             if step is not None and self.lacking:
@@ -198,23 +210,7 @@ class Problem:
 
     def exact(self) -> Problem:
         """The same comparison at the fine step, without correction: slow, and right for every member."""
-        return replace(self, segments=self.fine, step=None, own={}, doubt=None)
-
-    def _replayed(self, members: Sequence[Member], windows: np.ndarray, segments: Sequence[Segment]) -> np.ndarray:
-        found = []
-        step = max(1, _MOST_LANES // len(windows))
-        for begin in range(0, len(members), step):
-            part = members[begin : begin + step]
-            early = [self._early(segments[w]) for w in windows]
-            values = lanes(self.replayer.robot, self.replayer.catalogue, part, early)
-            replay = self.replayer.replay(values, segments, np.tile(windows, len(part)))
-            found.append(self.channels.simulated(replay).reshape(len(part), len(windows), -1, len(self.channels.names)))
-        self.counted[0] += len(members) * sum(segments[w].steps.n_steps for w in windows)
-        return np.concatenate(found)
-
-    def _early(self, s: Segment) -> bool:
-        """Whether a window lies before what is claimed begins; of one that holds the onset, its middle counts."""
-        return 0.5 * (s.steps.start[0] + s.steps.start[-1]) < self.began.get(s.recording, -np.inf)
+        return self.with_windows(Cut(*3 * [self.replays.cut.fine]), self.replays.began)
 
     @cached_property
     def seen(self) -> Seen:
@@ -250,7 +246,8 @@ class Problem:
         `about` has found what they do; nor does what `slack` explains count. A simulation that blew up counts as off by
         ten times the channel's range.
         """
-        recorded, deviation = self._compared(windows), self._deviation(windows)[:, None, :]
+        recorded = self._compared(windows)
+        deviation = self._deviation(windows, recorded.shape[1])
         difference = (self.simulated(members, windows) - recorded) / deviation
         sampled = np.isfinite(recorded)
         limit = _BLOWN_UP * self._span(windows)[:, None, :] / deviation
@@ -285,8 +282,10 @@ class Problem:
         each = {r: spans(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}}
         return np.nan_to_num(np.array([each[self.segments[w].recording] for w in windows]), nan=1.0)
 
-    def _deviation(self, windows: np.ndarray) -> np.ndarray:
-        return np.nan_to_num(self.noise[[self.segments[w].recording for w in windows]], nan=1.0)
+    def _deviation(self, windows: np.ndarray, rows: int) -> np.ndarray:
+        """What counts as one (windows, rows, channels), or (windows, 1, channels) where rows are alike."""
+        noise = np.nan_to_num(self.noise[[self.segments[w].recording for w in windows]], nan=1.0)[:, None, :]
+        return noise if self.rough is None else np.hypot(noise, self.rough[windows, :rows])
 
     def _cut(self, basis: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         """Directions of all windows for windows of `shape` (windows, rows, channels), perhaps fewer rows."""

@@ -13,6 +13,10 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.starts import RUNGS, climbed, starts
 from estexp_jax.physics.registry import effect
 
+_MANY = 32
+"""Windows of which an eighth is enough for a first look."""
+_FAIR = 0.1
+"""A hypothesis that lowers the cost by this share of what the best one does is looked at longer."""
 _BEST = 4
 """Of so many best hypotheses, richer relatives are looked at longer than they seem worth."""
 
@@ -60,9 +64,10 @@ def looked_at(
 ) -> Generator[Progress, None, list[Task]]:
     """The most promising of many hypotheses, by looks that move only what they claim last.
 
-    All their starts are tried on a quarter of the windows. The better half, what is simpler than one of these, and what
-    is richer than the best, goes on to twice as many windows, with starts from the simpler one's solution; and so on,
-    down to `n`. All the time, everything that `base` fits is taken as fitted beside them.
+    All their starts are tried on a quarter of the windows, of many on an eighth. Those that bring a fair share of what
+    the best brings, at most half of them, what is simpler than one of these, and what is richer than the best, go on to
+    twice as many windows, with starts from the simpler one's solution; and so on, down to `n`. All the time, everything
+    that `base` fits is taken as fitted beside them.
 
     Args:
         problem: the comparison.
@@ -75,7 +80,7 @@ def looked_at(
     Returns:
         The hypotheses with the vectors to fit them from.
     """
-    every, looked = 8, [Fit(h, vectors[0], np.inf) for h, vectors in tasks]
+    every, looked = 8 if len(problem.fitted) < _MANY else 16, [Fit(h, vectors[0], np.inf) for h, vectors in tasks]
     again = list(tasks)
     while every > 1:
         every //= 2
@@ -84,9 +89,16 @@ def looked_at(
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
         ranked = sorted(looked, key=lambda f: f.cost)
-        best = _with_richer(with_rungs(ranked, max(n, len(looked) // 2)), ranked)
+        nothing = float(np.sum(free.residuals([base.member], windows).astype(np.float64) ** 2))
+        best = _with_richer(with_rungs(ranked, max(n, min(len(looked) // 2, _fair(ranked, nothing)))), ranked)
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
+
+
+def _fair(ranked: Sequence[Fit], nothing: float) -> int:
+    """How many lower the cost by a fair share of what the best does."""
+    least = nothing - _FAIR * (nothing - ranked[0].cost)
+    return sum(f.cost <= least for f in ranked)
 
 
 def _settled(problem: Problem, free: Problem, base: Fit, looked: Sequence[Fit]) -> list[Task]:

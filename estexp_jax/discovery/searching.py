@@ -67,8 +67,8 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     tasks: list[Task] = [(parameters, [start.vector])]
     [bent], around = yield from fitted(about(problem, start), tasks, "parameters")
     problem = about(around.heard(bent.member), start)
-    nominal = held_out(replace(problem, step=None), start, search.folds)
-    corrected = held_out(problem, start, search.folds)
+    plain = replace(problem, rough=None)  # what the step does is no noise where the step itself is asked for
+    nominal, corrected = (held_out(p, start, search.folds) for p in (replace(plain, step=None), plain))
     [own], problem = yield from _judged_about(search, problem, bent, [bent], "parameters only")
     found = _Found(problem, own, ())
     for n in range(1, most + 1):

@@ -19,9 +19,13 @@ NOISE = 1.2
 _WORTH = 0.85
 """An added effect must bring the held-out squared error under this share of what it was ..."""
 _CHANCE = 0.05
-"""... and the windows must agree on it, at this level of a signed-rank test."""
+"""... and the windows must agree on it, at this level of a signed-rank test ..."""
+_PLAINLY = 0.3
+"""... unless it brings it under this share: what acts only now and then, like a stop, shows in few windows."""
 _TIE = 1.03
 """Held-out squared errors this near are no reason to prefer one explanation to another."""
+_SAME = 1.02
+"""Held-out squared errors this near tell nothing apart."""
 _FOLDS = 3
 _PRICE, _MORE = 1.1, 1.03
 """Factors on the held-out squared error for each effect, and for each of its parameters beyond the first, when
@@ -107,7 +111,8 @@ def simplest(found: Sequence[Explanation]) -> Explanation:
 
 def worth(new: Explanation, old: Explanation) -> bool:
     """Whether an explanation predicts held-out windows enough better than a simpler one to be believed."""
-    return bool(new.held_out.sum() < _WORTH * old.held_out.sum() and p_value(new, old) < _CHANCE)
+    share = new.held_out.sum() / old.held_out.sum()
+    return bool(share < _PLAINLY or (share < _WORTH and p_value(new, old) < _CHANCE))
 
 
 def p_value(new: Explanation, old: Explanation) -> float:
@@ -122,12 +127,16 @@ def p_value(new: Explanation, old: Explanation) -> float:
 
 
 def probabilities(selection: Selection, seed: int, n: int = 2000) -> np.ndarray:
-    """Share of resampled held-out windows on which each of (parameters, *tried) is best, after its price."""
+    """Share of resampled held-out windows on which each of (parameters, *tried) is best, after its price.
+
+    Those that the windows can hardly tell from the best share what falls to it.
+    """
     everything = [selection.parameters, *selection.tried]
     costs = np.array([e.held_out * _penalty(e) for e in everything])
     windows = np.random.default_rng(seed).integers(0, costs.shape[1], size=(n, costs.shape[1]))
-    winners = np.argmin(costs[:, windows].sum(axis=2), axis=0)
-    return np.bincount(winners, minlength=len(everything)) / n
+    total = costs[:, windows].sum(axis=2)
+    wins = total <= _SAME * total.min(axis=0)
+    return np.mean(wins / wins.sum(axis=0), axis=1)
 
 
 def _penalty(explanation: Explanation) -> float:

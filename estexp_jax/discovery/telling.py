@@ -86,6 +86,8 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
 def _judged(case: Case, found: Found) -> tuple[str, Found, Change | None]:
     """The verdict, the fits that go with it, and the time step where that is to blame."""
     judged, nominal = verdict(case.robot, found.selection, found.claimed), found.fits["nominal"]
+    if judged == "parameters" and found.shown.replays.began:  # no value of the model changes meanwhile
+        return "missing_physics", found, None
     if judged == "consistent":  # then nothing is changed, not even what a refit would bend
         fits = dict.fromkeys(("nominal", "explained", "sayable"), nominal)
         return judged, replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]}), None
@@ -103,12 +105,13 @@ def _told(case: Case, config: ExplainConfig, found: Found, judged: str, step: Ch
     named, what = ((), [step_entry(step)]) if step else _what(case, found, judged, shares)
     places = [] if not wrong else [step_place(selection)] if step else where(case.robot, selection)
     rivals = {name: f for name, f in found.fits.items() if name in RIVALS}
+    began = found.shown.replays.began
     errors = fit_entry(case, config, found.shown, rivals, found.learned)
     test, exact = found.shown.windows_of(case.indices("test")), found.shown.exact()
     return {
         "side": "numerics" if step else tell.side(named),
         "where": places,
-        "when": never(case) if step or not wrong else when(case, found.seen, places, found.shown.began, config.seed),
+        "when": never(case) if step or not wrong else when(case, found.seen, places, began, config.seed),
         "what": what,
         "alternatives": tell.alternatives(selection, shares, lambda f: exact.error(f.member, test)),
         "fit": errors,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,8 +13,21 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, segment
 
+FINER = 4
+"""The finest steps are this part of the model's own."""
 _STRIDE = 0.4
 """Longest window, s, that is fitted where a floating robot touches the ground."""
+
+
+class Cut(NamedTuple):
+    """The same windows at the model's own step, at half of it and at its part `FINER`.
+
+    The finest stand for the time that a robot does not cut into steps; the others tell how far they can be trusted.
+    """
+
+    whole: tuple[Segment, ...]
+    half: tuple[Segment, ...]
+    fine: tuple[Segment, ...]
 
 
 def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> list[tuple[int, int]]:
@@ -74,3 +88,10 @@ def segments_of(
         for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
             found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path))
     return found
+
+
+def cut_of(
+    robots: Sequence[Robot], recordings: Sequence[Recording], length: float, cuts: Mapping[int, float] | None = None
+) -> Cut:
+    """`segments_of` at all steps."""
+    return Cut(*(tuple(segments_of(robots, recordings, length, finer, cuts)) for finer in (1, 2, FINER)))

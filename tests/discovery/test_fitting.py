@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import fit
+from estexp_jax.discovery.fitting import Fit, _Walk, fit, movable
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.starts import starts
 from estexp_jax.physics.registry import effect
@@ -53,6 +53,20 @@ def test_more_steps_never_worsen_a_fit_and_never_leave_the_bounds(setting):
             assert all(p.low <= v <= p.high for p, v in zip(f.hypothesis.free, f.vector, strict=True))
     assert np.all(np.diff(costs, axis=0) <= 0.0)
     assert np.all(np.array(costs[-1]) < 0.5 * np.array(costs[0]))
+
+
+def test_derivatives_mended_by_a_step_explain_that_step(setting):
+    _, windows, hypotheses = setting
+    h, rng = hypotheses[0], np.random.default_rng(77)
+    shape = (2, 5)
+    at = Fit(h, h.start(), 2.0)
+    walk = _Walk(at, movable(h), rng.standard_normal(shape), rng.standard_normal((*shape, len(h.free))), 0.0)
+    before, step = walk.residual, 0.1 * np.array([f.size for f in h.free])
+    shown = 0.1 * rng.standard_normal((2, *shape))
+    shown[1] *= 5.0
+    walk.step_to([at.vector + step, at.vector - step], shown)
+    assert walk.at.vector == pytest.approx(at.vector + step) and walk.at.cost == pytest.approx(np.sum(shown[0] ** 2))
+    assert walk.derivative @ step == pytest.approx(shown[0] - before)
 
 
 def test_a_hypothesis_without_parameters_stays_what_it_is(setting):

@@ -6,13 +6,25 @@ import mujoco
 import numpy as np
 import pytest
 
+from estexp_jax.discovery.beginnings import parted
 from estexp_jax.discovery.diagnosis import Case
-from estexp_jax.discovery.explain import FINER
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.late import starting_late
 from estexp_jax.inference.windows import window_rows
 from estexp_jax.physics.recording import Recording
-from tests.discovery.planted import CONFIG, RATE, XML, Plant, case_of, commands, explained, nominal, problem_of
+from tests.discovery.planted import (
+    CASES,
+    CONFIG,
+    RATE,
+    XML,
+    Plant,
+    case_of,
+    commands,
+    explained,
+    finished,
+    nominal,
+    problem_of,
+)
 
 LENGTH = 6.0
 BEGAN = (2.3, 3.7, 3.05)
@@ -54,7 +66,7 @@ def test_a_cut_begins_a_window_and_leaves_all_rows_in_order():
 
 def test_before_the_onset_nothing_claimed_acts():
     whole = problem_of(case_of("one", Plant(), 12, trains=1))
-    late = starting_late(case_of("one", Plant(), 12, trains=1), CONFIG, whole, {0: 0.8}, FINER)
+    late = starting_late(case_of("one", Plant(), 12, trains=1), CONFIG, whole, {0: 0.8})
     own = parameters_only(whole.replayer.robot, whole.replayer.catalogue)
     claim = claiming(whole.replayer.robot, own, [("viscous_friction", "shaft")])
     vector = claim.with_values(("viscous_friction", "shaft"), [0.3])
@@ -68,6 +80,22 @@ def test_before_the_onset_nothing_claimed_acts():
         np.nanmax(np.abs(late.simulated([(claim, vector)], test) - late.simulated([(own, own.start())], test))) > 0.01
     )
     assert claim.unclaimed(vector) == pytest.approx(claim.start())
+
+
+def test_values_fitted_to_the_beginnings_tell_when_something_begins(case):
+    problem = problem_of(case)
+    own = parameters_only(problem.replayer.robot, problem.replayer.catalogue)
+    began = finished(parted(case, problem, own))
+    assert np.array(list(began.values())) == pytest.approx(BEGAN, abs=0.25)
+
+
+@pytest.mark.parametrize("name", ["nothing", "coulomb_friction@shaft"])
+def test_what_is_there_from_the_start_or_never_has_no_beginning(name):
+    robot, plant, seed = CASES[name]
+    whole = case_of(robot, plant, seed + 421, length=6.0)
+    problem = problem_of(whole)
+    own = parameters_only(problem.replayer.robot, problem.replayer.catalogue)
+    assert finished(parted(whole, problem, own)) == {}
 
 
 @pytest.mark.slow

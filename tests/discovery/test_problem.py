@@ -21,6 +21,11 @@ def setting():
     return case, problem, (hypothesis, hypothesis.start())
 
 
+def at(problem, segments):
+    cut = problem.replays.cut._replace(whole=tuple(segments))
+    return replace(problem, replays=replace(problem.replays, cut=cut))
+
+
 def test_residuals_are_differences_in_deviations_of_noise(setting):
     case, problem, member = setting
     windows = problem.windows_of(case.indices("train"))
@@ -58,9 +63,7 @@ def test_a_simulation_that_blew_up_is_worse_than_any_but_finite(setting):
 def test_the_correction_makes_a_coarse_step_as_good_as_a_fine_one(setting):
     case, problem, member = setting
     windows = problem.windows_of([0, 1])
-    finest = replace(problem, segments=segments_of(case.robots, problem.recordings, 1.25, 40)).simulated(
-        [member], windows
-    )
+    finest = at(problem, segments_of(case.robots, problem.recordings, 1.25, 40)).simulated([member], windows)
     off = [np.nanmax(np.abs(p.simulated([member], windows) - finest)) for p in (problem, problem.about(member))]
     assert off[0] > 1e-3
     assert off[1] < 0.15 * off[0]
@@ -68,7 +71,7 @@ def test_the_correction_makes_a_coarse_step_as_good_as_a_fine_one(setting):
 
 def test_steps_are_counted(setting):
     case, problem, member = setting
-    counted = replace(problem, counted=[0])
+    counted = replace(problem, replays=replace(problem.replays, counted=[0]))
     counted.simulated([member, member], counted.windows_of([0]))
     assert counted.counted == [2 * sum(counted.segments[w].steps.n_steps for w in counted.windows_of([0]))]
 
@@ -80,12 +83,11 @@ def test_what_another_start_would_explain_counts_little(setting):
     shifted = other_starts(problem.replayer.robot.model, problem.segments)
     assert len(shifted) == 2  # position and speed of one joint, mixed
     for segments in shifted:
-        moved = replace(problem, segments=tuple(segments)).simulated([member], windows)[0]
-        change = (moved - problem.simulated([member], windows)[0]) / problem.noise[[0] * 2 + [1] * 2 + [2] * 2][:, None]
-        compared = problem.residuals([member], windows)[0] != 0.0
-        flat = np.where(compared, change.reshape(compared.shape), 0.0).astype(np.float32)
-        white = whitened(flat[None], about.doubt[0][windows], about.doubt[1][windows])[0]
-        size, left = (np.sqrt(np.square(x).sum(axis=1)) for x in (flat, white))
+        sizes = []
+        for p in (replace(about, doubt=None), about):
+            change = at(p, segments).residuals([member], windows) - p.residuals([member], windows)
+            sizes.append(np.sqrt(np.square(change[0]).sum(axis=1) * p.samples(windows).sum()))
+        size, left = sizes
         np.testing.assert_array_less(left, 1.2)
         assert np.all(left < size)
 

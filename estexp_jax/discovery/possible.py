@@ -1,0 +1,36 @@
+"""Claims that a look at the recordings rules out, before anything is simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.inference.noise import noise_deviation
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.robot import Robot
+
+_LAST = 2 / 3
+"""Share of a recording after which a fault that begins part-way has begun."""
+_STILL = 5.0
+"""Deviations of its noise by which a sensor that is stuck may still waver."""
+
+
+def possible(robot: Robot, place: Place, recordings: Sequence[Recording]) -> bool:
+    """Whether an effect at a place can be what training recordings show: a sensor that moves is not stuck."""
+    name, site = place
+    if name != "sensor_stuck":
+        return True
+    column = int(robot.model.sensor_adr[robot.index("sensor", site)])
+    return all(_still(r, column) for r in recordings if r.role == "train")
+
+
+def _still(recording: Recording, column: int) -> bool:
+    last = slice(int(_LAST * recording.rows), None)
+    time, samples = recording.time[last], recording.sensor[last, column]
+    known = samples[np.isfinite(samples)]
+    if len(known) < 5:
+        return True
+    rounding = 1e-9 * float(np.abs(known).max())
+    return bool(known.std() <= _STILL * noise_deviation(time, samples) + rounding)
