@@ -84,7 +84,7 @@ def looked_at(
     again = list(tasks)
     while every > 1:
         every //= 2
-        windows = problem.fitted[::every]
+        windows = _telling(problem, base, every)
         free = slackened(problem, base, windows, cost)
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
@@ -93,6 +93,18 @@ def looked_at(
         best = _with_richer(with_rungs(ranked, max(n, min(len(looked) // 2, _fair(ranked, nothing)))), ranked)
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
+
+
+def _telling(problem: Problem, base: Fit, every: int) -> np.ndarray:
+    """One of so many windows: half of them those that are off most, as what acts now and then shows in few."""
+    n = -(-len(problem.fitted) // every)
+    left = np.sum(problem.residuals([base.member], problem.fitted)[0].astype(np.float64) ** 2, axis=1)
+    worst = np.argsort(-left, kind="stable")[: -(-n // 2)] if every > 1 else np.arange(0)
+    others = np.setdiff1d(np.arange(len(left)), worst)
+    spread = (
+        others[np.linspace(0, len(others) - 1, n - len(worst)).round().astype(int)] if n > len(worst) else others[:0]
+    )
+    return problem.fitted[np.sort(np.concatenate([worst, spread]))]
 
 
 def _fair(ranked: Sequence[Fit], nothing: float) -> int:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
-from estexp_jax.inference.start import motion_of
+from estexp_jax.inference.start import Motion, motion_of
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, segment
@@ -66,6 +67,12 @@ def fitting_window(robot: Robot, longest: float) -> float:
     return min(longest, _STRIDE) if floats and touches else longest
 
 
+@lru_cache(maxsize=64)
+def _motion(robot: Robot, recording: Recording) -> Motion:
+    """`motion_of`, found once for all windows and steps that a recording is cut into."""
+    return motion_of(robot, recording)
+
+
 def segments_of(
     robots: Sequence[Robot],
     recordings: Sequence[Recording],
@@ -84,7 +91,7 @@ def segments_of(
     """
     found: list[Segment] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
-        motion, step = motion_of(robot, recording), float(robot.model.opt.timestep) / finer
+        motion, step = _motion(robot, recording), float(robot.model.opt.timestep) / finer
         for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
             found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path))
     return found
