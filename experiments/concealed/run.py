@@ -60,7 +60,7 @@ def _draw(options: argparse.Namespace) -> int:
     unknown = set(options.robots) - set(sets.DEVELOPED)
     if unknown:
         raise RuntimeError(f"no development on {', '.join(sorted(unknown))}; there are {', '.join(sets.DEVELOPED)}")
-    sets.draw(options.out, options.seed, options.cases, options.robots)
+    sets.draw(options.out, options.seed, options.cases, options.robots, workers=options.workers)
     return _DONE
 
 
@@ -70,7 +70,7 @@ def _seal(options: argparse.Namespace) -> int:
     if (options.out / "commitment.json").is_file():
         return _DONE
     commit = sets.frozen_commit(ROOT)
-    sets.draw(options.out, sets.seed_of(commit), FULL, sets.SEALED, commit=commit)
+    sets.draw(options.out, sets.seed_of(commit), FULL, sets.SEALED, commit=commit, workers=options.workers)
     print(f"sealed {FULL} cases of commit {commit} in {options.out}; publish its commitment.json")
     return _DONE
 

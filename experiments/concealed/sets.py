@@ -31,7 +31,14 @@ class Tampered(Exception):
 
 
 def draw(
-    out: Path, seed: int, n: int, robots: Sequence[str], *, shorter: float = 1.0, commit: str | None = None
+    out: Path,
+    seed: int,
+    n: int,
+    robots: Sequence[str],
+    *,
+    shorter: float = 1.0,
+    commit: str | None = None,
+    workers: int = 1,
 ) -> None:
     """Write a set, or what is missing of it.
 
@@ -42,10 +49,11 @@ def draw(
         robots: names.
         shorter: share of the recordings' usual length.
         commit: of a sealed set, the commit its seed comes from.
+        workers: processes that draw.
     """
     if (out / "commitment.json").is_file():
         return
-    answers = write_set(out, seed, n, robots, shorter)
+    answers = write_set(out, seed, n, robots, shorter, workers)
     kept = {"salt": secrets.token_hex(16), "answers": answers}
     _write(out / "answers.json", kept)
     public = {"seed": seed, "cases": n, "robots": list(robots), "commit": commit}

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from experiments.concealed.generator.answers import answer
+from experiments.concealed.generator.case import Plan
 from experiments.concealed.generator.files import write_case
 from experiments.concealed.generator.plans import plans, realised
 
@@ -31,21 +34,43 @@ def patient() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def write_set(out: Path, seed: int, n: int, robots: Sequence[str], shorter: float = 1.0) -> dict[str, dict]:
-    """Write `out/cases/<id>/` and give the answers; what `out/drawn/` has the answer of is not made again."""
-    answers: dict[str, dict] = {}
-    for i, plan in enumerate(plans(seed, n, robots)):
-        name = f"c{i:03d}"
-        kept = out / "drawn" / f"{name}.json"
-        if not kept.is_file():
-            with patient():
-                case = realised(plan, shorter)
-            write_case(case, out / "cases" / name)
-            kept.parent.mkdir(parents=True, exist_ok=True)
-            kept.write_text(json.dumps(answer(case)), encoding="utf-8")
-            print(f"{name}: made {i + 1} of {n}", flush=True)
-        answers[name] = json.loads(kept.read_text(encoding="utf-8"))
-    return answers
+def write_set(
+    out: Path, seed: int, n: int, robots: Sequence[str], shorter: float = 1.0, workers: int = 1
+) -> dict[str, dict]:
+    """Write `out/cases/<id>/` and give the answers; what `out/drawn/` has the answer of is not made again.
+
+    Args:
+        out: folder of the set.
+        seed: decides everything; how many processes there are decides nothing.
+        n: number of cases.
+        robots: names.
+        shorter: share of the recordings' usual length.
+        workers: processes that make cases.
+    """
+    todo = [(out, f"c{i:03d}", plan, shorter) for i, plan in enumerate(plans(seed, n, robots))]
+    left = [t for t in todo if not _kept(out, t[1]).is_file()]
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) if workers > 1 else nullcontext() as pool:
+        for i, name in enumerate(pool.map(_write, left) if pool else map(_write, left)):
+            print(f"{name}: made {n - len(left) + i + 1} of {n}", flush=True)
+    return {name: json.loads(_kept(out, name).read_text(encoding="utf-8")) for _, name, _, _ in todo}
+
+
+def _kept(out: Path, name: str) -> Path:
+    return out / "drawn" / f"{name}.json"
+
+
+def _write(asked: tuple[Path, str, Plan, float]) -> str:
+    """Make one case and write it; the answer, written last, says that it is there."""
+    out, name, plan, shorter = asked
+    with patient():
+        case = realised(plan, shorter)
+    write_case(case, out / "cases" / name)
+    kept = _kept(out, name)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    part = kept.with_suffix(".part")
+    part.write_text(json.dumps(answer(case)), encoding="utf-8")
+    part.replace(kept)
+    return name
 
 
 if __name__ == "__main__":

@@ -38,6 +38,12 @@ def copy(drawn, tmp_path):
     return shutil.copytree(drawn, tmp_path / "dev")
 
 
+def test_how_many_processes_draw_decides_nothing(drawn, tmp_path):
+    sets.draw(tmp_path / "two", 5, 2, ["planar"], shorter=0.14, workers=2)
+    assert sets.recordings_hash(tmp_path / "two" / "cases") == sets.recordings_hash(drawn / "cases")
+    assert sets.open_answers(tmp_path / "two") == sets.open_answers(drawn)
+
+
 def test_answers_stand_apart_and_open_when_nothing_was_touched(drawn):
     assert sorted(p.name for p in drawn.iterdir()) == ["answers.json", "cases", "commitment.json"]
     assert not list((drawn / "cases").rglob("*.json"))

@@ -1,0 +1,51 @@
+"""Which explanations are believed, and how the belief is shared."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.selection import Explanation, Selection, probabilities, worth
+
+
+def explanation(held_out, *places):
+    return Explanation(Fit(Hypothesis(tuple(places), ()), np.zeros(0), 0.0), np.asarray(held_out, float))
+
+
+def selection(*tried):
+    own = explanation(np.full(12, 4.0))
+    return Selection(own, own, own, tried, tried[0])
+
+
+def test_explanations_that_the_windows_cannot_tell_apart_share_their_probability():
+    square = np.random.default_rng(81).uniform(0.08, 0.09, 12)
+    one, same, worse = (explanation(square * f, (n, "a")) for f, n in ((1, "x"), (1.001, "y"), (1.5, "z")))
+    assert probabilities(selection(one, same, worse), 0) == pytest.approx([0.0, 0.5, 0.5, 0.0])
+
+
+def test_the_better_one_on_most_windows_is_the_likelier_one_and_all_add_up():
+    rng = np.random.default_rng(82)
+    one, other = (explanation(rng.uniform(0.0, 0.2 + more, 12), (n, "a")) for more, n in ((0.0, "x"), (0.06, "y")))
+    shares = probabilities(selection(one, other), 0)
+    assert shares.sum() == pytest.approx(1.0) and np.all(shares >= 0.0)
+    assert shares[1] > shares[2] > 0.0
+
+
+def test_what_shows_in_few_windows_but_plainly_is_believed():
+    before, after = np.full(12, 0.09), np.full(12, 0.0901)
+    before[:2], after[:2] = 30.0, 0.3
+    assert worth(explanation(after, ("x", "a")), explanation(before))
+
+
+def test_a_small_gain_must_be_agreed_on_by_the_windows():
+    before = np.full(12, 1.0)
+    lucky, steady = before.copy(), before * 0.8
+    lucky[:3] = 0.2
+    lucky[3:] = 1.01
+    assert lucky.sum() < 0.85 * before.sum()
+    assert not worth(explanation(lucky, ("x", "a")), explanation(before))
+    assert worth(explanation(steady, ("x", "a")), explanation(before))
+    assert not worth(explanation(before * 0.9, ("x", "a")), explanation(before))
+    assert replace(explanation(before), held_out=4.0 * before).error == pytest.approx(np.sqrt(48.0))
