@@ -64,10 +64,10 @@ def looked_at(
 ) -> Generator[Progress, None, list[Task]]:
     """The most promising of many hypotheses, by looks that move only what they claim last.
 
-    All their starts are tried on a quarter of the windows, of many on an eighth. Those that bring a fair share of what
-    the best brings, at most half of them, what is simpler than one of these, and what is richer than the best, go on to
-    twice as many windows, with starts from the simpler one's solution; and so on, down to `n`. All the time, everything
-    that `base` fits is taken as fitted beside them.
+    All their starts are tried in short windows, a quarter of them, of many an eighth. Those that bring a fair share of
+    what the best brings, at most half of them, what is simpler than one of these, and what is richer than the best, go
+    on to twice as many windows, of full length, with starts from the simpler one's solution; and so on, down to `n`. All
+    the time, everything that `base` fits is taken as fitted beside them.
 
     Args:
         problem: the comparison.
@@ -80,12 +80,11 @@ def looked_at(
     Returns:
         The hypotheses with the vectors to fit them from.
     """
-    every, looked = 8 if len(problem.fitted) < _MANY else 16, [Fit(h, vectors[0], np.inf) for h, vectors in tasks]
-    again = list(tasks)
-    while every > 1:
-        every //= 2
-        windows = _telling(problem, base, every)
-        free = slackened(problem, base, windows, cost)
+    looked, again = [Fit(h, vectors[0], np.inf) for h, vectors in tasks], list(tasks)
+    for every in (4, 2, 1) if len(problem.fitted) < _MANY else (8, 4, 2, 1):
+        seen = problem.near(base.member) if looked[0].cost == np.inf else problem
+        windows = _telling(seen, base, every)
+        free = slackened(seen, base, windows, cost)
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
         ranked = sorted(looked, key=lambda f: f.cost)
