@@ -20,7 +20,18 @@ class InputError(Exception):
         super().__init__(f"{message}; {right}" if right else message)
 
 
+MOST_LISTED = 200
+"""Names that a message lists; a broken or hostile file may have any number of them."""
+
+
 def known(names: Iterable[str]) -> str:
     """The tail of a message about an unknown name: what exists instead."""
-    listed = ", ".join(names)
+    listed = listing(names)
     return f"known are: {listed}" if listed else "there are none"
+
+
+def listing(names: Iterable[str]) -> str:
+    """Names with commas between them, and how many more there are than a message should list."""
+    every = list(names)
+    more = f" and {len(every) - MOST_LISTED} more" if len(every) > MOST_LISTED else ""
+    return ", ".join(every[:MOST_LISTED]) + more
