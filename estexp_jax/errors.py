@@ -35,3 +35,12 @@ def listing(names: Iterable[str]) -> str:
     every = list(names)
     more = f" and {len(every) - MOST_LISTED} more" if len(every) > MOST_LISTED else ""
     return ", ".join(every[:MOST_LISTED]) + more
+
+
+def shown(value: object) -> str:
+    """A value as a message shows it: its beginning, since the user's file may hold one of any size."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # Python writes no whole number of more than some thousand digits
+        text = f"a huge {type(value).__name__}"
+    return text if len(text) <= 80 else f"{text[:77]}..."

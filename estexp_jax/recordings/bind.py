@@ -13,15 +13,15 @@ import numpy as np
 from estexp_jax.errors import InputError, known, listing
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
-from estexp_jax.recordings.columns import Source
+from estexp_jax.recordings.columns import LARGEST, Source
 from estexp_jax.recordings.mend import increasing
 from estexp_jax.recordings.read import read_table
 from estexp_jax.recordings.table import Selection, Table
 
 _PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")
 _READINGS = ("sensor", "qpos", "qvel")
-_LARGEST = 1e30
-"""Beyond what any sensor reads in any unit; its square is still a number."""
+_SHORTEST = 1e-12
+"""Rows closer than this, s, have the same time: no clock is that fine."""
 _COORDINATES = {  # joint type: numbers in qpos, in qvel
     mujoco.mjtJoint.mjJNT_FREE: (7, 6),
     mujoco.mjtJoint.mjJNT_BALL: (4, 3),
@@ -169,11 +169,11 @@ def _values(table: Table, name: str, source: Source, rows: int) -> np.ndarray:
     if len(values) != rows:
         what = f"has {len(values)} rows, `time` has {rows}"
         raise InputError(what, where=f"{table.source}, column '{source.column}'")
-    huge = np.abs(values) > _LARGEST
+    huge = np.abs(values) > LARGEST
     if huge.any():
         what = f"{'infinite value' if np.isinf(values[huge][0]) else f'{values[huge][0]:.4g}'} for {name}"
         where = table.place(int(np.argmax(huge)), source.column)
-        raise InputError(what, where=where, right=f"a finite number up to {_LARGEST:g}, or an empty cell")
+        raise InputError(what, where=where, right=f"a finite number up to {LARGEST:g}, or an empty cell")
     return values
 
 
@@ -187,10 +187,12 @@ def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
     values = source.read(table, 0)
     if len(values) < 2:
         raise InputError(f"has {len(values)} rows", where=table.source, right="at least two")
-    if not np.isfinite(values).all():
-        where = table.place(int(np.argmin(np.isfinite(values))), source.column)
+    usable = np.abs(values) <= LARGEST
+    if not usable.all():
+        where = table.place(int(np.argmin(usable)), source.column)
         raise InputError("the time is empty or not finite", where=where, right="every row needs its time")
     steps = np.diff(values)
+    steps[(steps > 0.0) & (steps < _SHORTEST)] = 0.0
     if (steps <= 0.0).any():
         row = int(np.argmax(steps <= 0.0)) + 1
         verb = "stands still" if steps[row - 1] == 0.0 else "runs backwards"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-from estexp_jax.errors import InputError, known
+from estexp_jax.errors import InputError, known, shown
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.bind import check_names, read_recording
@@ -95,13 +95,13 @@ def _text(table: Mapping[str, Any], key: str, where: str, right: str) -> str:
     if key not in table:
         raise InputError(f"has no `{key}`", where=where, right=right)
     if not isinstance(table[key], str):
-        raise InputError(f"{key} is {table[key]!r}, not a text", where=where, right=right)
+        raise InputError(f"{key} is {shown(table[key])}, not a text", where=where, right=right)
     return table[key]
 
 
 def _table(value: object, where: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise InputError(f"is {value!r}, not a table", where=where)
+        raise InputError(f"is {shown(value)}, not a table", where=where)
     return value
 
 
@@ -137,7 +137,7 @@ def _recording(
         raise InputError(f"no such recording '{file}'", where=where, right="a path relative to the manifest")
     role = table.get("role", "train")
     if role not in ROLES:
-        raise InputError(f"role is {role!r}", where=where, right=known(ROLES))
+        raise InputError(f"role is {shown(role)}", where=where, right=known(ROLES))
     settings = _settings(table.get("set", {}), f"{where}, set")
     apply_settings(robot, settings, where=f"{where}, set")  # told now rather than in the middle of a fit
     part = _selection(table, where)
@@ -147,10 +147,10 @@ def _recording(
 def _selection(table: Mapping[str, Any], where: str) -> Selection:
     """Which episode of a LeRobot data set, and which clock of an MCAP file."""
     episode, clock = table.get("episode"), table.get("clock", CLOCKS[0])
-    if episode is not None and (isinstance(episode, bool) or not isinstance(episode, int) or episode < 0):
-        raise InputError(f"episode is {episode!r}", where=where, right="a whole number from 0")
+    if episode is not None and (isinstance(episode, bool) or not isinstance(episode, int) or not 0 <= episode < 2**40):
+        raise InputError(f"episode is {shown(episode)}", where=where, right="a whole number from 0")
     if clock not in CLOCKS:
-        raise InputError(f"clock is {clock!r}", where=where, right=known(CLOCKS))
+        raise InputError(f"clock is {shown(clock)}", where=where, right=known(CLOCKS))
     return Selection(episode=episode, clock=clock)
 
 

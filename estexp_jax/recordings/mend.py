@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estexp_jax.recordings.columns import Source
+from estexp_jax.recordings.columns import LARGEST, Source
 from estexp_jax.recordings.table import Table
 
 
@@ -23,7 +23,7 @@ def increasing(table: Table, clock: Source) -> tuple[Table, str]:
     if clock.column is None:
         return table, ""
     time = clock.read(table, 0)
-    if not np.isfinite(time).all() or len(time) < 2:
+    if not (np.abs(time) <= LARGEST).all() or len(time) < 2:
         return table, ""
     before = np.concatenate([[-np.inf], np.maximum.accumulate(time)[:-1]])
     keep = time > before

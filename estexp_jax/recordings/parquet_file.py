@@ -110,7 +110,8 @@ def read_columns(
             told = " ".join(str(error).split())[:200]
             raise InputError(f"is not a Parquet file: {told}", where=str(path)) from None
     if episode is not None and episode not in seen:
-        raise InputError(f"has no episode {episode}", where=source, right=episodes(sorted(seen)))
+        there = read_columns(files, None, source, (EPISODE,))[0].get(EPISODE, np.empty(0))
+        raise InputError(f"has no episode {episode}", where=source, right=episodes(np.unique(there)))
     columns: dict[str, np.ndarray] = {}
     for name, parts in pieces.items():
         if len({part.shape[1:] for part in parts}) > 1:
