@@ -17,7 +17,14 @@ class InputError(Exception):
     def __init__(self, what: str, *, where: str = "", right: str = "") -> None:
         self.what, self.where, self.right = what, where, right
         message = f"{where}: {what}" if where else what
-        super().__init__(f"{message}; {right}" if right else message)
+        super().__init__(plain(f"{message}; {right}" if right else message))
+
+
+def plain(text: str) -> str:
+    """A text from somebody's file on one line, its control characters written out: a terminal would obey them."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 MOST_LISTED = 200
@@ -34,7 +41,7 @@ def listing(names: Iterable[str]) -> str:
     """Names with commas between them, and how many more there are than a message should list."""
     every = list(names)
     more = f" and {len(every) - MOST_LISTED} more" if len(every) > MOST_LISTED else ""
-    return ", ".join(every[:MOST_LISTED]) + more
+    return plain(", ".join(every[:MOST_LISTED])) + more
 
 
 def shown(value: object) -> str:

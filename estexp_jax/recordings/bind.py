@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from estexp_jax.errors import InputError, known, listing
+from estexp_jax.errors import InputError, known, listing, plain
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.columns import LARGEST, Source
@@ -120,7 +120,7 @@ def bind(
         right = f"at least one column with samples of: {', '.join(n for n in _places(robot) if _kind(n) in _READINGS)}"
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
     notes = (*((mended,) if mended else ()), *table.notes, *_notes(table, sources))
-    name = table.label or Path(table.source).name
+    name = plain(table.label or Path(table.source).name)
     return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=notes)
 
 
