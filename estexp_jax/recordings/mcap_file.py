@@ -24,18 +24,26 @@ MOST_CHUNK_BYTES = 2**28
 _MOST_MESSAGES = 50_000_000
 
 
+def _times() -> array:
+    return array("q")
+
+
+def _values() -> array:
+    return array("d")
+
+
 @final
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class _Column:
-    """Samples of one path, as they come: time in ns and value."""
+    """Samples of one path, as they come: time in ns and value; and the way to them, once a message had it."""
 
-    times: array = field(default_factory=lambda: array("q"))
-    values: array = field(default_factory=lambda: array("d"))
-    steps: tuple[Step, ...] | None = None
+    times: array = field(default_factory=_times)
+    values: array = field(default_factory=_values)
+    ways: list[tuple[Step, ...]] = field(default_factory=list)
 
 
 @final
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class _Topic:
     """What is picked from one topic's messages: path after the topic to column, or why nothing is."""
 
@@ -64,8 +72,9 @@ def read_mcap(path: Path, selection: Selection) -> Table:
                 raise InputError(f"has more than {_MOST_MESSAGES:,} messages", where=str(path), right="a shorter log")
             if channel.topic not in topics:
                 topics[channel.topic] = _topic(schema, channel, selection)
-            if topics[channel.topic].decode is not None:
-                _take(topics[channel.topic], message, selection, f"{path}, topic '{channel.topic}'")
+            topic = topics[channel.topic]
+            if topic.decode is not None:
+                _take(topic.decode, topic.columns, message, selection, f"{path}, topic '{channel.topic}'")
     return _table(path, topics, selection, notes)
 
 
@@ -107,7 +116,7 @@ def _records(stream: IO[bytes]) -> Iterator[Any]:
             yield record
             continue
         record.data, record.compression = _unpacked(record), ""
-        yield from breakup_chunk(record)
+        yield from breakup_chunk(record, validate_crc=True)
 
 
 def _unpacked(chunk: Any) -> bytes:
@@ -145,15 +154,15 @@ def _topic(schema: Any, channel: Any, selection: Selection) -> _Topic:
         return _Topic(None, columns, " ".join(f"{error or type(error).__name__}".split())[:200])
 
 
-def _take(topic: _Topic, record: Any, selection: Selection, where: str) -> None:
+def _take(
+    decode: Callable[[bytes], Any], columns: dict[str, _Column], record: Any, selection: Selection, where: str
+) -> None:
     """Add a message's samples to its topic's columns."""
-    assert topic.decode is not None
     try:
-        message = topic.decode(record.data)
-        if selection.wanted is None:
-            for rest in numbers_in(message):
-                if len(topic.columns) < MOST_COLUMNS:
-                    topic.columns.setdefault(rest, _Column())
+        message = decode(record.data)
+        for rest in numbers_in(message) if selection.wanted is None else ():
+            if len(columns) < MOST_COLUMNS:
+                columns.setdefault(rest, _Column())
     except Exception as error:  # whatever a decoder says of broken bytes
         told = " ".join(f"{error or type(error).__name__}".split())[:200]
         raise InputError(f"a message cannot be decoded: {told}", where=where) from None
@@ -161,10 +170,10 @@ def _take(topic: _Topic, record: Any, selection: Selection, where: str) -> None:
     if time is None or not -(2**62) < time < 2**62:
         right = 'a stamp in each message\'s header; else clock = "log"'
         raise InputError(f"a message has no time on the clock '{selection.clock}'", where=where, right=right)
-    for rest, column in topic.columns.items():
-        if column.steps is None:
-            column.steps = path_in(message, rest)
-        value = None if column.steps is None else number(follow(message, column.steps))
+    for rest, column in columns.items():
+        if not column.ways and (way := path_in(message, rest)) is not None:
+            column.ways.append(way)
+        value = number(follow(message, column.ways[0])) if column.ways else None
         if value is not None:
             column.times.append(time)
             column.values.append(value)
@@ -191,7 +200,10 @@ def _table(path: Path, topics: dict[str, _Topic], selection: Selection, notes: l
     unread = [name for name, topic in topics.items() if not topic.columns and not topic.why_not]
     if unread and selection.wanted is not None:
         notes.append(f"topics that were not asked for: {listing(unread)}")
-    return Table(str(path), filled, _missing(path, topics, columns, selection), notes=tuple(notes))
+    unusable = _missing(path, topics, columns, selection)
+    if unusable and not columns:
+        raise next(iter(unusable.values()))
+    return Table(str(path), filled, unusable, notes=tuple(notes))
 
 
 def _missing(path: Path, topics: dict[str, _Topic], columns: dict[str, Any], selection: Selection) -> dict[str, Any]:

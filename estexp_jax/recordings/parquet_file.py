@@ -145,21 +145,21 @@ def _groups(
                 readable.append(field.name)
         if episode is not None and EPISODE not in readable:
             raise InputError("has no episodes", where=str(path), right=f"a LeRobot data set has a column '{EPISODE}'")
-        check_size(_values(file.metadata, len(readable)) if episode is None else 0, str(path))
-        for index in range(file.num_row_groups):
-            if episode is None or _may_hold(file.metadata.row_group(index), episode):
-                check_size(_values(file.metadata.row_group(index), len(readable)), str(path))
+        groups = [file.metadata.row_group(index) for index in range(file.num_row_groups)]
+        if episode is None:
+            check_size(sum(_values(group, len(readable)) for group in groups), str(path))
+        for index, group in enumerate(groups):
+            if episode is None or _may_hold(group, episode):
+                check_size(_values(group, len(readable)), str(path))
                 yield _numbers_of(file.read_row_group(index, columns=readable), readable, path, unusable)
         if file.num_row_groups == 0:
             yield _numbers_of(file.schema_arrow.empty_table().select(readable), readable, path, unusable)
 
 
-def _values(metadata: Any, columns: int) -> int:
-    """How many numbers a file or row group says that it holds, or more."""
-    groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)] if hasattr(metadata, "row_group") else None
-    if groups is not None:
-        return max(sum(_values(group, columns) for group in groups), metadata.num_rows * columns)
-    return max(sum(metadata.column(k).num_values for k in range(metadata.num_columns)), metadata.num_rows * columns)
+def _values(group: parquet.RowGroupMetaData, columns: int) -> int:
+    """How many numbers a row group says that it holds, at most."""
+    counts = [group.column(k).num_values for k in range(group.num_columns)]
+    return max(sum(counts), group.num_rows * columns) if min(counts, default=0) >= 0 <= group.num_rows else -1
 
 
 def _may_hold(group: parquet.RowGroupMetaData, episode: int) -> bool:

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 _NEIGHBOURS = 5
-_MOST_POINTS = 20_000
+_MOST_POINTS, _MOST_SHIFTS = 20_000, 500
 
 
 @final
@@ -114,7 +114,7 @@ def lag(time: np.ndarray, cause: np.ndarray, effect: np.ndarray, most: float = 0
     Returns:
         The lag, s, at which they agree best; the correlation there; the correlation without a lag.
     """
-    period = max(float(np.median(np.diff(time))), float(time[-1] - time[0]) / _MOST_POINTS)
+    period = max(float(np.median(np.diff(time))), float(time[-1] - time[0]) / _MOST_POINTS, most / _MOST_SHIFTS)
     grid = np.arange(time[0], time[-1], period)
     a, b = np.interp(grid, time, cause), np.interp(grid, time, effect)
     furthest = min(int(most / period), len(grid) // 4)

@@ -1,11 +1,13 @@
 """MCAP: topics with clocks of their own, and being told what is wrong."""
 
 import json
+import re
 import sys
 
 import numpy as np
 import pytest
 
+from estexp_jax.cli.main import main
 from estexp_jax.errors import InputError
 from estexp_jax.recordings import mcap_file
 from estexp_jax.recordings.read import read_table
@@ -157,3 +159,27 @@ def test_without_the_extra_it_is_told_what_to_install(tmp_path, monkeypatch):
 def _write_nothing(path):
     path.write_bytes(b"")
     return path
+
+
+def test_bytes_that_changed_on_the_way_are_noticed(tmp_path):
+    path = _write(tmp_path / "a.mcap", [("/a", k, _json(x=123456)) for k in range(9)])
+    path.write_bytes(path.read_bytes().replace(b"123456", b"123457", 1))
+    with pytest.raises(InputError, match=r"damaged: crc validation failed"):
+        _read(path, "/a.x")
+
+
+def test_from_the_command_line(tmp_path, monkeypatch, pendulum_xml, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xml").write_text(re.sub('(name|joint)="hinge"', r'\1="elbow"', pendulum_xml))
+    time = np.arange(300) * 0.01
+    write_mcap(tmp_path / "run.mcap", time, np.sin(3 * time), np.sin(3 * time - 0.1))
+    maps = ["ctrl.servo.1=/goal.position[0]", "ctrl.actuator_1=/goal.position[0]", f"sensor.angle={STATE}"]
+    mapped = [word for text in maps for word in ("--map", text)]
+    assert main(["check", "arm.xml", "run.mcap", *mapped, "--out", "out"]) == 0
+    judged = json.loads((tmp_path / "out" / "check.json").read_text())["recordings"][0]
+    assert (judged["rows"], judged["joints"]["elbow"]["excited"]) == (300, True)
+    assert judged["notes"] == ["topics that were not asked for: /camera"]
+    assert main(["check", "arm.xml", "run.mcap", "--init"]) == 0
+    assert "/goal.position[0]" in (tmp_path / "recordings.toml").read_text()
+    assert main(["check", "arm.xml", "run.mcap", "--map", "ctrl.servo.1=/gaol.position[0]"]) == 2
+    assert "no topic for '/gaol.position[0]'" in capsys.readouterr().err
