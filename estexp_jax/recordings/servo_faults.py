@@ -53,6 +53,9 @@ def follower_faults(robot: Robot, recording: Recording, follower: Follower, valu
     late, best, plain = signals.lag(time, command, reading)
     if best > 0.8:
         yield from _scale_fault(name, follower, float(np.std(reading) / np.std(command)))
+        # A single swing that is larger or smaller than asked looks shifted; several swings tell.
+        if signals.turns(command, 0.1 * float(np.ptp(command))) < 2:
+            late = 0.0
         if late < -max(0.01, 1.5 * float(np.median(np.diff(time)))) and best > max(0.95, plain + 0.002):
             what = f"moves {-late:.3g} s before its command"
             remedy = "stamp both with one clock, or shift one; if the motor was off, map enable.*"
