@@ -17,10 +17,37 @@ class InputError(Exception):
     def __init__(self, what: str, *, where: str = "", right: str = "") -> None:
         self.what, self.where, self.right = what, where, right
         message = f"{where}: {what}" if where else what
-        super().__init__(f"{message}; {right}" if right else message)
+        super().__init__(plain(f"{message}; {right}" if right else message))
+
+
+def plain(text: str) -> str:
+    """A text from somebody's file on one line, its control characters written out: a terminal would obey them."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+MOST_LISTED = 200
+"""Names that a message lists; a broken or hostile file may have any number of them."""
 
 
 def known(names: Iterable[str]) -> str:
     """The tail of a message about an unknown name: what exists instead."""
-    listed = ", ".join(names)
+    listed = listing(names)
     return f"known are: {listed}" if listed else "there are none"
+
+
+def listing(names: Iterable[str]) -> str:
+    """Names with commas between them, and how many more there are than a message should list."""
+    every = list(names)
+    more = f" and {len(every) - MOST_LISTED} more" if len(every) > MOST_LISTED else ""
+    return plain(", ".join(every[:MOST_LISTED])) + more
+
+
+def shown(value: object) -> str:
+    """A value as a message shows it: its beginning, since the user's file may hold one of any size."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # Python writes no whole number of more than some thousand digits
+        text = f"a huge {type(value).__name__}"
+    return text if len(text) <= 80 else f"{text[:77]}..."

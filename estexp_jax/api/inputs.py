@@ -35,13 +35,16 @@ def is_manifest(files: Sequence[str]) -> bool:
     return bool(files) and Path(files[0]).suffix.lower() == ".toml"
 
 
-def read_inputs(files: Sequence[str], *, test: Sequence[str] = (), maps: Sequence[str] = ()) -> Inputs:
+def read_inputs(
+    files: Sequence[str], *, test: Sequence[str] = (), maps: Sequence[str] = (), mend: bool = False
+) -> Inputs:
     """Read what a command line names.
 
     Args:
         files: a `recordings.toml` alone, or an MJCF and logs.
         test: logs with the role `test`.
         maps: `ours=theirs`, for logs with other column names.
+        mend: judge rather than refuse logs whose clock stands still or runs backwards.
 
     Raises:
         InputError: nothing to read, a manifest together with other things, or a file that cannot be read.
@@ -50,13 +53,13 @@ def read_inputs(files: Sequence[str], *, test: Sequence[str] = (), maps: Sequenc
         if len(files) > 1 or test or maps:
             right = "it names logs, roles and columns itself; or give an MJCF and logs instead"
             raise InputError("a manifest stands alone", where=files[0], right=right)
-        manifest = read_manifest(files[0])
+        manifest = read_manifest(files[0], mend=mend)
         return Inputs(manifest.model, manifest.robot, manifest.recordings)
     if len(files) + len(test) < 2 or not files:
         raise InputError("no recordings given", right="a recordings.toml, or an MJCF model and at least one log")
     robot, mapping = Robot.from_xml(files[0]), parse_maps(maps)
     roles = [(path, "train") for path in files[1:]] + [(path, "test") for path in test]
-    recordings = tuple(read_recording(robot, path, role=role, mapping=mapping) for path, role in roles)
+    recordings = tuple(read_recording(robot, path, role=role, mapping=mapping, mend=mend) for path, role in roles)
     return Inputs(Path(files[0]), robot, recordings)
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options:
-    """Read and judge recordings: clock, gaps, units, saturation, which joints move.
+    """Read and judge recordings: clock, units, sensors, saturation, lags, which joints move enough to tell what.
 
     Nothing is simulated or fitted. Wherever the files could be read, this succeeds, whatever it finds.
 
@@ -57,7 +57,7 @@ def run(options: Options) -> int:
 
     tests = [path for group in options.test for path in group]
     config = {"files": options.files, "test": tests, "map": options.map, "init": options.init}
-    inputs = None if options.init else read_inputs(options.files, test=tests, maps=options.map)
+    inputs = None if options.init else read_inputs(options.files, test=tests, maps=options.map, mend=True)
     folder = None
     if options.out is not None:
         marker = {"command": "check", "config": config}
@@ -82,7 +82,7 @@ def _begin_manifest(options: Options, tests: Sequence[str]) -> Inputs | None:
     write_manifest(path, options.files, tests, options.map)
     print(f"{path}: written; see that its guesses are right")
     try:
-        return read_inputs([str(path)])
+        return read_inputs([str(path)], mend=True)
     except InputError as error:
         print(f"It is still to be completed: {error}")
         return None
@@ -97,16 +97,20 @@ def _judge(inputs: Inputs) -> list[dict[str, Any]]:
 
 def _write(folder: Any, inputs: Inputs, judged: list[dict[str, Any]]) -> None:
     from estexp_jax.cli.check_figure import draw
+    from estexp_jax.recordings.excitation import missing
     from estexp_jax.runs import versions, write_json
 
     numbers, figure = folder.file("check.json"), folder.file("check.png")
-    write_json(numbers, {"model": inputs.model, "recordings": judged, "versions": versions()})
+    advice = list(missing(judged))
+    write_json(numbers, {"model": inputs.model, "recordings": judged, "advice": advice, "versions": versions()})
     draw(inputs.robot, inputs.recordings, figure)
     print(f"Numbers: {numbers}\nFigure: {figure}")
 
 
 def _print(judged: list[dict[str, Any]]) -> None:
     from rich.console import Console
+
+    from estexp_jax.recordings.excitation import missing
 
     console = Console(highlight=False)
     _print_table(console, "Recordings", ("file", "role", "rows", "s", "Hz", "jitter, ms", "gaps"), _recordings(judged))
@@ -116,6 +120,11 @@ def _print(judged: list[dict[str, Any]]) -> None:
     for remark, files in _remarks(judged).items():
         where = "all recordings" if len(files) == len(judged) > 1 else ", ".join(files)
         console.print(f"{where}: {remark}", markup=False, soft_wrap=True)
+    advice = list(missing(judged))
+    for sentence in advice:
+        console.print(f"to record: {sentence}", markup=False, soft_wrap=True)
+    if not advice and not any(one["faults"] for one in judged):
+        console.print("Nothing looks wrong, and the motions can tell the usual suspects apart.")
 
 
 def _print_table(console: Console, title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
@@ -132,7 +141,7 @@ def _remarks(judged: list[dict[str, Any]]) -> dict[str, list[str]]:
     """What there is to say, each with the files that it is said of."""
     remarks: dict[str, list[str]] = {}
     for one in judged:
-        for remark in [*one["suspicions"], *one["notes"]]:
+        for remark in [*one["notes"], *one["suspicions"]]:
             remarks.setdefault(remark, []).append(one["file"])
     return remarks
 

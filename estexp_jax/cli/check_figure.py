@@ -40,8 +40,9 @@ def draw(robot: Robot, recordings: Sequence[Recording], path: Path) -> None:
         for row, (kind, index, name) in enumerate(rows):
             _draw_channel(grid[row, column], recording, kind, index)
             if column == 0:
-                grid[row, column].set_ylabel(name, rotation=0, ha="right", va="center", fontsize=8)
-        grid[0, column].set_title(f"{recording.name} ({recording.role})", fontsize=9)
+                # Names are not formulas, though they may have dollars in them.
+                grid[row, column].set_ylabel(name, rotation=0, ha="right", va="center", fontsize=8, parse_math=False)
+        grid[0, column].set_title(f"{recording.name} ({recording.role})", fontsize=9, parse_math=False)
         grid[-1, column].set_xlabel("time, s", fontsize=8)
     figure.suptitle(_title(len(channels) - len(rows), len(recordings) - len(shown)), fontsize=9)
     figure.savefig(path, dpi=110)

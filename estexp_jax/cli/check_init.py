@@ -15,7 +15,8 @@ from estexp_jax.api.inputs import is_manifest, parse_maps
 from estexp_jax.errors import InputError
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.bind import check_names, column_names
-from estexp_jax.recordings.table import read_table
+from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.table import Selection
 
 # Words that logs use. Those of a command are looked for first: `goal_position` is one.
 _COMMAND = {"command", "commanded", "cmd", "ctrl", "control", "goal", "target", "action", "desired", "con"}
@@ -49,7 +50,7 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
         raise InputError("exists already", where=str(path), right="move it away, or check it without --init")
     robot = Robot.from_xml(files[0])
     logs = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
-    names = list(dict.fromkeys(name for log, _ in logs for name in read_table(log).names))
+    names = list(dict.fromkeys(name for log, _ in logs for name in _names(log)))
     given = {ours: str(source.column) for ours, source in parse_maps(maps).items()}
     check_names(robot, given, "--map")
     lines = [*_head(files[0], path.parent), *_columns(robot, names, given), *_recordings(logs, path.parent)]
@@ -57,6 +58,13 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", where=str(path)) from None
+
+
+def _names(log: str) -> tuple[str, ...]:
+    """Names of a log's columns, and of the values in its list columns; of a data set, as its first episode has them."""
+    table = read_table(log, Selection(episode=0 if Path(log).is_dir() else None))
+    named = {column for column, _ in table.parts.values()}
+    return (*(name for name in table.names if name not in named), *table.parts)
 
 
 def guess(robot: Robot, names: Iterable[str]) -> dict[str, str]:
@@ -153,7 +161,8 @@ def _source(ours: str, theirs: str) -> str:
 def _recordings(logs: Sequence[tuple[str, str]], folder: Path) -> list[str]:
     lines: list[str] = []
     for log, role in logs:
-        lines += ["", "[[recording]]", f"file = {_path(log, folder)}", f'role = "{role}"']
+        episode = ["episode = 0"] if Path(log).is_dir() else []
+        lines += ["", "[[recording]]", f"file = {_path(log, folder)}", *episode, f'role = "{role}"']
     return lines
 
 

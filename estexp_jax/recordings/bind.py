@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from estexp_jax.errors import InputError, known
+from estexp_jax.errors import InputError, known, listing, plain
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
-from estexp_jax.recordings.columns import Source
-from estexp_jax.recordings.table import Table, read_table
+from estexp_jax.recordings.columns import LARGEST, Source
+from estexp_jax.recordings.mend import increasing
+from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.table import Selection, Table
 
 _PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")
 _READINGS = ("sensor", "qpos", "qvel")
+_SHORTEST = 1e-12
+"""Rows closer than this, s, have the same time: no clock is that fine."""
 _COORDINATES = {  # joint type: numbers in qpos, in qvel
     mujoco.mjtJoint.mjJNT_FREE: (7, 6),
     mujoco.mjtJoint.mjJNT_BALL: (4, 3),
@@ -32,8 +37,10 @@ def read_recording(
     role: str = "train",
     mapping: Mapping[str, Source] | None = None,
     settings: Mapping[str, Any] | None = None,
+    selection: Selection = Selection(),  # noqa: B008 frozen, so shared safely
+    mend: bool = False,
 ) -> Recording:
-    """Read a log file (.csv, .npz, .parquet) and tie it to a robot.
+    """Read a log (.csv, .npz, .parquet, .mcap, the folder of a LeRobot data set) and tie it to a robot.
 
     Args:
         robot: whose actuators, sensors and joints the columns name.
@@ -41,11 +48,15 @@ def read_recording(
         role: `train` or `test`.
         mapping: our column name to its source, where the log uses other names.
         settings: what is known to differ in this recording; kept, not applied (see `apply_settings`).
+        selection: which episode or clock of the log; what is wanted of it is told by `mapping`.
+        mend: leave rows out whose time does not increase, and say so in the notes, rather than refuse the log.
 
     Raises:
         InputError: the file cannot be read, or its contents do not fit the robot; names file, row and column.
     """
-    return bind(robot, read_table(path), role=role, mapping=mapping, settings=settings)
+    wanted = frozenset(source.column for source in (mapping or {}).values() if source.column) or None
+    table = read_table(path, replace(selection, wanted=wanted))
+    return bind(robot, table, role=role, mapping=mapping, settings=settings, mend=mend)
 
 
 def column_names(robot: Robot) -> tuple[str, ...]:
@@ -74,6 +85,7 @@ def bind(
     role: str = "train",
     mapping: Mapping[str, Source] | None = None,
     settings: Mapping[str, Any] | None = None,
+    mend: bool = False,
 ) -> Recording:
     """Tie a log's columns to a robot.
 
@@ -89,6 +101,9 @@ def bind(
             reading at all; a name that the robot does not have; a text or an infinite value in a column that counts.
     """
     sources = _sources(robot, table, mapping or {})
+    mended = ""
+    if mend and "time" in sources:
+        table, mended = increasing(table, sources["time"])
     time = _time(table, sources)
     sizes = {"ctrl": robot.model.nu, "enable": robot.model.nu, "sensor": robot.model.nsensordata}
     sizes |= {"qpos": robot.model.nq, "qvel": robot.model.nv}
@@ -104,8 +119,9 @@ def bind(
     if not any(np.isfinite(arrays[kind]).any() for kind in _READINGS):
         right = f"at least one column with samples of: {', '.join(n for n in _places(robot) if _kind(n) in _READINGS)}"
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
-    notes = _notes(table, sources)
-    return Recording(Path(table.source).name, time, **arrays, role=role, settings=dict(settings or {}), notes=notes)
+    notes = (*((mended,) if mended else ()), *table.notes, *_notes(table, sources))
+    name = plain(table.label or Path(table.source).name)
+    return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=notes)
 
 
 def _places(robot: Robot) -> dict[str, tuple[str, int]]:
@@ -128,7 +144,7 @@ def _kind(name: str) -> str:
 
 
 def _listed(table: Table) -> str:
-    return ", ".join(table.names) or "none"
+    return listing((*table.names, *table.parts)) or "none"
 
 
 def _sources(robot: Robot, table: Table, mapping: Mapping[str, Source]) -> dict[str, Source]:
@@ -153,9 +169,11 @@ def _values(table: Table, name: str, source: Source, rows: int) -> np.ndarray:
     if len(values) != rows:
         what = f"has {len(values)} rows, `time` has {rows}"
         raise InputError(what, where=f"{table.source}, column '{source.column}'")
-    if np.isinf(values).any():
-        where = table.place(int(np.argmax(np.isinf(values))), source.column)
-        raise InputError(f"infinite value for {name}", where=where, right="a finite number, or an empty cell")
+    huge = np.abs(values) > LARGEST
+    if huge.any():
+        what = f"{'infinite value' if np.isinf(values[huge][0]) else f'{values[huge][0]:.4g}'} for {name}"
+        where = table.place(int(np.argmax(huge)), source.column)
+        raise InputError(what, where=where, right=f"a finite number up to {LARGEST:g}, or an empty cell")
     return values
 
 
@@ -169,10 +187,12 @@ def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
     values = source.read(table, 0)
     if len(values) < 2:
         raise InputError(f"has {len(values)} rows", where=table.source, right="at least two")
-    if not np.isfinite(values).all():
-        where = table.place(int(np.argmin(np.isfinite(values))), source.column)
+    usable = np.abs(values) <= LARGEST
+    if not usable.all():
+        where = table.place(int(np.argmin(usable)), source.column)
         raise InputError("the time is empty or not finite", where=where, right="every row needs its time")
     steps = np.diff(values)
+    steps[(steps > 0.0) & (steps < _SHORTEST)] = 0.0
     if (steps <= 0.0).any():
         row = int(np.argmax(steps <= 0.0)) + 1
         verb = "stands still" if steps[row - 1] == 0.0 else "runs backwards"
@@ -202,5 +222,6 @@ def _held(table: Table, name: str, source: Source, values: np.ndarray, kind: str
 
 def _notes(table: Table, sources: Mapping[str, Source]) -> tuple[str, ...]:
     used = {source.column for source in sources.values()}
+    used |= {column for part, (column, _) in table.parts.items() if part in used}
     ignored = [name for name in table.names if name not in used]
-    return (f"ignored columns: {', '.join(ignored)}",) if ignored else ()
+    return (f"ignored columns: {listing(ignored)}",) if ignored else ()

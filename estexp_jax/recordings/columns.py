@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from estexp_jax.errors import InputError, known
+from estexp_jax.errors import InputError, known, shown
 from estexp_jax.recordings.table import Table
 
 UNITS: Mapping[str, float] = {
@@ -27,6 +28,8 @@ UNITS: Mapping[str, float] = {
 }
 """Units that a manifest may name, each in SI."""
 
+LARGEST = 1e30
+"""Beyond what any sensor or clock reads in any unit; its square is still a number."""
 _KEYS = ("column", "scale", "offset", "unit", "index", "value")
 
 
@@ -63,7 +66,10 @@ class Source:
             return np.full(rows, self.value)
         values = table.column(str(self.column), self.index)
         # An unscaled column stays as it was recorded, to the last bit and the sign of zero.
-        return values if (self.scale, self.offset) == (1.0, 0.0) else self.scale * values + self.offset
+        if (self.scale, self.offset) == (1.0, 0.0):
+            return values
+        with np.errstate(over="ignore", invalid="ignore"):  # what becomes infinite is told with its row
+            return self.scale * values + self.offset
 
 
 def parse_source(entry: object, where: str) -> Source:
@@ -81,7 +87,7 @@ def parse_source(entry: object, where: str) -> Source:
         return Source(column=entry)
     if not isinstance(entry, Mapping):
         right = 'a name "position" or a table { column = "position", scale = 1.0 }'
-        raise InputError(f"is {entry!r}, not a column", where=where, right=right)
+        raise InputError(f"is {shown(entry)}, not a column", where=where, right=right)
     for key in entry:
         if key not in _KEYS:
             raise InputError(f"unknown key '{key}'", where=where, right=known(_KEYS))
@@ -91,9 +97,9 @@ def parse_source(entry: object, where: str) -> Source:
         return Source(value=number(entry["value"], f"{where}, value"))
     column, index = entry["column"], entry.get("index")
     if not isinstance(column, str):
-        raise InputError(f"column is {column!r}, not a name", where=where, right="a name in quotes")
-    if index is not None and (isinstance(index, bool) or not isinstance(index, int) or index < 0):
-        raise InputError(f"index is {index!r}, not a whole number from 0", where=where)
+        raise InputError(f"column is {shown(column)}, not a name", where=where, right="a name in quotes")
+    if index is not None and (isinstance(index, bool) or not isinstance(index, int) or not 0 <= index < 2**40):
+        raise InputError(f"index is {shown(index)}, not a whole number from 0", where=where)
     scale = number(entry.get("scale", 1.0), f"{where}, scale")
     if "unit" in entry:
         scale *= _unit(entry["unit"], where)
@@ -102,7 +108,7 @@ def parse_source(entry: object, where: str) -> Source:
 
 def _unit(unit: object, where: str) -> float:
     if not isinstance(unit, str) or unit not in UNITS:
-        raise InputError(f"unknown unit {unit!r}", where=where, right=f"{known(UNITS)}; else give a scale")
+        raise InputError(f"unknown unit {shown(unit)}", where=where, right=f"{known(UNITS)}; else give a scale")
     return UNITS[unit]
 
 
@@ -112,8 +118,8 @@ def number(value: object, where: str) -> float:
     Raises:
         InputError: `value` is no number, or not finite.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"is {value!r}, not a finite number", where=where)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
+        raise InputError(f"is {shown(value)}, not a finite number", where=where)
     return float(value)
 
 

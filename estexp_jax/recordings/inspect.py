@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
 
 import mujoco
@@ -10,13 +11,12 @@ import numpy as np
 
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
+from estexp_jax.recordings import excitation, faults, servo_faults, signals
 
 GAP = 3.0
 """A step of the clock longer than this many median periods is a gap."""
 MOST_GAPS = 20
 """Gaps that are listed; all are counted."""
-FULL_TURNS = 4.0 * math.pi
-"""A hinge angle beyond this, rad, is more often degrees than two turns and more."""
 
 # A joint counts as excited when its readings span more than this: about a degree, a millimetre, and a speed above the
 # noise of a differentiated encoder.
@@ -29,26 +29,38 @@ def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
     Returns:
         `file`, `role`, `rows`, `duration_s`;
         `clock`: `hz` and `period_s` (median), `jitter_s` (standard deviation of the period, gaps left out),
-        `longest_s`, `gaps` (how many steps exceed `GAP` median periods), `gap_list` of `{time_s, length_s}`;
+        `shortest_s`, `longest_s`, `steps` (their number), `gaps` (how many steps exceed `GAP` median periods),
+        `gap_list` of `{time_s, length_s}`;
         `commands` by actuator: `low`, `high`, `saturated` (share of rows at or beyond ctrlrange, null without one),
-        `enabled` (share of rows with the motor on), `changes` (rows whose command differs from the one before);
-        `readings` by column: `samples`, `low`, `high`, null where there is none;
+        `enabled` (share of rows with the motor on), `changes` (rows whose command differs from the one before),
+        `lag_s` (by how much a position servo's joint follows later, null where that does not show);
+        `readings` by column: `samples`, `low`, `high`, null where there is none, and `step` (of its encoder, in the
+        column's unit; null where it has none);
         `joints` by joint: `columns` that tell its motion, `span` (largest, in the column's unit), `excited` (null if
-        nothing tells its motion);
-        `suspicions`: sentences about units and sense; `notes`: the reader's.
+        nothing tells its motion), `tells` (by the names of `excitation.SUSPECTS`, whether its motion can tell them
+        apart; empty if nothing tells its position);
+        `faults`: what is wrong or looks so, each `{kind, name, sentence}`; `suspicions`: the same as sentences;
+        `notes`: the reader's.
     """
     readings = _readings(robot, recording)
-    joints = _joints(robot, readings)
+    joints = _joints(robot, recording, readings)
+    clock, commands = _clock(recording.time), _commands(robot, recording, readings)
+    found = list(dict.fromkeys(_faults(robot, recording, readings, {"clock": clock, "commands": commands})))
+    found += [
+        faults.Fault("still", n, "does not move in this recording") for n, j in joints.items() if j["excited"] is False
+    ]
+    found += [faults.Fault("empty", n, "never reads anything") for n, v in readings.items() if not np.isfinite(v).any()]
     return {
         "file": recording.name,
         "role": recording.role,
         "rows": recording.rows,
         "duration_s": recording.duration,
-        "clock": _clock(recording.time),
-        "commands": _commands(robot, recording),
+        "clock": clock,
+        "commands": commands,
         "readings": {name: _range(values) for name, values in readings.items()},
         "joints": joints,
-        "suspicions": _suspicions(robot, recording, readings, joints),
+        "faults": [asdict(fault) for fault in found],
+        "suspicions": [f"{fault.name}: {fault.sentence}" for fault in found],
         "notes": list(recording.notes),
     }
 
@@ -61,14 +73,17 @@ def _clock(time: np.ndarray) -> dict[str, Any]:
         "hz": 1.0 / period,
         "period_s": period,
         "jitter_s": float(np.std(steps[steps <= GAP * period])),
+        "shortest_s": float(steps.min()),
         "longest_s": float(steps.max()),
+        "steps": len(steps),
         "gaps": len(gaps),
         "gap_list": [{"time_s": float(time[i]), "length_s": float(steps[i])} for i in gaps[:MOST_GAPS]],
     }
 
 
-def _commands(robot: Robot, recording: Recording) -> dict[str, dict[str, Any]]:
+def _commands(robot: Robot, recording: Recording, readings: dict[str, np.ndarray]) -> dict[str, dict[str, Any]]:
     model, judged = robot.model, {}
+    followers = {follower.actuator: follower.column for follower in _followers(robot, readings)}
     for index, name in enumerate(robot.names("actuator")):
         values = recording.ctrl[:, index]
         saturated = None
@@ -81,6 +96,7 @@ def _commands(robot: Robot, recording: Recording) -> dict[str, dict[str, Any]]:
             "saturated": saturated,
             "enabled": float(recording.enable[:, index].mean()),
             "changes": int(np.count_nonzero(np.diff(values))),
+            "lag_s": _lag(robot, recording, index, readings[followers[index]]) if index in followers else None,
         }
     return judged
 
@@ -105,11 +121,13 @@ def _readings(robot: Robot, recording: Recording) -> dict[str, np.ndarray]:
 def _range(values: np.ndarray) -> dict[str, Any]:
     samples = values[np.isfinite(values)]
     low, high = (float(samples.min()), float(samples.max())) if len(samples) else (None, None)
-    return {"samples": len(samples), "low": low, "high": high}
+    step = signals.encoder_step(samples) if len(samples) else 0.0
+    return {"samples": len(samples), "low": low, "high": high, "step": step or None}
 
 
-def _joints(robot: Robot, readings: dict[str, np.ndarray]) -> dict[str, dict[str, Any]]:
+def _joints(robot: Robot, recording: Recording, readings: dict[str, np.ndarray]) -> dict[str, dict[str, Any]]:
     judged: dict[str, dict[str, Any]] = {}
+    driven = {robot.joint_of_actuator(actuator): actuator for actuator in range(robot.model.nu)}
     for joint, name in enumerate(robot.names("joint")):
         kinds = {c: k for c, k in _columns_of_joint(robot, joint, readings).items() if np.isfinite(readings[c]).any()}
         spans = {column: float(np.ptp(readings[column][np.isfinite(readings[column])])) for column in kinds}
@@ -117,7 +135,14 @@ def _joints(robot: Robot, readings: dict[str, np.ndarray]) -> dict[str, dict[str
             "columns": list(kinds),
             "span": max(spans.values(), default=None),
             "excited": any(spans[c] > _MOVED[kinds[c]] for c in kinds) if kinds else None,
+            "tells": {},
         }
+        position = next((column for column, kind in kinds.items() if kind != "speed"), None)
+        if position is not None and np.isfinite(readings[position]).sum() > 2:
+            rows = np.isfinite(readings[position])
+            command = recording.ctrl[:, driven[joint]] if joint in driven else None
+            motion = kinds[position], recording.time[rows], readings[position][rows]
+            judged[name]["tells"] = excitation.tells(*motion, recording.time, command)
     return judged
 
 
@@ -140,27 +165,64 @@ def _columns_of_joint(robot: Robot, joint: int, readings: dict[str, np.ndarray])
     return columns
 
 
-def _suspicions(robot: Robot, recording: Recording, readings: dict[str, np.ndarray], joints: Any) -> list[str]:
-    found: list[str] = []
-    period = float(np.median(np.diff(recording.time)))
-    if period >= 0.5 or period < 1e-6:
-        found.append(f"time: rows are {period:.3g} s apart; is the clock in another unit than seconds?")
-    hinges = np.flatnonzero(robot.model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE).tolist()
-    for joint in hinges:
-        for column, kind in _columns_of_joint(robot, joint, readings).items():
-            samples = readings[column][np.isfinite(readings[column])]
-            if kind == "angle" and len(samples) and np.abs(samples).max() > FULL_TURNS:
-                found.append(f"{column}: reaches {np.abs(samples).max():.4g} rad; is it in degrees?")
+def _followers(robot: Robot, readings: dict[str, np.ndarray]) -> Iterator[servo_faults.Follower]:
+    """Each position servo whose joint has a reading of its position."""
     for actuator, name in enumerate(robot.names("actuator")):
-        if robot.joint_of_actuator(actuator) in hinges and _is_position_servo(robot.model, actuator):
-            most = float(np.abs(recording.ctrl[:, actuator] * robot.model.actuator_gear[actuator, 0]).max())
-            if most > FULL_TURNS:
-                found.append(f"ctrl.{name}: commands up to {most:.4g} rad; is it in degrees?")
-    found += [f"{name}: does not move in this recording" for name, joint in joints.items() if joint["excited"] is False]
-    found += [f"{name}: never reads anything" for name, values in readings.items() if not np.isfinite(values).any()]
-    return found
+        joint = robot.joint_of_actuator(actuator)
+        if joint is None or not servo_faults.is_position_servo(robot.model, actuator):
+            continue
+        for column, kind in _columns_of_joint(robot, joint, readings).items():
+            if kind != "speed" and np.isfinite(readings[column]).any():
+                yield servo_faults.Follower(actuator, name, column)
+                break
 
 
-def _is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
-    direct = model.actuator_dyntype[actuator] != mujoco.mjtDyn.mjDYN_INTEGRATOR
-    return bool(direct and model.actuator_biasprm[actuator, 1] != 0.0)
+def _lag(robot: Robot, recording: Recording, actuator: int, values: np.ndarray) -> float | None:
+    pair = servo_faults.followed(robot, recording, actuator, values)
+    late, best, _ = signals.lag(*pair) if len(pair[0]) >= 20 else (0.0, 0.0, 0.0)
+    return late if best > 0.8 else None
+
+
+def _faults(robot: Robot, recording: Recording, readings: dict[str, np.ndarray], told: Any) -> Iterator[faults.Fault]:
+    yield from faults.clock_faults(_evenest(recording, readings, told["clock"]))
+    kinds: dict[str, str] = {}
+    for joint in range(robot.model.njnt):
+        columns = _columns_of_joint(robot, joint, readings)
+        kinds |= columns
+        hinge = robot.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
+        for column, kind in columns.items():
+            if hinge and kind == "angle":
+                yield from faults.unit_faults(column, readings[column][np.isfinite(readings[column])])
+        yield from _slopes(recording, columns, readings)
+    for column, values in readings.items():
+        rows = np.flatnonzero(np.isfinite(values))
+        yield from faults.reading_faults(column, kinds.get(column, ""), recording.time[rows], values[rows], rows)
+    for follower in _followers(robot, readings):
+        yield from servo_faults.follower_faults(robot, recording, follower, readings[follower.column])
+    for index, name in enumerate(robot.names("actuator")):
+        yield from servo_faults.command_faults(robot, recording, index, name, told["commands"][name])
+
+
+def _evenest(recording: Recording, readings: dict[str, np.ndarray], clock: dict[str, Any]) -> dict[str, Any]:
+    """The clock of the rows or of the reading with most samples: merged logs have rows of several even clocks."""
+    fullest = max(readings.values(), key=_samples, default=recording.time)
+    own = recording.time[np.isfinite(fullest)]
+    return min(clock, _clock(own) if len(own) > 2 else clock, key=_unevenness)
+
+
+def _samples(values: np.ndarray) -> int:
+    return int(np.isfinite(values).sum())
+
+
+def _unevenness(clock: dict[str, Any]) -> float:
+    return (clock["jitter_s"] / clock["period_s"]) + clock["gaps"] / clock["steps"]
+
+
+def _slopes(recording: Recording, columns: dict[str, str], readings: dict[str, np.ndarray]) -> Iterator[faults.Fault]:
+    """A joint's speed beside the slope of its position."""
+    position = next((column for column, kind in columns.items() if kind != "speed"), None)
+    rate = next((column for column, kind in columns.items() if kind == "speed"), None)
+    if position is not None and rate is not None:
+        rows = np.isfinite(readings[position]) & np.isfinite(readings[rate])
+        pair = readings[position][rows], readings[rate][rows]
+        yield from faults.slope_faults(position, rate, recording.time[rows], *pair)

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-from estexp_jax.errors import InputError, known
+from estexp_jax.errors import InputError, known, shown
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.bind import check_names, read_recording
 from estexp_jax.recordings.columns import Source, number, parse_source
+from estexp_jax.recordings.read import CLOCKS
 from estexp_jax.recordings.settings import apply_settings
+from estexp_jax.recordings.table import Selection
 
 ROLES = ("train", "test")
+_MOST_BYTES = 16 * 2**20
 
 
 @final
@@ -38,8 +41,12 @@ class Manifest:
     recordings: tuple[Recording, ...]
 
 
-def read_manifest(path: str | Path) -> Manifest:
+def read_manifest(path: str | Path, *, mend: bool = False) -> Manifest:
     """Read a manifest, its model and its recordings. Paths in it are relative to it.
+
+    Args:
+        path: the manifest.
+        mend: judge rather than refuse logs whose clock stands still or runs backwards (see `read_recording`).
 
     Raises:
         InputError: a file is missing or cannot be read, the TOML is broken (with its line), a key is unknown or of the
@@ -49,7 +56,7 @@ def read_manifest(path: str | Path) -> Manifest:
     document = _document(path)
     _only(document, ("model", "columns", "recording"), str(path))
     model = path.parent / _text(document, "model", str(path), "the path of an MJCF file, relative to this one")
-    if not model.is_file():
+    if not _exists(model, file=True):
         right = "a path relative to the manifest"
         raise InputError(f"no such MJCF file '{model}'", where=f"{path}, model", right=right)
     robot = Robot.from_xml(model)
@@ -58,18 +65,23 @@ def read_manifest(path: str | Path) -> Manifest:
     if not isinstance(entries, list) or not entries:
         raise InputError("lists no recordings", where=str(path), right='[[recording]] with file = "log.csv"')
     places = [f"{path}, [[recording]] {index}" for index in range(1, len(entries) + 1)]
-    recordings = tuple(_recording(e, robot, columns, path, w) for e, w in zip(entries, places, strict=True))
+    pairs = zip(entries, places, strict=True)
+    recordings = tuple(_recording(entry, robot, columns, path, where, mend) for entry, where in pairs)
     return Manifest(path, model, robot, columns, recordings)
 
 
 def _document(path: Path) -> dict[str, Any]:
-    if not path.is_file():
+    if not _exists(path, file=True):
         raise InputError("no such manifest", where=str(path), right="give the path of a recordings.toml")
     try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"is {path.stat().st_size:,} bytes long", where=str(path), right="a short description")
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"is not valid TOML: {error}", where=str(path)) from None
-    except (OSError, UnicodeDecodeError) as error:
+    except RecursionError:
+        raise InputError("is nested too deeply", where=str(path), right="tables as in the README") from None
+    except (OSError, ValueError) as error:
         raise InputError(f"cannot be read: {error}", where=str(path), right="UTF-8 text") from None
 
 
@@ -83,13 +95,13 @@ def _text(table: Mapping[str, Any], key: str, where: str, right: str) -> str:
     if key not in table:
         raise InputError(f"has no `{key}`", where=where, right=right)
     if not isinstance(table[key], str):
-        raise InputError(f"{key} is {table[key]!r}, not a text", where=where, right=right)
+        raise InputError(f"{key} is {shown(table[key])}, not a text", where=where, right=right)
     return table[key]
 
 
 def _table(value: object, where: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise InputError(f"is {value!r}, not a table", where=where)
+        raise InputError(f"is {shown(value)}, not a table", where=where)
     return value
 
 
@@ -107,18 +119,39 @@ def _columns(value: object, robot: Robot, where: str) -> dict[str, Source]:
     return sources
 
 
-def _recording(entry: object, robot: Robot, columns: Mapping[str, Source], path: Path, where: str) -> Recording:
+def _exists(path: Path, *, file: bool = False) -> bool:
+    """Whether there is such a file, or file or folder; a path that no file can have is that of none."""
+    try:
+        return path.is_file() if file else path.is_file() or path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _recording(
+    entry: object, robot: Robot, columns: Mapping[str, Source], path: Path, where: str, mend: bool
+) -> Recording:
     table = _table(entry, where)
-    _only(table, ("file", "role", "set"), where)
+    _only(table, ("file", "episode", "clock", "role", "set"), where)
     file = path.parent / _text(table, "file", where, "the path of a log, relative to the manifest")
-    if not file.exists():
+    if not _exists(file):
         raise InputError(f"no such recording '{file}'", where=where, right="a path relative to the manifest")
     role = table.get("role", "train")
     if role not in ROLES:
-        raise InputError(f"role is {role!r}", where=where, right=known(ROLES))
+        raise InputError(f"role is {shown(role)}", where=where, right=known(ROLES))
     settings = _settings(table.get("set", {}), f"{where}, set")
     apply_settings(robot, settings, where=f"{where}, set")  # told now rather than in the middle of a fit
-    return read_recording(robot, file, role=role, mapping=columns, settings=settings)
+    part = _selection(table, where)
+    return read_recording(robot, file, role=role, mapping=columns, settings=settings, selection=part, mend=mend)
+
+
+def _selection(table: Mapping[str, Any], where: str) -> Selection:
+    """Which episode of a LeRobot data set, and which clock of an MCAP file."""
+    episode, clock = table.get("episode"), table.get("clock", CLOCKS[0])
+    if episode is not None and (isinstance(episode, bool) or not isinstance(episode, int) or not 0 <= episode < 2**40):
+        raise InputError(f"episode is {shown(episode)}", where=where, right="a whole number from 0")
+    if clock not in CLOCKS:
+        raise InputError(f"clock is {shown(clock)}", where=where, right=known(CLOCKS))
+    return Selection(episode=episode, clock=clock)
 
 
 def _settings(value: object, where: str) -> dict[str, float | tuple[float, ...]]:

@@ -73,8 +73,10 @@ def figure_fit(diagnosis: Diagnosis) -> Figure:
         for start in prediction.time[np.flatnonzero(np.diff(prediction.window)) + 1]:
             axes.axvline(start, color="0.9", lw=0.8, zorder=0)
         axes.spines[["top", "right"]].set_visible(False)
-    above.set_title("\n".join(wrap(f"{prediction.recording}, never fitted", 52)), fontsize=10, loc="left")
-    above.set_ylabel("\n".join(wrap(prediction.channels[channel], 30)))
+    # Names are not formulas, though they may have dollars in them.
+    title = "\n".join(wrap(f"{prediction.recording}, never fitted", 52))
+    above.set_title(title, fontsize=10, loc="left", parse_math=False)
+    above.set_ylabel("\n".join(wrap(prediction.channels[channel], 30)), parse_math=False)
     below.set_ylabel("simulated - recorded")
     below.set_xlabel("time (s); both restart at the pale lines")
     figure.legend(*above.get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False, fontsize=9)
@@ -94,7 +96,7 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     chosen = diagnosis.selection.chosen
     for y, (_, explanation) in zip(height, rivals, strict=True):
         _draw_rival(axes, y, explanation.error, _colour(diagnosis, explanation), bold=explanation is chosen)
-    axes.set_yticks(height, labels, fontsize=9)
+    axes.set_yticks(height, labels, fontsize=9, parse_math=False)
     for tick, (_, explanation) in zip(axes.get_yticklabels(), rivals, strict=True):
         tick.set_fontweight("bold" if explanation is chosen else "normal")
     errors = [explanation.error for _, explanation in rivals]
@@ -171,7 +173,7 @@ def _draw_strips(figure: Figure, axes: Axes, strips: list[_Strip]) -> None:
         for left, right, error in zip(strip.edges[:-1], strip.edges[1:], strip.error, strict=True):
             colour = colours.to_rgba(100.0 * error) if np.isfinite(error) else "#eeeeee"
             axes.barh(row, right - left, left=left, height=0.8, color=colour, edgecolor="white", linewidth=0.5)
-    axes.set_yticks(range(len(strips)), [_short(s.label) for s in strips], fontsize=8)
+    axes.set_yticks(range(len(strips)), [_short(s.label) for s in strips], fontsize=8, parse_math=False)
     axes.set_ylim(len(strips) - 0.4, -0.6)
     axes.set_xlabel("time (s)")
     axes.set_title("Error of the nominal simulator,\ntraining recordings", fontsize=10, loc="left")
@@ -185,7 +187,7 @@ def _draw_places(axes: Axes, places: list[dict[str, Any]]) -> None:
     bars = axes.barh(range(len(places)), shares, height=0.6, color=[_EXPLAINED] + [_RIVAL] * (len(places) - 1))
     axes.bar_label(bars, [f"{s:.0f} %" for s in shares], padding=4, fontsize=9)
     names = [_short(p["kind"] if p["name"] is None else f"{p['kind']} {p['name']}") for p in places]
-    axes.set_yticks(range(len(places)), names, fontsize=9)
+    axes.set_yticks(range(len(places)), names, fontsize=9, parse_math=False)
     axes.set_ylim(len(places) - 0.4, -0.6)
     axes.set_xlim(0.0, max(shares) * 1.15)
     axes.set_title("Places, by the share of the error\nthat an effect there removes", fontsize=10, loc="left", pad=10)

@@ -15,7 +15,7 @@ import pytest
 import estexp_jax as ee
 from estexp_jax.cli.main import main
 from estexp_jax.package_data import schema_path
-from estexp_jax.recordings.table import read_csv
+from estexp_jax.recordings.read import read_table
 
 PENDULUM = """
 <mujoco model="pendulum">
@@ -64,7 +64,7 @@ def test_a_recording_holds_what_was_promised(recorded):
     assert truth["effects"] == [
         {"effect": "coulomb_friction", "kind": "joint", "name": "elbow", "parameters": {"T": 0.35}}
     ]
-    assert read_csv(recorded / "train_0.csv").names == ("time", "ctrl.servo", "sensor.angle")
+    assert read_table(recorded / "train_0.csv").names == ("time", "ctrl.servo", "sensor.angle")
 
 
 def test_the_concealed_friction_is_named_with_its_size(explained):
@@ -80,9 +80,9 @@ def test_the_concealed_friction_is_named_with_its_size(explained):
 
 def test_predictions_stand_beside_what_was_recorded(explained, recorded):
     for name in ("train_0", "train_1", "test_0"):
-        table = read_csv(explained / "predictions" / f"{name}.csv")
+        table = read_table(explained / "predictions" / f"{name}.csv")
         assert table.names == ("time", "window", "angle.recorded", "angle.nominal", "angle.explained")
-        log = read_csv(recorded / f"{name}.csv")
+        log = read_table(recorded / f"{name}.csv")
         np.testing.assert_array_equal(table.column("time"), log.column("time"))
         np.testing.assert_array_equal(table.column("angle.recorded"), log.column("sensor.angle"))
         np.testing.assert_array_equal(np.unique(table.column("window")), [0, 1, 2, 3])
@@ -99,7 +99,7 @@ def test_the_explained_model_loads_and_holds_the_friction(explained):
 
 def test_the_simulator_comes_back(explained, recorded):
     simulator = ee.load_explained(explained)
-    log = read_csv(recorded / "test_0.csv")
+    log = read_table(recorded / "test_0.csv")
     traces = simulator.rollout(log.column("ctrl.servo")[:, None], period=0.01)
     assert traces.sensors.shape == (400, 1)
     assert np.sqrt(np.mean((traces.sensors[:, 0] - log.column("sensor.angle")) ** 2)) < 0.01

@@ -46,7 +46,7 @@ def test_saturation_and_switches(pendulum, make):
 def test_excitation(pendulum, make):
     joints = judge(pendulum, make())["joints"]
     assert joints["hinge"]["excited"] is True and joints["hinge"]["columns"] == ["sensor.angle"]
-    assert joints["joint_1"] == {"columns": [], "span": None, "excited": None}
+    assert joints["joint_1"] == {"columns": [], "span": None, "excited": None, "tells": {}}
     still = make(sensor=np.full((101, 5), 0.5), qpos=np.full((101, 2), 0.5))
     judged = judge(pendulum, still)
     assert judged["joints"]["hinge"]["columns"] == ["sensor.angle", "sensor.sensor_1", "qpos.hinge"]
@@ -56,7 +56,7 @@ def test_excitation(pendulum, make):
 
 def test_suspicious_units(pendulum, make):
     good = judge(pendulum, make())["suspicions"]
-    assert not any("degrees" in sentence or "time" in sentence for sentence in good)
+    assert not any("degrees" in sentence or "another unit" in sentence for sentence in good)
     recording = make()
     ctrl = np.zeros((101, 2))
     ctrl[3, 0] = 90.0
@@ -70,5 +70,5 @@ def test_suspicious_units(pendulum, make):
 def test_the_judgement_is_json_without_nan(pendulum, make):
     judged = json.loads(json.dumps(judge(pendulum, make()), allow_nan=False))
     assert (judged["rows"], judged["role"]) == (101, "train")
-    assert judged["readings"]["sensor.acc.0"] == {"samples": 0, "low": None, "high": None}
+    assert judged["readings"]["sensor.acc.0"] == {"samples": 0, "low": None, "high": None, "step": None}
     assert judged["readings"]["sensor.angle"]["samples"] == 101

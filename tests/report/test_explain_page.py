@@ -55,7 +55,7 @@ FINDINGS = {
     "verdict": "missing_physics",
     "side": "plant",
     "where": [{"kind": "joint", "name": LONG, "share": 0.91, "p_value": 1e-9}],
-    "when": {"regime": "at reversals", "onset_s": {"a.csv": None, "b <i>.csv": 1.5}},
+    "when": {"regime": "at reversals", "onset_s": {"a.csv": None, "b <i>$\\x$.csv": 1.5}},
     "what": [
         claim("coulomb_friction", "the joint resists motion with 1.02 N m", True),
         claim("load_dependent_friction", "the joint resists motion with 40 % <of> its load", False),
@@ -74,7 +74,7 @@ FINDINGS = {
         "gain": {"value": 0.93, "low": 0.9, "high": 0.95},
     },
     "advice": ["Record a motion with the motor off."],
-    "data": [{"file": "b <i>.csv", "role": "test", "rows": 60, "hz": 10.0, "notes": ["ignored: <b>x</b>"]}],
+    "data": [{"file": "b <i>$\\x$.csv", "role": "test", "rows": 60, "hz": 10.0, "notes": ["ignored: <b>x</b>"]}],
     "cost": {"wall_s": 61.2, "compile_s": None, "robot_steps": 1500000},
     "seed": 5,
     "versions": {"jax": "0.9.2", "mujoco": "4.0.1"},
@@ -90,7 +90,7 @@ OTHERS = {
 
 
 def diagnosis(verdict: str = "missing_physics") -> Diagnosis:
-    predictions = (prediction("a.csv", "train", 0.1), prediction("b <i>.csv", "test", 0.3))
+    predictions = (prediction("a.csv", "train", 0.1), prediction("b <i>$\\x$.csv", "test", 0.3))
     robot = Robot.from_string(XML, "folder/legs <1>.xml")
     case = Case(robot, tuple(recording(p) for p in predictions), (robot, robot))
     friction, load = ("coulomb_friction", LONG), ("load_dependent_friction", LONG)
@@ -158,7 +158,7 @@ def test_it_tells_the_finding_in_full():
         "The simulator lacks physics: the joint resists motion with 1.02 N m, and 1 more.",
         "tau = -T sign(w) & more", "1.02", "0.97 to 1.08", "N m", "94 %", "MJCF has no place for it",
         "40 % <of> its load", "leaves out", f"load_dependent_friction@{LONG}",
-        "91 %", "1e-09", "at reversals; from 1.5 s on in b <i>.csv",
+        "91 %", "1e-09", "at reversals; from 1.5 s on in b <i>$\\x$.csv",
         "4.44 %", "best wrong effect", "93 % (90 % interval 90 % to 95 %)", "whole recordings",
         f"viscous friction @ {LONG} + gravity tilt", "< 1 %", "parameters only",
         "Record a motion with the motor off.", "ignored: <b>x</b>",
@@ -171,7 +171,7 @@ def test_it_tells_the_finding_in_full():
 def test_what_the_user_typed_is_text_and_not_markup():
     html, _ = read("missing_physics")
     assert "<i>" not in html and "<b>x" not in html and "legs <1>" not in html
-    assert "b &lt;i&gt;.csv" in html and "legs &lt;1&gt;.xml" in html
+    assert "b &lt;i&gt;$\\x$.csv" in html and "legs &lt;1&gt;.xml" in html
 
 
 @pytest.mark.parametrize("verdict", [v for v in OTHERS if v != "missing_physics"])
@@ -196,7 +196,7 @@ def test_the_sections_stand_in_order():
 
 def test_figure_fit_shows_the_test_recordings_worst_channel_over_its_range():
     shown, channel = worst_channel(diagnosis())
-    assert (shown.recording, shown.channels[channel]) == ("b <i>.csv", "angle")  # 0.3 of 2 beats 2 of 200
+    assert (shown.recording, shown.channels[channel]) == ("b <i>$\\x$.csv", "angle")  # 0.3 of 2 beats 2 of 200
     above, below = figure_fit(diagnosis()).axes
     recorded, nominal, explained = (np.asarray(line.get_ydata()) for line in above.get_lines()[:3])
     assert nominal - recorded == pytest.approx(below.get_lines()[0].get_ydata(), nan_ok=True)

@@ -1,0 +1,149 @@
+"""What single signals of a log show: steps, repeats, runs, spikes, lags. Arrays of samples, without gaps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+_NEIGHBOURS = 5
+_MOST_POINTS, _MOST_SHIFTS = 20_000, 500
+
+
+@final
+@dataclass(frozen=True)
+class Run:
+    """Samples that follow each other and are all the same.
+
+    Attributes:
+        start: index of the first.
+        length: how many.
+    """
+
+    start: int
+    length: int
+
+    @property
+    def stop(self) -> int:
+        """Index after the last."""
+        return self.start + self.length
+
+
+def encoder_step(values: np.ndarray) -> float:
+    """The step of which all differences are multiples, in the values' unit; 0.0 where there is none."""
+    levels = np.unique(values)
+    steps = np.diff(levels)
+    if len(levels) < 3:
+        return 0.0
+    steps = steps[steps > 1e-9 * float(np.ptp(levels))]
+    smallest = float(steps.min())
+    small = steps[steps < 20.0 * smallest] / smallest  # rounding to the log's digits adds up in larger ones
+    whole = np.abs(small - np.round(small)) < 0.05
+    return smallest if whole.mean() > 0.99 and len(levels) < 0.9 * len(values) else 0.0
+
+
+def repeats(values: np.ndarray, step: float) -> float:
+    """The share of samples equal to the one before, where the signal moves faster than its steps explain."""
+    n = _NEIGHBOURS
+    if len(values) < 8 * n:
+        return 0.0
+    travel = np.minimum(np.abs(values[2 * n :] - values[n:-n]), np.abs(values[n:-n] - values[: -2 * n]))
+    moving = travel > max(1.4 * n * step, 1e-9, 0.02 * float(np.ptp(values)))
+    same = (np.diff(values) == 0.0)[n - 1 : n - 1 + len(moving)]
+    return float(same[moving].mean()) if moving.sum() >= 4 * n else 0.0
+
+
+def runs(values: np.ndarray, shortest: int) -> list[Run]:
+    """Runs of at least so many samples that are all the same."""
+    edges = np.flatnonzero(np.diff(values) != 0.0) + 1
+    starts = np.concatenate([[0], edges])
+    lengths = np.diff(np.concatenate([starts, [len(values)]]))
+    found = zip(starts.tolist(), lengths.tolist(), strict=True)
+    return [Run(start, length) for start, length in found if length >= shortest]
+
+
+def clipped(values: np.ndarray) -> tuple[float, float]:
+    """The value at which a signal is cut off, and the share of samples there; (nan, 0.0) where it is not.
+
+    A motion that turns by itself slows down first. One that is cut off comes to its largest value at speed, over
+    several steps of its encoder a sample: slower, friction may hold it there.
+    """
+    step = encoder_step(values)
+    pace = np.abs(np.diff(values))
+    typical = float(np.percentile(pace[pace > 0.0], 70)) if (pace > 0.0).any() else 0.0
+    worst = (float("nan"), 0.0)
+    for end in (float(values.max()), float(values.min())):
+        hit = [run for run in runs(values, 5) if values[run.start] == end and run.start > 3]
+        fast = [run for run in hit if np.median(pace[run.start - 3 : run.start]) > max(0.5 * typical, 2.5 * step)]
+        share = sum(run.length for run in fast) / len(values)
+        if len(fast) >= 2 and share > max(0.04, worst[1]):
+            worst = (end, share)
+    return worst
+
+
+def spikes(values: np.ndarray, step: float) -> np.ndarray:
+    """Indices of samples that jump away from their neighbours and back."""
+    if len(values) < 4 * _NEIGHBOURS:
+        return np.empty(0, dtype=int)
+    padded = np.pad(values, 2, mode="edge")
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
+    off = np.abs(values - middle)
+    least = max(10.0 * float(np.percentile(off, 98)), 4.0 * step, 0.1 * float(np.ptp(middle)), 1e-9)
+    back = np.abs(padded[3:-1] - padded[1:-3])
+    found = np.flatnonzero((off > least) & (back < 0.3 * off))
+    return found if len(found) <= 0.02 * len(values) else np.empty(0, dtype=int)
+
+
+def agreement(first: np.ndarray, second: np.ndarray) -> float:
+    """Correlation of two signals, -1 to 1; 0.0 where one does not move."""
+    a, b = first - first.mean(), second - second.mean()
+    size = float(np.sqrt((a @ a) * (b @ b)))
+    return float(a @ b) / size if size > 1e-12 else 0.0
+
+
+def lag(time: np.ndarray, cause: np.ndarray, effect: np.ndarray, most: float = 0.5) -> tuple[float, float, float]:
+    """By how much one signal comes after another.
+
+    Args:
+        time: (n,) s, increasing.
+        cause: (n,) the signal that should come first.
+        effect: (n,) the other one.
+        most: largest lag, s, in either direction.
+
+    Returns:
+        The lag, s, at which they agree best; the correlation there; the correlation without a lag.
+    """
+    period = max(float(np.median(np.diff(time))), float(time[-1] - time[0]) / _MOST_POINTS, most / _MOST_SHIFTS)
+    grid = np.arange(time[0], time[-1], period)
+    a, b = np.interp(grid, time, cause), np.interp(grid, time, effect)
+    furthest = min(int(most / period), len(grid) // 4)
+    if furthest < 1:
+        return 0.0, 0.0, 0.0
+    shifts = range(-furthest, furthest + 1)
+    found = [agreement(a[: len(a) - k], b[k:]) if k >= 0 else agreement(a[-k:], b[:k]) for k in shifts]
+    best = int(np.argmax(found))
+    return shifts[best] * period, found[best], found[furthest]
+
+
+def speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The slope of a signal, over some samples around each: single differences would show the encoder's steps."""
+    width = min(2, (len(values) - 1) // 2)
+    if width < 1:
+        return np.gradient(values, time)
+    slope = (values[2 * width :] - values[: -2 * width]) / (time[2 * width :] - time[: -2 * width])
+    return np.pad(slope, width, mode="edge")
+
+
+def turns(values: np.ndarray, least: float) -> int:
+    """How often a signal turns round, by swings larger than `least`."""
+    count, direction, extreme = 0, 0, float(values[0])
+    for value in values.tolist():
+        ahead = (value - extreme) * (direction or 1)
+        if direction == 0 and abs(value - extreme) > least:
+            direction, extreme = (1 if value > extreme else -1), value
+        elif direction and ahead > 0.0:
+            extreme = value
+        elif direction and -ahead > least:
+            count, direction, extreme = count + 1, -direction, value
+    return count
