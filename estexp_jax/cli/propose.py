@@ -32,7 +32,7 @@ class Options:
     """Of the motion, s."""
     margin: float = 0.9
     """Share of each range of command, joint and motor force that may be used."""
-    speed: float = 2.0
+    speed: float = 3.0
     """How many times as fast as in the recordings joints may move."""
     engine: Annotated[str, tyro.conf.arg(metavar="auto|lanes|mjx")] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""

@@ -28,6 +28,10 @@ _WORK, _FEWEST = 12_000_000, 12
 """Robot steps that a search may take, and fewest motions in a generation, however long it takes."""
 PLAIN = 3.0
 """Deviations from which on rivals are plainly apart: neither noise nor ordinary errors of the model blur that."""
+SLACK = 0.02
+"""So far beyond a limit, as of `Limits.excess`, a motion may turn out to go at the fine step."""
+_STRENGTHS = (0.9, 0.5, 0.25, 0.12)
+"""Strengths at which random motions are tried, as shares of the reach of commands."""
 _MUTATION = 0.15
 """Genomes are short, and few are tried."""
 
@@ -52,7 +56,7 @@ class ProposeConfig:
 
     duration: float = 8.0
     margin: float = 0.9
-    speed: float = 2.0
+    speed: float = 3.0
     seed: int = 0
     engine: str = "auto"
     population: int = 48
@@ -79,7 +83,7 @@ class Proposed:
         time: (rows,) s.
         commands: (rows, nu).
         shown: what the rivals do under these commands.
-        usual: (rivals, rivals) median separation by random motions of the same length.
+        usual: (rivals, rivals) median separation by random motions of the same length within the same limits.
         robot_steps: robot steps simulated.
         engine: which one, and why.
     """
@@ -127,13 +131,23 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
     yield Progress("judging the best", 0, 1)
     finalists = [] if final is None else list(dict.fromkeys(tuple(g) for g in final.genomes.tolist()))[:_FINALISTS]
     tried = [decoded(limits, time, np.array(g)) for g in finalists]
-    usual = [random_motion(limits, time, config.seed + k) for k in range(_RANDOM)]
+    usual = _random(rehearsal, limits, time, config.seed)
     shown = rehearsal.finer(finer).shown(time, tried + usual, limits)
-    best = min(range(len(shown)), key=lambda i: _cost(shown[i], rehearsal))
+    best = min(range(len(shown)), key=lambda i: _cost(shown[i], rehearsal, SLACK))
     typical = np.median([np.nan_to_num(s.apart) for s in shown[len(tried) :]], axis=0)
     engine, reason = rehearsal.replayer.choice
     steps, choice = rehearsal.counted[0], (engine, reason)
     return Proposed(robot, contest, config, time, (tried + usual)[best], shown[best], typical, steps, choice)
+
+
+def _random(rehearsal: Rehearsal, limits: Limits, time: np.ndarray, seed: int) -> list[np.ndarray]:
+    """Commands (rows, nu) of random motions, each as strong as the limits allow, or as weak as it is tried."""
+    found = []
+    for k in range(_RANDOM):
+        tried = [random_motion(limits, time, strength, seed + k) for strength in _STRENGTHS]
+        within = [c for c, s in zip(tried, rehearsal.shown(time, tried, limits), strict=True) if s.excess <= 0.0]
+        found.append((within or tried[-1:])[0])
+    return found
 
 
 def _rehearsal(robot: Robot, contest: Contest, config: ProposeConfig) -> Rehearsal:
@@ -166,11 +180,11 @@ def _score(rehearsal: Rehearsal, limits: Limits, time: np.ndarray) -> Callable[[
     return score
 
 
-def _cost(shown: Shown, rehearsal: Rehearsal) -> float:
-    """Lower is better: negative within limits, positive beyond, infinite for what blew up."""
+def _cost(shown: Shown, rehearsal: Rehearsal, allowed: float = 0.0) -> float:
+    """Lower is better: negative within limits, positive where more than allowed beyond, infinite for what blew up."""
     if not np.isfinite(shown.apart).all():
         return float("inf")
-    return shown.excess if shown.excess > 0.0 else -separated(shown.apart, rehearsal.probabilities)
+    return shown.excess if shown.excess > allowed else -separated(shown.apart, rehearsal.probabilities)
 
 
 def _note(cost: float) -> str:

@@ -22,8 +22,6 @@ STILL = 0.5
 """Time at the beginning for which a robot is held at home, s."""
 _WEAKEST = 0.1
 """Least strength of a motion, as a share of an actuator's reach."""
-_USUAL = 0.9
-"""Strength of random motions."""
 _PACE = 2.5
 """Factor by which motions may be faster or slower than those of `excitation`."""
 _IMPROBABLE = 0.01
@@ -114,11 +112,11 @@ def _mixed(genes: np.ndarray, moving: np.ndarray, actuator: int) -> np.ndarray:
     return (_WEAKEST + (1.0 - _WEAKEST) * (strength + 1.0) / 2.0) * total / peak
 
 
-def random_motion(limits: Limits, time: np.ndarray, seed: int) -> np.ndarray:
-    """Commands (rows, nu) that know nothing of rivals, within the same limits: sums of sines that nearly reach them."""
+def random_motion(limits: Limits, time: np.ndarray, strength: float, seed: int) -> np.ndarray:
+    """Commands (rows, nu) that know nothing of rivals: sums of sines to a share `strength` of each command's reach."""
     draw, moving = np.random.default_rng([seed, len(time)]), np.maximum(time - time[0] - STILL, 0.0)
     signals = np.stack([sines(moving, draw) for _ in limits.centre], axis=1)
-    return np.clip(limits.centre + _USUAL * limits.reach * signals, limits.low, limits.high)
+    return np.clip(limits.centre + strength * limits.reach * signals, limits.low, limits.high)
 
 
 def separation(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from estexp_jax.discovery.contest import Rival
 from estexp_jax.discovery.findings import TOLD
-from estexp_jax.discovery.propose import PLAIN, Proposed
+from estexp_jax.discovery.propose import PLAIN, SLACK, Proposed
 from estexp_jax.physics.robot import Robot
 
 _UNITS = {
@@ -25,7 +25,8 @@ _UNITS = {
     mujoco.mjtSensor.mjSENS_FRAMEPOS: "m",
     mujoco.mjtSensor.mjSENS_RANGEFINDER: "m",
 }
-_ELSE = "A motor switched off, a known load, or another sensor may."
+_ELSE = "Wider limits (--speed, --margin), a motor switched off, a known load or another sensor may."
+_STILL = "Still record it: what is faint at each moment adds up over a recording. "
 _SLIDES = {"rad": "m", "rad/s": "m/s", "N m": "N"}
 
 
@@ -102,9 +103,9 @@ def opening(proposed: Proposed) -> str:
     """How much is open."""
     left = sum(rival.probability >= TOLD for rival in proposed.contest.rivals[1:])
     if left:
-        return f"Beside the chosen explanation {left} {'is' if left == 1 else 'are'} left:"
+        return f"Beside the chosen explanation (1), {left} {'is' if left == 1 else 'are'} left:"
     return (
-        "The recordings have settled it: these come next to the chosen explanation, but none has a probability of 1 %:"
+        "The recordings have settled it for the chosen explanation (1); no other has a probability of 1 %. The nearest:"
     )
 
 
@@ -115,17 +116,17 @@ def _standing(rival: Rival) -> str:
 def verdict(proposed: Proposed) -> str:
     """Whether the motion tells the rivals apart."""
     pairs = rows(proposed)
-    told = sum(pair["told_apart"] for pair in pairs)
-    if told == len(pairs):
+    faint = [pair for pair in pairs if not pair["told_apart"]]
+    if not faint:
         least = min(pair["separation"] for pair in pairs)
         return f"The proposed motion tells them apart: any two differ by {least:.3g} deviations or more."
-    if told == 0:
-        return (
-            f"No motion found within the limits tells them apart: none brings two of them {PLAIN:g} deviations apart."
-            f" {_ELSE}"
-        )
-    same = ", ".join(f"{p['rival']} and {p['other']}" for p in pairs if not p["told_apart"])
-    return f"The proposed motion tells {told} of {len(pairs)} pairs apart; no motion found does so for {same}. {_ELSE}"
+    still = _STILL if max(pair["separation"] for pair in faint) >= 1.0 else ""
+    if len(faint) == len(pairs):
+        told = f"none brings two of them {PLAIN:g} deviations apart"
+        return f"No motion found within the limits tells them plainly apart: {told}. {still}{_ELSE}"
+    same = ", ".join(f"{pair['rival']} and {pair['other']}" for pair in faint)
+    told = f"tells {len(pairs) - len(faint)} of {len(pairs)} pairs apart"
+    return f"The proposed motion {told}; no motion found does so plainly for {same}. {still}{_ELSE}"
 
 
 def _moment(pair: dict[str, Any]) -> str:
@@ -178,7 +179,7 @@ def _motion(proposed: Proposed) -> str:
     lines = [told, "", "| actuator | lowest | highest |", "|---|---|---|"]
     for a, name in enumerate(proposed.robot.names("actuator")):
         lines.append(f"| `{name}` | {commands[:, a].min():.3g} | {commands[:, a].max():.3g} |")
-    if proposed.shown.excess > 0.0:
+    if proposed.shown.excess > SLACK:
         told = f"goes {proposed.shown.excess:.0%} beyond a limit of joint or speed under at least one explanation"
         lines += ["", f"**Careful:** no motion found stays within the limits; this one {told}."]
     return "## The motion\n\n" + "\n".join(lines)

@@ -8,8 +8,13 @@ import pytest
 
 import estexp_jax as ee
 from estexp_jax.api import propose as front_door
+from estexp_jax.api.explain import Explanation
+from estexp_jax.api.simulator import Simulator
+from estexp_jax.inference.excitation import multisine
+from estexp_jax.physics.changes import parse_change
 from estexp_jax.recordings.table import read_csv
-from tests.cli.pendulum import run
+from estexp_jax.recordings.write import write_csv
+from tests.cli.pendulum import PENDULUM, run
 
 SHORT = ("--duration", "2", "--seed", "4")
 
@@ -99,6 +104,34 @@ def test_interrupted_it_leaves_no_half_and_can_be_done_again(proposed, explained
     assert [path.name for path in out.iterdir()] == [".estexp-run.json"]
     assert run("propose", explained, "--out", out, *SHORT, "--resume") == 0
     assert (out / "commands.csv").read_bytes() == (proposed / "commands.csv").read_bytes()
+
+
+@pytest.mark.slow
+def test_what_is_proposed_settles_what_one_more_random_motion_does_not(tmp_path):
+    """A tired motor and a payload move a pendulum alike, unless it swings just so."""
+    (tmp_path / "pendulum.xml").write_text(PENDULUM)
+    robot, time = ee.Robot.from_xml(tmp_path / "pendulum.xml"), np.arange(400) / 100
+    real = Simulator(robot, (parse_change("motor_weakness@servo loss=0.35", robot),), finer=5)
+
+    def log(name: str, commands: np.ndarray, seed: int) -> str:
+        traces = real.rollout(commands)
+        angle = traces.sensors[:, 0] + np.random.default_rng(seed).normal(0.0, 3e-3, len(commands))
+        write_csv(tmp_path / name, {"time": traces.time, "ctrl.servo": commands[:, 0], "sensor.angle": angle})
+        return str(tmp_path / name)
+
+    def probability(*more: str) -> tuple[Explanation, float]:
+        effects = ("body_mass", "motor_weakness", "com_shift")
+        found = ee.explain(robot.source, [*logs, *more], test=[test], effects=effects, most=1, window=1.0)
+        what = found.findings["what"]
+        return found, sum(w["probability"] for w in what if w["effect"] == "motor_weakness")
+
+    *logs, test, random = (log(f"{k}.csv", multisine(robot, time, 0.15, k), k) for k in (0, 1, 2, 77))
+    explanation, before = probability()
+    explanation.write(tmp_path / "explained")
+    proposal = ee.propose(tmp_path / "explained", duration=4.0)
+    _, after = probability(log("proposed.csv", proposal.commands[:-1], 9))
+    _, otherwise = probability(random)
+    assert before < 0.9 and otherwise < 0.95 < after
 
 
 def _without(key):
