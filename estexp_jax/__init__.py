@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from estexp_jax.api.explain import explain
+    from estexp_jax.api.propose import propose
     from estexp_jax.api.recover import recover, rollout
     from estexp_jax.api.simulator import load_explained
     from estexp_jax.physics.robot import Robot
 
-__all__ = ["Robot", "explain", "load_explained", "recover", "rollout"]
+__all__ = ["Robot", "explain", "load_explained", "propose", "recover", "rollout"]
 
 _DOORS = {
     "Robot": "estexp_jax.physics.robot",
     "explain": "estexp_jax.api.explain",
     "load_explained": "estexp_jax.api.simulator",
+    "propose": "estexp_jax.api.propose",
     "recover": "estexp_jax.api.recover",
     "rollout": "estexp_jax.api.recover",
 }

@@ -16,10 +16,12 @@ from estexp_jax.runs import RunFolder, write_json
 
 EFFECTS_SCHEMA = "estexp.effects/1"
 """Format of `effects.json`."""
+RIVALS_SCHEMA = "estexp.rivals/1"
+"""Format of `rivals.json`."""
 
 
 def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any]) -> Path:
-    """Write findings, report, both models, effects and predictions; gives the report's path."""
+    """Write findings, report, both models, effects, rivals and predictions; gives the report's path."""
     from estexp_jax.report.explain_page import page
 
     write_json(folder.file("findings.json"), findings)
@@ -31,6 +33,9 @@ def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": FINER, "changes": changes}
     write_json(folder.file("effects.json"), effects)
+    if diagnosis.contest is not None:
+        head = {"schema": RIVALS_SCHEMA, "nominal": "nominal.xml", "finer": FINER}
+        write_json(folder.file("rivals.json"), {**head, **diagnosis.contest.to_json()})
     for prediction in diagnosis.predictions:
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))

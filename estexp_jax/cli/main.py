@@ -16,6 +16,7 @@ COMMANDS = (
     "demo",
     "explain",
     "experiment",
+    "propose",
     "record",
     "recover",
 )

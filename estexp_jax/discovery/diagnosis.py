@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.recording import Recording
@@ -98,6 +99,7 @@ class Diagnosis:
         mjcf_changes: what `model_explained.xml` holds; refitted without what MJCF cannot say.
         left_out: the claims that MJCF cannot say.
         predictions: one for each recording.
+        contest: the explanations that remain open; None: not looked at.
     """
 
     case: Case
@@ -108,3 +110,4 @@ class Diagnosis:
     mjcf_changes: tuple[Change, ...]
     left_out: tuple[Change, ...]
     predictions: tuple[Prediction, ...]
+    contest: Contest | None = None

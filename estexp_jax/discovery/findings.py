@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.discovery.fitting import Fit
-from estexp_jax.discovery.selection import NOISE, Selection
+from estexp_jax.discovery.selection import NOISE, Explanation, Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import effect
 
-_TOLD = 0.01
+TOLD = 0.01
 """Smallest probability of an alternative worth a line."""
 
 
@@ -75,18 +75,26 @@ def alternatives(selection: Selection, shares: np.ndarray, test_error: Callable[
         shares: probability of (parameters, *tried).
         test_error: gives the nrmse of a fit on test recordings; asked only for those that are told.
     """
-    everything = [selection.parameters, *selection.tried]
-    order = sorted(range(len(everything)), key=lambda i: (-shares[i], everything[i].error))
-    others = [i for i in order if everything[i] is not selection.chosen]
-    told = [i for rank, i in enumerate(others) if rank < 3 or shares[i] >= _TOLD]
     return [
         {
-            "effects": [told_change(c).place for c in everything[i].claims],
-            "probability": float(shares[i]),
-            "test_error": test_error(everything[i].fitted),
+            "effects": [told_change(c).place for c in explanation.claims],
+            "probability": share,
+            "test_error": test_error(explanation.fitted),
         }
-        for i in told
+        for explanation, share in others(selection, shares, 3)
     ]
+
+
+def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[Explanation, float]]:
+    """Explanations that were not chosen, with their probabilities: the probable ones, and at least the next `fewest`.
+
+    They come by probability; those of the same, by held-out error.
+    """
+    everything = [selection.parameters, *selection.tried]
+    order = sorted(range(len(everything)), key=lambda i: (-shares[i], everything[i].error))
+    rest = [i for i in order if everything[i] is not selection.chosen]
+    told = [i for rank, i in enumerate(rest) if rank < fewest or shares[i] >= TOLD]
+    return [(everything[i], float(shares[i])) for i in told]
 
 
 def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recording], shares: np.ndarray) -> list[str]:
@@ -103,7 +111,9 @@ def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recordi
             "Record slow and fast motions of the same path: viscous losses grow with speed, Coulomb friction does not."
         )
     if shares.size and shares.max() < 0.8 and verdict == "missing_physics":
-        lines.append("Several explanations predict held-out data about equally well: record faster and larger motions.")
+        lines.append(
+            "Several explanations predict held-out data about equally well: `estexp propose` finds what to record next."
+        )
     if verdict == "unexplained":
         lines.append(
             "No effect of the catalogue explains these recordings: record joints one at a time to locate it better."

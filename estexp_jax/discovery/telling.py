@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
+from estexp_jax.discovery.contest import contest_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit
@@ -62,10 +63,11 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     """
     judged, found, step = _judged(case, found)
     final, claimed = found.fits["explained"], found.claimed
+    changes, shares = _at_work(final), probabilities(found.selection, config.seed)
     body = {
         "schema": "estexp.findings/1",
         "verdict": judged,
-        **_told(case, config, found, judged, step),
+        **_told(case, config, found, judged, step, shares),
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": found.problem.counted[0]},
         "seed": config.seed,
@@ -76,10 +78,11 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         config,
         body,
         found.selection,
-        changes=_at_work(final),
+        changes=changes,
         mjcf_changes=_at_work(found.fits["sayable"]),
         left_out=tuple(c for c in claimed if not (expressible(c) or expressible(tell.told_change(c)))),
         predictions=_predictions(case, found.shown, found.fits["nominal"], final),
+        contest=contest_of(found.problem, found.selection, shares, changes),
     )
 
 
@@ -98,10 +101,12 @@ def _judged(case: Case, found: Found) -> tuple[str, Found, Change | None]:
     return (judged if step is None else "missing_physics"), found, step
 
 
-def _told(case: Case, config: ExplainConfig, found: Found, judged: str, step: Change | None) -> dict[str, Any]:
+def _told(
+    case: Case, config: ExplainConfig, found: Found, judged: str, step: Change | None, shares: np.ndarray
+) -> dict[str, Any]:
     """The entries of the findings that depend on what was found."""
     selection, wrong = found.selection, judged != "consistent"
-    shares, timestep = probabilities(selection, config.seed), float(case.robot.model.opt.timestep)
+    timestep = float(case.robot.model.opt.timestep)
     named, what = ((), [step_entry(step)]) if step else _what(case, found, judged, shares)
     places = [] if not wrong else [step_place(selection)] if step else where(case.robot, selection)
     rivals = {name: f for name, f in found.fits.items() if name in RIVALS}

@@ -1,4 +1,4 @@
-"""A folder as a user has it: a model and two logs."""
+"""A folder as a user has it: a model and two logs. A pendulum that rubs, recorded and explained."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.recordings.write import write_csv
+from tests.cli.pendulum import EFFECT, PENDULUM, SMALL, run
 
 ARM = """
 <mujoco model="arm">
@@ -45,3 +46,22 @@ def data(tmp_path, monkeypatch) -> Path:
         write_csv(folder / name, {"time": time, "goal": np.sin(5 * time), "sensor.angle": angle, "temp": 20 + time})
     monkeypatch.chdir(folder)
     return folder
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory) -> Path:
+    """Recordings of a pendulum that rubs, as `estexp record` writes them."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "pendulum.xml").write_text(PENDULUM)
+    out = folder / "logs"
+    sizes = ("--duration", "4", "--rate", "100", "--seed", "31")
+    assert run("record", folder / "pendulum.xml", "--effect", EFFECT, "--out", out, *sizes) == 0
+    return out
+
+
+@pytest.fixture(scope="session")
+def explained(recorded, tmp_path_factory) -> Path:
+    """What `estexp explain` leaves of them."""
+    out = tmp_path_factory.mktemp("explained") / "out"
+    assert run("explain", recorded / "recordings.toml", "--out", out, *SMALL) == 0
+    return out

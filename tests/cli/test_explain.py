@@ -16,44 +16,7 @@ import estexp_jax as ee
 from estexp_jax.cli.main import main
 from estexp_jax.package_data import schema_path
 from estexp_jax.recordings.read import read_table
-
-PENDULUM = """
-<mujoco model="pendulum">
-  <option timestep="0.005" integrator="implicitfast"/>
-  <worldbody>
-    <body name="arm" pos="0 0 1">
-      <joint name="elbow" axis="0 1 0" damping="0.02"/>
-      <geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02" mass="0.5"/>
-    </body>
-  </worldbody>
-  <actuator><position name="servo" joint="elbow" kp="8" forcerange="-3 3" ctrlrange="-1.5 1.5"/></actuator>
-  <sensor><jointpos name="angle" joint="elbow"/></sensor>
-</mujoco>
-"""
-EFFECT = "coulomb_friction@elbow T=0.35"
-SMALL = ("--most", "1", "--effects", "coulomb_friction", "viscous_friction", "command_delay", "--window", "1")
-
-
-def run(*arguments: str) -> int:
-    return main([str(a) for a in arguments])
-
-
-@pytest.fixture(scope="session")
-def recorded(tmp_path_factory):
-    """Recordings of a pendulum that rubs, as `estexp record` writes them."""
-    folder = tmp_path_factory.mktemp("recorded")
-    (folder / "pendulum.xml").write_text(PENDULUM)
-    out = folder / "logs"
-    sizes = ("--duration", "4", "--rate", "100", "--seed", "31")
-    assert run("record", folder / "pendulum.xml", "--effect", EFFECT, "--out", out, *sizes) == 0
-    return out
-
-
-@pytest.fixture(scope="session")
-def explained(recorded, tmp_path_factory):
-    out = tmp_path_factory.mktemp("explained") / "out"
-    assert run("explain", recorded / "recordings.toml", "--out", out, *SMALL) == 0
-    return out
+from tests.cli.pendulum import PENDULUM, SMALL, run
 
 
 def test_a_recording_holds_what_was_promised(recorded):

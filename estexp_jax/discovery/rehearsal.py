@@ -1,0 +1,174 @@
+"""Motions rehearsed by all rivals at once, and by variations of them that are no more than ordinary errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+
+from estexp_jax.discovery.contest import Contest, Rival
+from estexp_jax.discovery.hypotheses import parameters_only
+from estexp_jax.errors import InputError, known
+from estexp_jax.inference.channels import Channels
+from estexp_jax.inference.separating import Limits, separation, separation_beside
+from estexp_jax.inference.windows import fitting_window
+from estexp_jax.physics.changes import Change, Values, encode, stack
+from estexp_jax.physics.effects.base import NEVER
+from estexp_jax.physics.engines.replaying import Replay, Replayer
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.registry import effect
+from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.segment import Segment, Start, segment
+
+_ORDINARY = 0.03
+"""Share by which a claimed effect's values may be off; of the model's own, `hypotheses` knows."""
+_MOST_LANES = 1024
+"""Lanes replayed together, to bound memory."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What rivals do under some commands.
+
+    Attributes:
+        readings: (rivals, rows, channels).
+        apart: (rivals, rivals) how far apart that is, in deviations; NaN where a simulation blew up.
+        excess: how far any rival goes beyond limits, as of `Limits.excess`.
+    """
+
+    readings: np.ndarray
+    apart: np.ndarray
+    excess: float
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """Rivals ready to be simulated.
+
+    Attributes:
+        replayer: of the robot and all effects of the rivals.
+        channels: the readings compared.
+        deviations: (channels,) what counts as one.
+        probabilities: (rivals,).
+        values: (rivals + variations, n_sites, n_parameters) for each effect.
+        varied: (variations,) index of the rival that each is a variation of.
+        timestep: longest step, s.
+        parting: whether the robot soon parts for good from one that differs a little, as robots on legs do.
+        counted: robot steps simulated so far, a list of one number.
+    """
+
+    replayer: Replayer
+    channels: Channels
+    deviations: np.ndarray
+    probabilities: np.ndarray
+    values: Values
+    varied: np.ndarray
+    timestep: float
+    parting: bool = False
+    counted: list[int] = field(default_factory=lambda: [0])
+
+    @property
+    def lanes(self) -> int:
+        """Simulations of each motion."""
+        return len(self.probabilities) + len(self.varied)
+
+    def finer(self, parts: int) -> Rehearsal:
+        """The same at a part of the step."""
+        return replace(self, timestep=self.timestep / parts)
+
+    def shown(self, time: np.ndarray, commands: Sequence[np.ndarray], limits: Limits) -> list[Shown]:
+        """What rivals do under each of some commands (rows, nu), from home, at rest."""
+        lanes = self.lanes
+        at_once = max(1, _MOST_LANES // lanes)
+        found: list[Shown] = []
+        for begin in range(0, len(commands), at_once):
+            segments = [self._segment(time, c) for c in commands[begin : begin + at_once]]
+            values = {name: np.tile(v, (len(segments), 1, 1)) for name, v in self.values.items()}
+            replay = self.replayer.replay(values, segments, np.repeat(np.arange(len(segments)), lanes))
+            self.counted[0] += lanes * sum(s.steps.n_steps for s in segments)
+            each = [Replay(*(x[k * lanes : (k + 1) * lanes] for x in replay)) for k in range(len(segments))]
+            found += [self._judged(part, limits) for part in each]
+        return found
+
+    def _segment(self, time: np.ndarray, commands: np.ndarray) -> Segment:
+        robot = self.replayer.robot
+        model, rows = robot.model, len(time)
+        sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
+        recording = Recording("proposed", time, commands, np.ones((rows, model.nu)), sensor, qpos, qvel)
+        start = Start(robot.home(), np.zeros(model.nv))
+        return segment([recording], 0, (0, rows - 1), self.timestep, start)
+
+    def _judged(self, replay: Replay, limits: Limits) -> Shown:
+        n = len(self.probabilities)
+        readings = self.channels.simulated(replay).astype(float)
+        if not np.isfinite(readings).all():
+            return Shown(readings[:n], np.full((n, n), np.nan), np.inf)
+        scaled = readings / self.deviations
+        measure = separation_beside if self.parting else separation
+        apart = measure(scaled[:n], scaled[n:] - scaled[self.varied])
+        return Shown(readings[:n], apart, limits.excess(replay.qpos[:n], replay.qvel[:n]))
+
+
+def rehearsal_of(replayer: Replayer, contest: Contest) -> Rehearsal:
+    """Rivals and their ordinary variations, for a replayer that knows their effects.
+
+    Variations are of the model's values under the first rival, because rivals differ little in what these do, and of
+    each rival's own claims.
+
+    Raises:
+        InputError: a channel or an effect's place is not one of the robot's.
+    """
+    robot = replayer.robot
+    owner, varied = zip(*_variations(replayer, contest.rivals), strict=True)
+    changes = [rival.changes for rival in contest.rivals] + [
+        (*contest.rivals[i].changes, change) for i, change in zip(owner, varied, strict=True)
+    ]
+    values = stack([encode(robot, replayer.catalogue, some) for some in changes])
+    channels = _channels(robot, contest.channels)
+    deviations = np.where(contest.deviations > 0.0, contest.deviations, np.inf)  # unknown: it tells nothing
+    shares = np.array([rival.probability for rival in contest.rivals])
+    step, parting = float(robot.model.opt.timestep), fitting_window(robot, np.inf) < np.inf
+    return Rehearsal(replayer, channels, deviations, shares, values, np.array(owner, int), step, parting)
+
+
+def _variations(replayer: Replayer, rivals: Sequence[Rival]) -> list[tuple[int, Change]]:
+    """Index of a rival, and a change that adds an ordinary error to it."""
+    free = parameters_only(replayer.robot, replayer.catalogue).free
+    found = [(0, Change(f.effect, f.site or None, {f.parameter: f.neutral + f.spread})) for f in free]
+    for i, rival in enumerate(rivals):
+        own = {(f.effect, f.site) for f in free} - {(claim.effect, claim.name or "") for claim in rival.claims}
+        for change in rival.changes:
+            if (change.effect, change.name or "") not in own:
+                found += [(i, c) for c in _errors(change)]
+    return found
+
+
+def _errors(change: Change) -> list[Change]:
+    """Errors of a change's values; not of what names an element, or is out of reach."""
+    known_ones = {p.name: p for p in effect(change.effect).parameters}
+    found = []
+    for name, value in change.parameters.items():
+        p = known_ones[name]
+        if not p.refers and 0.0 < abs(value) < NEVER:
+            found.append(Change(change.effect, change.name, {name: p.neutral + _ORDINARY * value}))
+    return found
+
+
+def _channels(robot: Robot, names: Sequence[str]) -> Channels:
+    """Channels by their names.
+
+    Raises:
+        InputError: the robot has no such reading.
+    """
+    columns = robot.sensor_columns()
+    encoders = {f"qpos.{robot.names('joint')[j]}": int(robot.model.jnt_qposadr[j]) for j in robot.scalar_joints}
+    for name in names:
+        if name not in columns and name not in encoders:
+            raise InputError(f"there is no reading '{name}'", where=robot.source, right=known([*columns, *encoders]))
+    sensors = [columns.index(name) for name in names if name in columns]
+    places = [encoders[name] for name in names if name not in columns]
+    return Channels(tuple(names), np.array(sensors, int), np.array(places, int))

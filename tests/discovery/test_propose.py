@@ -1,0 +1,169 @@
+"""Proposed motions tell rivals apart as far as limits allow, and say so where none does."""
+
+import json
+from dataclasses import replace
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery import propose as module
+from estexp_jax.discovery.contest import Contest, Rival
+from estexp_jax.discovery.propose import PLAIN, ProposeConfig, Proposed, propose
+from estexp_jax.discovery.rehearsal import Rehearsal, rehearsal_of
+from estexp_jax.inference.separating import limits_of, separated, separation, separation_beside
+from estexp_jax.physics.changes import Change, encode, stack
+from estexp_jax.report.propose_text import rows, verdict
+from estexp_jax.runs.files import plain
+from tests.discovery.planted import CASES, Plant, case_of, finished, nominal, problem_of, record, shared_replayer
+
+SMALL = ProposeConfig(duration=3.0, population=24, generations=8)
+PAYLOAD = Change("body_mass", "arm", {"dm": 0.15})
+WEAK = Change("motor_weakness", "servo", {"loss": 0.15 / 0.65})
+"""A tired motor that holds the arm just as a strong one holds the arm with a payload."""
+DRY = Change("coulomb_friction", "shaft", {"T": 0.1})
+VISCOUS = Change("viscous_friction", "shaft", {"c": 0.08})
+BACK_EMF = Change("back_emf", "servo", {"k": 0.08})
+
+
+def contest(*changes: Change, probabilities: tuple[float, ...] | None = None, speed: float = 0.0) -> Contest:
+    shares = probabilities or (1.0 / len(changes),) * len(changes)
+    rivals = tuple(Rival((c,), (c,), p, 1.0) for c, p in zip(changes, shares, strict=True))
+    files = (("a.csv", "train"), ("b.csv", "test"))
+    return Contest(rivals, ("angle",), np.array([5e-4]), 100.0, np.array([[-1.6, 1.6]]), np.array([speed]), files)
+
+
+def proposed(among: Contest, config: ProposeConfig = SMALL) -> Proposed:
+    with patch.object(module, "replayer", lambda *_, **__: shared_replayer("one")):
+        return finished(propose(nominal("one"), among, 4, config))
+
+
+def rehearsal(among: Contest) -> Rehearsal:
+    return rehearsal_of(shared_replayer("one"), among).finer(4)
+
+
+def apart(among: Contest, time: np.ndarray, commands: np.ndarray) -> float:
+    limits = limits_of(nominal("one"), 0.9, among.commands, np.array([np.inf]))
+    [shown] = rehearsal(among).shown(time, [commands], limits)
+    return float(shown.apart[0, 1])
+
+
+@pytest.mark.parametrize("pair", [(PAYLOAD, WEAK), (DRY, VISCOUS)], ids=["payload or weakness", "dry or viscous"])
+def test_a_proposed_motion_tells_more_than_what_was_recorded_or_random_ones(pair):
+    among = contest(*pair)
+    found = proposed(among)
+    recorded = record("one", Plant(), 5, role="train", length=3.0)
+    best = found.shown.apart[0, 1]
+    assert best > 1.15 * apart(among, recorded.time, recorded.ctrl)
+    assert best > 1.25 * found.usual[0, 1]
+    assert best == pytest.approx(apart(among, found.time, found.commands), rel=1e-3)
+    assert best > PLAIN and "tells them apart" in verdict(found)
+    assert found.robot_steps > 10_000
+
+
+def test_what_no_motion_tells_apart_is_said_to_be_so():
+    found = proposed(contest(VISCOUS, BACK_EMF))  # the same as long as the motor is on
+    assert found.shown.apart[0, 1] < 0.1
+    assert verdict(found).startswith("No motion found") and "Still record it" not in verdict(found)
+    assert [row["told_apart"] for row in rows(found)] == [False]
+
+
+def test_of_three_the_two_that_are_alike_do_not_hide_the_third():
+    found = proposed(contest(VISCOUS, BACK_EMF, DRY))
+    assert found.shown.apart[0, 1] < 0.1 and min(found.shown.apart[0, 2], found.shown.apart[1, 2]) > 10.0
+    assert min(found.shown.apart[0, 2] / found.usual[0, 2], found.shown.apart[1, 2] / found.usual[1, 2]) > 1.1
+    assert "2 of 3 pairs" in verdict(found) and "1 and 2" in verdict(found)
+
+
+def test_the_same_seed_finds_the_same_and_another_one_another():
+    one, same, other = (proposed(contest(DRY, VISCOUS), replace(SMALL, seed=s)) for s in (1, 1, 2))
+    np.testing.assert_array_equal(one.commands, same.commands)
+    assert np.abs(one.commands - other.commands).max() > 0.05
+
+
+def test_motions_begin_at_home_and_keep_to_limits_of_speed_and_command():
+    limit = 1.2
+    slow = proposed(contest(DRY, VISCOUS, speed=limit), replace(SMALL, speed=1.0, margin=0.5))
+    assert slow.shown.excess == 0.0
+    assert np.abs(np.diff(slow.shown.readings[:, :, 0], axis=1)).max() * 100.0 <= limit
+    fast = proposed(contest(DRY, VISCOUS))
+    assert np.abs(np.diff(fast.shown.readings[:, :, 0], axis=1)).max() * 100.0 > limit  # so it was the limit
+    for found in (slow, fast):
+        assert np.abs(found.commands).max() <= 1.6
+        np.testing.assert_array_equal(found.commands[:50], 0.0)
+
+
+def test_joint_ranges_are_kept_under_every_rival():
+    limits = limits_of(nominal("one"), 0.9, np.array([[-1.0, 1.0]]), np.array([np.inf]))
+    ranged = replace(limits, places=np.array([0]), lowest=np.array([-0.5]), highest=np.array([0.5]))
+    qpos = np.array([[[0.1], [0.4]], [[0.0], [0.6]]])
+    assert ranged.excess(qpos, 0.0 * qpos) == pytest.approx(0.2)
+    assert ranged.excess(qpos[:1], 0.0 * qpos) == 0.0
+
+
+def test_a_simulation_that_blows_up_is_never_proposed():
+    wild = contest(DRY, Change("armature", "shaft", {"I": -0.02}))  # more than the arm's own inertia
+    time = np.arange(301) / 100.0
+    limits = limits_of(nominal("one"), 0.9, wild.commands, np.array([np.inf]))
+    [shown] = rehearsal(wild).shown(time, [np.sin(time)[:, None]], limits)
+    assert np.isnan(shown.apart).all()
+    assert module._cost(shown, rehearsal(wild)) == np.inf
+
+
+def test_separation_leaves_out_what_ordinary_errors_explain():
+    draw = np.random.default_rng(3)
+    readings, directions = draw.normal(size=(3, 40, 2)), 5.0 * draw.normal(size=(4, 40, 2))
+    found = separation(readings, directions)
+    assert separation(readings, directions[:0])[0, 1] == pytest.approx(
+        np.sqrt(np.sum((readings[0] - readings[1]) ** 2) / 40)
+    )
+    for i, j in ((0, 1), (1, 2), (0, 2)):  # the same by least squares, with the errors' price as further samples
+        design = np.concatenate([directions.reshape(4, -1).T / np.sqrt(40), np.eye(4)])
+        aim = np.concatenate([(readings[i] - readings[j]).ravel() / np.sqrt(40), np.zeros(4)])
+        left = aim - design @ np.linalg.lstsq(design, aim, rcond=None)[0]
+        assert found[i, j] == pytest.approx(np.linalg.norm(left))
+    along = np.stack([0.0 * directions[0], 2.0 * directions[0]])
+    assert separation(along, directions[:1])[0, 1] == pytest.approx(2.0, rel=0.02)
+
+
+def test_where_robots_part_for_good_errors_count_as_noise():
+    readings, directions = np.zeros((2, 4, 1)), np.zeros((1, 4, 1))
+    readings[1, :, 0], directions[0, :, 0] = 6.0, (0.0, 0.0, np.sqrt(3.0), np.sqrt(3.0))
+    assert separation_beside(readings, directions)[0, 1] == pytest.approx(6.0 * np.sqrt((2.0 + 2.0 / 4.0) / 4.0))
+
+
+def test_probable_rivals_count_more():
+    first, second = np.zeros((3, 3)), np.zeros((3, 3))
+    first[0, 1] = first[1, 0] = second[0, 2] = second[2, 0] = 5.0
+    shares = np.array([0.6, 0.35, 0.05])
+    assert separated(first, shares) > separated(second, shares) > separated(0.0 * first, shares)
+
+
+def test_rivals_of_an_explanation_come_back_and_simulate_as_explained(diagnosed):
+    diagnosis = diagnosed("coulomb_friction@shaft")
+    found = Contest.from_json(json.loads(json.dumps(plain(diagnosis.contest.to_json(), "contest"))))
+    assert [r.changes for r in found.rivals] == [r.changes for r in diagnosis.contest.rivals]
+    assert found.rivals[0].label == "coulomb_friction@shaft" and len(found.rivals) >= 3
+    assert len({r.label for r in found.rivals}) == len(found.rivals)
+    problem = problem_of(diagnosis.case)
+    index = diagnosis.case.indices("test")[0]
+    windows, fine = problem.windows_of([index]), problem.replays.cut.fine
+    values = encode(nominal("one"), problem.replayer.catalogue, found.rivals[0].changes)
+    replay = problem.replayer.replay(stack([values] * len(windows)), fine, windows)
+    simulated = np.concatenate([replay.sensors[k, : fine[w].rows, 0] for k, w in enumerate(windows)])
+    np.testing.assert_allclose(simulated, diagnosis.predictions[index].explained[:, 0], atol=1e-5)
+    assert 0.0 < found.deviations[0] < 0.01 and found.rate == pytest.approx(100.0)
+
+
+def test_agreement_leaves_no_rivals(diagnosed):
+    assert len(diagnosed("nothing").contest.rivals) == 1
+
+
+def test_a_rival_found_in_recordings_is_told_apart(diagnosed):
+    found = proposed(diagnosed("coulomb_friction@shaft").contest)
+    robot, plant, _ = CASES["coulomb_friction@shaft"]
+    usual = case_of(robot, plant, 7).recordings[0]
+    limits = limits_of(nominal("one"), 0.9, found.contest.commands, np.array([np.inf]))
+    ready = rehearsal(found.contest)
+    [recorded] = ready.shown(usual.time, [usual.ctrl], limits)
+    assert separated(found.shown.apart, ready.probabilities) > separated(recorded.apart, ready.probabilities)
