@@ -162,6 +162,15 @@ class Acting:
                 total = total + mine
             return total
 
+        def motion_of(number: Any) -> tuple[Any, Any]:
+            at: Any = jnp.zeros_like(q)
+            rate: Any = jnp.zeros_like(q)
+            for address in position:
+                mine = jnp.round(number) == int(self._plan.model.dof_jntid[address]) + 1
+                at = at + jnp.where(mine, position[address], 0.0)
+                rate = rate + jnp.where(mine, speed[address], 0.0)
+            return at, rate
+
         def switched(site: list[int]) -> Any:
             on = jnp.zeros_like(q[0])
             for a in site:
@@ -178,6 +187,7 @@ class Acting:
             armature=jnp.stack([self._number("dof_armature", int(d)) + jnp.zeros_like(q[0]) for d in dofs]),
             torque_at=torque_at,
             torque_of=torque_of,
+            motion_of=motion_of,
         )
 
     def _torque(self, site: list[int], q: Any, w: Any, rows: list, enable: Any, sums: _Sums, *, whole: bool) -> Any:
