@@ -33,7 +33,7 @@ from estexp_jax.physics.registry import ALL, LAWS, VARIANTS, effect
 from estexp_jax.physics.robot import Robot
 
 _MEMORY = "unknown laws"
-_JOINTS, _TERMS, _MOST = 2, 8, 3
+_JOINTS, _TERMS, _MOST = 2, 6, 3
 """Joints that laws are looked for at, terms that are looked at there beside the plain ones, most terms in a law."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""

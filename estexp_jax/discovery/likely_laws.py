@@ -22,12 +22,12 @@ from estexp_jax.physics.robot import Robot
 
 PLAIN = ("law_constant", "law_line", "law_damping", "law_drag", "law_dry_friction")
 """Terms that are always looked at: beside another one they may count for what they do not alone."""
-_SAMPLES, _COLUMNS = 2000, 256
+_SAMPLES, _COLUMNS = 2000, 64
 """Samples of the forces, and values of shapes laid beside them at once."""
 _STARTS = 4
 """Values that are kept of a term."""
-_JOLT = 4.0
-"""Deviations of the force beyond which it is cut off: jolts are smeared by smoothing."""
+_JOLT = 0.995
+"""Quantile of the force beyond which it is cut off: jolts are smeared by smoothing."""
 _LITTLE = 1e-3
 """Share of the largest amplitude at which a force is still in proportion to it."""
 _ALIKE = 1e-6
@@ -89,7 +89,7 @@ def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Sample
     moved = [j for j in robot.scalar_joints if any(np.ptp(r.qvel[:, model.jnt_dofadr[j]]) > 0.0 for r in seen)]
     (q, w), motor = motion(joint), joined([r.motor[:, dof] for r in seen])
     force = joined([r.force[:, dof] for r in seen])
-    far = _JOLT * max(float(np.sqrt(np.mean(force**2))), 1e-12)
+    far = float(np.quantile(np.abs(force), _JOLT))
     faster = joined([np.gradient(r.qvel[:, dof], r.time) for r in seen])
     bent, _ = np.linalg.qr(np.stack([w, motor, faster], axis=1) + 0.0)
     length = max(float(np.ptp(r.time)) for r in seen)
@@ -148,8 +148,9 @@ def _columns(
     """Shapes with the force (samples, shapes) of a term of amplitude 1 at them."""
     for first in range(0, len(shapes), _COLUMNS):
         part = shapes[first : first + _COLUMNS]
-        p = (np.full(len(part), amplitude), *np.array(part, float).reshape(len(part), -1).T)
-        yield part, _force(law, p, samples) / amplitude
+        filled = np.resize(np.array(part, float).reshape(len(part), -1), (_COLUMNS, len(part[0])))  # compiles once
+        p = (np.full(_COLUMNS, amplitude), *filled.T)
+        yield part, _force(law, p, samples)[:, : len(part)] / amplitude
 
 
 def _force(law: JointLaw, p: tuple[np.ndarray, ...], samples: _Samples) -> np.ndarray:

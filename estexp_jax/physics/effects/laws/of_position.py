@@ -106,7 +106,7 @@ class LawSquare(JointLaw):
         return (_place(robot, joint),)
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in (reach.low, *reach.places(3), reach.high)]
+        return [(q,) for q in (reach.low, *reach.places(9), reach.high)]
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["k"], f"{away('q', values['q0'])}^2")
@@ -131,7 +131,7 @@ class LawCube(JointLaw):
         return (_place(robot, joint),)
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in (reach.low, *reach.places(3), 0.0, reach.high)]
+        return [(q,) for q in (reach.low, *reach.places(9), 0.0, reach.high)]
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], f"{away('q', values['q0'])}^3")

@@ -188,7 +188,7 @@ class LawPlaceDamping(JointLaw):
         return (scales.joint_span(robot, joint),)
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in (reach.low, *reach.places(3), reach.high)]
+        return [(q,) for q in (reach.low, *reach.places(9), reach.high)]
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], f"{away('q', values['q0'])}^2 w")
