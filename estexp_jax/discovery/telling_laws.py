@@ -87,8 +87,8 @@ def _entry(
         "probability": max(probability for _, probability in terms),
         "in_mjcf": all(effect(c.effect).in_mjcf for c in changes),
         "sentence": (
-            f"a law that no effect of the catalogue describes acts on the joint {joint}: {text}; it resembles "
-            f"{likeness}, and may be trusted within {covered(robot, seen, joint)}, which the data cover"
+            f"a law that no effect of the catalogue describes acts on the joint {joint}; it resembles {likeness}, "
+            f"and may be trusted within {covered(robot, seen, joint)}, which the data cover"
         ),
         "equation": text,
         "parameters": _parameters(fitted, changes),

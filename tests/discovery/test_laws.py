@@ -18,6 +18,7 @@ from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.package_data import schema_path
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.registry import catalogue
+from estexp_jax.report.explain_text import claim
 from tests.discovery.planted import CONFIG, Plant, case_of, explained, nominal
 
 
@@ -58,7 +59,7 @@ def test_a_law_in_no_catalogue_is_found_with_its_values(notched):
         {"A": 0.9, "q0": 0.35, "s": 0.12}, rel=0.03
     )
     assert "exp(-((q - 0.35)/0.12)^2)" in law["equation"]
-    assert "detent" in law["sentence"] and law["equation"] in law["sentence"] and "data cover" in law["sentence"]
+    assert "detent" in law["sentence"] and "data cover" in law["sentence"] and law["equation"] in claim(law)
     assert findings["fit"]["gain"]["value"] > 0.8
     assert findings["fit"]["explained"]["test"] < 0.5 * findings["fit"]["placebo"]["test"]
     assert (findings["where"][0]["kind"], findings["where"][0]["name"]) == ("joint", "shaft")

@@ -165,10 +165,9 @@ class Acting:
         def motion_of(number: Any) -> tuple[Any, Any]:
             at: Any = jnp.zeros_like(q)
             rate: Any = jnp.zeros_like(q)
-            for address in position:
-                mine = jnp.round(number) == int(self._plan.model.dof_jntid[address]) + 1
-                at = at + jnp.where(mine, position[address], 0.0)
-                rate = rate + jnp.where(mine, speed[address], 0.0)
+            for address, joint in zip(position, self._plan.model.dof_jntid[list(position)], strict=True):
+                mine: Any = (jnp.round(number) == int(joint) + 1).astype(q.dtype)
+                at, rate = at + mine * position[address], rate + mine * speed[address]
             return at, rate
 
         def switched(site: list[int]) -> Any:
