@@ -15,6 +15,7 @@ from estexp_jax.discovery.dating import dated, short_windows
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claimable,
@@ -25,6 +26,7 @@ from estexp_jax.discovery.hypotheses import (
     singles,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
+from estexp_jax.discovery.laws import Unnamed, needed, unknown_law
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.possible import possible
@@ -61,17 +63,17 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     places = tuple(p for p in every if possible(case.robot, p, recordings))
     cut = cut_of(case.robots, recordings, config.window)
     short = cut_of(case.robots, recordings, _SHORT) if config.window > 2.0 * _SHORT else None
-    simulator = _replayer(case, config, _apart(case, cut.whole, case.indices("train")))
+    simulator = _replayer(case, config, simulated(config.effects), _apart(case, cut.whole, case.indices("train")))
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
     problem = Problem(Replays(simulator, channels, cut), recordings, memory, noise, places)
     return replace(problem, most=_most_windows(case.robot, cut.whole), short=short)
 
 
-def _replayer(case: Case, config: ExplainConfig, apart: Sequence[tuple[int, int]]) -> Replayer:
-    """Of the robots, without contacts between some pairs of their bodies."""
+def _replayer(case: Case, config: ExplainConfig, effects: Sequence[str], apart: Sequence[tuple[int, int]]) -> Replayer:
+    """Of the robots with effects of these names, without contacts between some pairs of their bodies."""
     robot, *robots = _each(lambda r: excluded(r, apart), (case.robot, *case.robots))
-    return replayer(robot, catalogue(simulated(config.effects)), robots, engine=config.engine)
+    return replayer(robot, catalogue(effects), robots, engine=config.engine)
 
 
 def _apart(case: Case, segments: Sequence[Segment], recordings: Sequence[int]) -> list[tuple[int, int]]:
@@ -84,8 +86,10 @@ def _shown(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     """The comparison that is shown: where test recordings bring parts near each other, these may touch."""
     fitted, every = (_apart(case, whole.segments, r) for r in (case.indices("train"), range(len(case.recordings))))
     near = set(fitted) - set(every)
-    replays = replace(whole.replays, replayer=_replayer(case, config, every)) if near else whole.replays
-    return replace(whole, replays=replays)
+    if not near:
+        return whole
+    simulator = _replayer(case, config, [e.name for e in whole.replayer.catalogue], every)
+    return replace(whole, replays=replace(whole.replays, replayer=simulator))
 
 
 def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
@@ -134,6 +138,9 @@ def explain(
     whole = commanded(whole, nominal.member)
     selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
+    if needed(case.robot, selection):
+        selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
+        whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
     shown = _shown(case, config, whole).with_windows(whole.replays.cut, began)
@@ -156,6 +163,24 @@ def _late(
         return selection, problem, {}
     again = dated(short_windows(case, problem), [better[0].chosen.fitted])
     return *better, again or began
+
+
+def _unnamed(
+    case: Case,
+    config: ExplainConfig,
+    whole: Problem,
+    named: tuple[Selection, Problem, dict[int, float]],
+    parameters: Hypothesis,
+) -> Generator[Progress, None, tuple[Selection, Problem]]:
+    """What no name explains, as an unknown law if there is one: the selection with its comparison."""
+    selection, problem, began = named
+    fresh = _to_fit(case, config, whole)
+    fresh = starting_late(case, config, fresh, began) if began else fresh
+    seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
+    apart = _apart(case, whole.segments, case.indices("train"))
+    unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
+    found = yield from unknown_law(unnamed, lambda effects: _replayer(case, config, effects, apart))
+    return found or (selection, problem)
 
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:

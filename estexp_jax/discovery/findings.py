@@ -11,6 +11,7 @@ from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import effect
 
@@ -20,8 +21,8 @@ TOLD = 0.01
 
 def presence(selection: Selection, shares: np.ndarray, change: Change) -> float:
     """Probability that an effect is present: share of all explanations that tell of it, by their probabilities."""
-    everything, wanted = [selection.parameters, *selection.tried], told_change(change).place
-    told = [{told_change(c).place for c in e.claims} for e in everything]
+    everything, wanted = [selection.parameters, *selection.tried], told_place(change)
+    told = [set(told_places(e)) for e in everything]
     return float(sum(share for places, share in zip(told, shares, strict=True) if wanted in places))
 
 
@@ -29,6 +30,29 @@ def told_change(change: Change) -> Change:
     """A change under the name and with the values that it is reported with."""
     name, values = effect(change.effect).told(change.parameters)
     return Change(name, change.name, dict(values))
+
+
+def told_place(change: Change) -> str:
+    """`effect@name` as it is reported: terms of a law are all one."""
+    if isinstance(effect(change.effect), JointLaw):
+        return f"{UNKNOWN}@{change.name}"
+    return told_change(change).place
+
+
+def told_places(explanation: Explanation) -> list[str]:
+    """What an explanation claims, as it is reported."""
+    return list(dict.fromkeys(map(told_place, explanation.claims)))
+
+
+def _distinct(explanations: Sequence[Explanation], others: Sequence[int], chosen: Explanation) -> list[int]:
+    """Indices without those that tell of a law and else only of what was told before: one law is told, the best."""
+    told, found = [told_places(chosen)], []
+    for i in others:
+        own = told_places(explanations[i])
+        if own not in told or not any(place.startswith(UNKNOWN) for place in own):
+            found.append(i)
+        told.append(own)
+    return found
 
 
 def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: float) -> dict[str, Any]:
@@ -77,7 +101,7 @@ def alternatives(selection: Selection, shares: np.ndarray, test_error: Callable[
     """
     return [
         {
-            "effects": [told_change(c).place for c in explanation.claims],
+            "effects": told_places(explanation),
             "probability": share,
             "test_error": test_error(explanation.fitted),
         }
@@ -92,7 +116,7 @@ def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[
     """
     everything = [selection.parameters, *selection.tried]
     order = sorted(range(len(everything)), key=lambda i: (-shares[i], everything[i].error))
-    rest = [i for i in order if everything[i] is not selection.chosen]
+    rest = _distinct(everything, [i for i in order if everything[i] is not selection.chosen], selection.chosen)
     told = [i for rank, i in enumerate(rest) if rank < fewest or shares[i] >= TOLD]
     return [(everything[i], float(shares[i])) for i in told]
 

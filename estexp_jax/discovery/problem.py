@@ -13,7 +13,7 @@ from estexp_jax.discovery.doubt import blinded, directions, other_starts, whiten
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
-from estexp_jax.discovery.starts import Seen
+from estexp_jax.discovery.starts import Seen, Vectors
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
 from estexp_jax.inference.noise import correlation_rows, loudness, noise_deviation
@@ -60,6 +60,7 @@ class Problem:
             stops otherwise than free motion.
         lacking: share of it that the robot lacks: 1 for real ones, less for one that was simulated itself.
         most: so many windows are fitted at most.
+        likely: values to start the search for some claims from, where a look at the forces suggests some.
         doubt: directions and factors of `doubt.directions` for each window, found by `about` too.
         short: the same recordings in shorter windows, for a first look; None: they are short already.
         slack: what values of the model and earlier claims would explain, if they were fitted; None: they are not.
@@ -80,6 +81,7 @@ class Problem:
     short: Cut | None = None
     slack: Slack | None = None
     most: int = 48
+    likely: Mapping[Place, Vectors] = field(default_factory=dict)
 
     @property
     def replayer(self) -> Replayer:

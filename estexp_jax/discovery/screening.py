@@ -28,7 +28,8 @@ def extended(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place
     is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
     settled = np.array([known.get(k, f.neutral) for k, f in zip(_keys(hypothesis), hypothesis.free, strict=True)])
     robot, e = problem.replayer.robot, effect(place[0])
-    own = [hypothesis.with_values(place, values) for values in starts(robot, e, place[1], problem.seen)]
+    begin = problem.likely.get(place) or starts(robot, e, place[1], problem.seen)
+    own = [hypothesis.with_values(place, values) for values in begin]
     return hypothesis, [np.where(is_new, start, settled) for start in [hypothesis.start(), *own]]
 
 
@@ -66,8 +67,8 @@ def looked_at(
 
     All their starts are tried in short windows, a quarter of them, of many an eighth. Those that bring a fair share of
     what the best brings, at most half of them, what is simpler than one of these, and what is richer than the best, go
-    on to twice as many windows, of full length, with starts from the simpler one's solution; and so on, down to `n`. All
-    the time, everything that `base` fits is taken as fitted beside them.
+    on to twice as many windows, of full length, with starts from the simpler one's solution; and so on, down to `n`.
+    All the time, everything that `base` fits is taken as fitted beside them.
 
     Args:
         problem: the comparison.

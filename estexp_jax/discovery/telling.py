@@ -14,11 +14,13 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Predi
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.laws import is_law
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, fit_entry
 from estexp_jax.discovery.selection import Selection, probabilities
+from estexp_jax.discovery.telling_laws import law_advice, law_entries
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
 from estexp_jax.discovery.when import never, when
@@ -122,7 +124,8 @@ def _told(
         "fit": errors,
         "advice": tell.advice(judged, found.claimed, case.recordings, shares)
         + tell.step_advice(selection, timestep)
-        + tell.black_box_advice(judged, errors),
+        + tell.black_box_advice(judged, errors)
+        + law_advice(what),
     }
 
 
@@ -132,9 +135,14 @@ def _what(case: Case, found: Found, judged: str, shares: np.ndarray) -> tuple[tu
     if judged in ("consistent", "unexplained"):
         return (), []
     intervals = parameter_intervals(found.problem, final)
+    terms = tuple(c for c in claimed if is_law((c.effect, c.name or "")))
+    named = tuple(c for c in claimed if c not in terms)
     bent = bent_values(case.robot, final, intervals) if judged == "parameters" else ()
-    entries = [tell.what_entry(c, final, intervals, tell.presence(found.selection, shares, c)) for c in claimed]
-    return (*claimed, *bent), entries + [tell.what_entry(c, final, intervals, 1.0) for c in bent]
+    entries = [tell.what_entry(c, final, intervals, tell.presence(found.selection, shares, c)) for c in named]
+    laws = law_entries(
+        case.robot, found.seen, (final, intervals), [(c, tell.presence(found.selection, shares, c)) for c in terms]
+    )
+    return (*terms, *named, *bent), laws + entries + [tell.what_entry(c, final, intervals, 1.0) for c in bent]
 
 
 def _at_work(fitted: Fit) -> tuple[Change, ...]:

@@ -30,7 +30,8 @@ def summary(findings: Mapping[str, Any]) -> str:
 def claim(entry: Mapping[str, Any]) -> str:
     """One effect: sentence, intervals, probability."""
     sentence = entry["sentence"][0].upper() + entry["sentence"][1:]
-    return f"{sentence} ({intervals(entry)}; probability {entry['probability']:.0%})."
+    equation = f": {entry['equation']}" if entry["effect"] == "unknown_law" else ""
+    return f"{sentence}{equation} ({intervals(entry)}; probability {entry['probability']:.0%})."
 
 
 def intervals(entry: Mapping[str, Any]) -> str:

@@ -1,6 +1,6 @@
 """Recordings of robots with a concealed effect, simulated by the C engine from MJCF edited as text, at a finer step."""
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -16,7 +16,7 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.registry import Catalogue, catalogue
 from estexp_jax.physics.robot import Robot
 
 RATE = 100.0
@@ -78,6 +78,7 @@ class Plant:
         bias: of the first encoder, rad.
         off: whether all motors are off in the middle of each recording.
         finer: the robot steps so many times as often as its nominal simulator.
+        law: force on the joints from the time, positions and speeds, that no MJCF has.
     """
 
     old: str = ""
@@ -86,6 +87,7 @@ class Plant:
     bias: float = 0.0
     off: bool = False
     finer: int = 5
+    law: Callable[[float, np.ndarray, np.ndarray], Any] | None = None
 
 
 _LOOSE, _SERVO = 'damping="0.02"', 'kp="4" kv="0.1" forcerange="-3 3"'
@@ -151,6 +153,8 @@ def record(
             angles[row] = data.qpos
         model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * enable[row, 0], bias * enable[row, 0]
         data.ctrl[:] = sent[k - late]
+        if plant.law is not None:
+            data.qfrc_applied[:] = plant.law((k / inner - _BEFORE) / RATE, data.qpos, data.qvel)
         mujoco.mj_step(model, data)
     quantum = 2.0 * np.pi / 2**bits
     read = np.round((angles + noise * rng.standard_normal(angles.shape)) / quantum) * quantum
@@ -192,13 +196,13 @@ CONFIG = ExplainConfig(window=1.25, most=2, effects=FEW)
 
 
 @cache
-def shared_replayer(name: str) -> Replayer:
-    """One replayer, so one compilation, for all cases of a robot."""
-    return replayer(nominal(name), catalogue(simulated(CONFIG.effects)), [nominal(name)])
+def shared_replayer(name: str, effects: tuple[str, ...] = simulated(CONFIG.effects)) -> Replayer:
+    """One replayer, so one compilation, for all cases of a robot with these effects."""
+    return replayer(nominal(name), catalogue(effects), [nominal(name)])
 
 
-def _shared(robot: Robot, *_: Any, **__: Any) -> Replayer:
-    return shared_replayer(robot.source.removesuffix(".xml"))
+def _shared(robot: Robot, effects: Catalogue, *_: Any, **__: Any) -> Replayer:
+    return shared_replayer(robot.source.removesuffix(".xml"), tuple(e.name for e in effects))
 
 
 def problem_of(case: Case, config: ExplainConfig = CONFIG) -> Problem:

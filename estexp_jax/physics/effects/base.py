@@ -124,6 +124,7 @@ class JointMoment(NamedTuple):
     armature: Array  #: rotor inertia at the joint, kg m2 or kg
     torque_at: Callable[[Array, Array], Array]  #: (q, w) -> torque of the motor if it sat at q and turned at w
     torque_of: Callable[[Array], Array]  #: 1 + index of a joint -> motor torque at that joint; 0 for no joint
+    motion_of: Callable[[Array], tuple[Array, Array]]  #: 1 + index of a joint -> its (q, w); zeros for no joint
 
 
 class JointForce(NamedTuple):

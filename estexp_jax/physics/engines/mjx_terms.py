@@ -154,6 +154,13 @@ def _moment(step: _Step, dofs: np.ndarray, there: Drives) -> JointMoment:
         joint = number.astype(jnp.int32) - 1
         return jnp.where(joint >= 0, each[jnp.clip(joint, 0, robot.model.njnt - 1)], 0.0)
 
+    def motion_of(number: jax.Array) -> tuple[jax.Array, jax.Array]:
+        scalar = np.array(robot.scalar_joints, dtype=int)
+        mine = jnp.round(number)[:, None] == jnp.asarray(scalar + 1.0)
+        every = _coordinates(robot, robot.model.jnt_dofadr[scalar], now)
+        at, speed = (jnp.where(mine, x, 0.0).sum(axis=1) for x in every)
+        return at, speed
+
     return JointMoment(
         q=q,
         w=w,
@@ -164,6 +171,7 @@ def _moment(step: _Step, dofs: np.ndarray, there: Drives) -> JointMoment:
         armature=model.dof_armature[dofs],
         torque_at=torque_at,
         torque_of=torque_of,
+        motion_of=motion_of,
     )
 
 

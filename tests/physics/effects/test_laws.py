@@ -166,7 +166,7 @@ def _assert_unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bo
 def _moment(n: int) -> JointMoment:
     """Joints that move, pulled by springs as motors."""
     ones, q = jnp.ones(n), jnp.linspace(-1.0, 1.0, n)
-    return JointMoment(q, 2.0 * ones, 3.0 - q, ones, 0.002, 5.0 * ones, 0.01 * ones, _spring, _other)
+    return JointMoment(q, 2.0 * ones, 3.0 - q, ones, 0.002, 5.0 * ones, 0.01 * ones, _spring, _other, _moved)
 
 
 def _spring(q: jax.Array, w: jax.Array) -> jax.Array:
@@ -175,6 +175,10 @@ def _spring(q: jax.Array, w: jax.Array) -> jax.Array:
 
 def _other(number: jax.Array) -> jax.Array:
     return 0.5 * number
+
+
+def _moved(number: jax.Array) -> tuple[jax.Array, jax.Array]:
+    return 0.2 * number, 0.3 * number
 
 
 @pytest.mark.parametrize("e", [e for e in ALL if isinstance(e, Distortion)], ids=lambda e: e.name)

@@ -18,6 +18,8 @@ from estexp_jax.physics.engines.mjx_model import mjx_model
 from estexp_jax.physics.registry import ALL, VARIANTS, effect
 from estexp_jax.physics.robot import Robot
 
+IDLE = (lambda joint: joint, lambda joint: (joint, joint))
+"""What other joints do."""
 SERVO = """
 <mujoco>
   <worldbody><body><joint name="j" axis="0 1 0"/><geom size="0.1" mass="1" pos="0.2 0 0"/></body></worldbody>
@@ -45,7 +47,9 @@ def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
     q, one = jnp.zeros(1), jnp.ones(1)
     state, left = term.initial(p, q, q), 0.0
     for _ in range(round(seconds / dt)):
-        moment = JointMoment(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, lambda joint: joint)
+        moment = JointMoment(
+            q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *(lambda joint: joint,) * 2
+        )
         does, state = term.act(p, moment, state)
         left = float((does.force - does.damping * speed)[0])
         q = q + dt * speed
@@ -56,7 +60,9 @@ def test_a_motor_hot_at_its_largest_torque_only_is_the_one_that_fades():
     own, less = (tuple(jnp.full(1, x) for x in p) for p in ((0.6, 2.0), (0.6, 2.0, 1.0)))
     one, states, left = jnp.ones(1), [(jnp.zeros(1),), (jnp.zeros(1),)], []
     for torque in np.random.default_rng(5).uniform(-1.0, 1.0, 200):
-        now = JointMoment(one, one, one * torque, one, one * 0.02, one, one, lambda q, w: q, lambda joint: joint)
+        now = JointMoment(
+            one, one, one * torque, one, one * 0.02, one, one, lambda q, w: q, *(lambda joint: joint,) * 2
+        )
         pairs = [t.act(p, now, s) for t, p, s in zip((MotorFade(), MotorHeat()), (own, less), states, strict=True)]
         states = [state for _, state in pairs]
         left.append([float(does.motor[0]) for does, _ in pairs])
@@ -67,7 +73,7 @@ def test_a_motor_hot_at_its_largest_torque_only_is_the_one_that_fades():
 def test_a_motor_that_heats_early_gets_no_weaker_than_it_can():
     p, one, state = tuple(jnp.full(1, x) for x in (0.6, 0.1, 0.2)), jnp.ones(1), (jnp.zeros(1),)
     for _ in range(200):
-        now = JointMoment(one, one, one, one, one * 0.02, one, one, lambda q, w: q, lambda joint: joint)
+        now = JointMoment(one, one, one, one, one * 0.02, one, one, lambda q, w: q, *IDLE)
         does, state = MotorHeat().act(p, now, state)
     assert float(does.motor[0]) == pytest.approx(0.4)
 

@@ -162,6 +162,14 @@ class Acting:
                 total = total + mine
             return total
 
+        def motion_of(number: Any) -> tuple[Any, Any]:
+            at: Any = jnp.zeros_like(q)
+            rate: Any = jnp.zeros_like(q)
+            for address, joint in zip(position, self._plan.model.dof_jntid[list(position)], strict=True):
+                mine: Any = (jnp.round(number) == int(joint) + 1).astype(q.dtype)
+                at, rate = at + mine * position[address], rate + mine * speed[address]
+            return at, rate
+
         def switched(site: list[int]) -> Any:
             on = jnp.zeros_like(q[0])
             for a in site:
@@ -178,6 +186,7 @@ class Acting:
             armature=jnp.stack([self._number("dof_armature", int(d)) + jnp.zeros_like(q[0]) for d in dofs]),
             torque_at=torque_at,
             torque_of=torque_of,
+            motion_of=motion_of,
         )
 
     def _torque(self, site: list[int], q: Any, w: Any, rows: list, enable: Any, sums: _Sums, *, whole: bool) -> Any:

@@ -1,0 +1,177 @@
+"""Unknown laws: when no named effect explains a mismatch, the fewest terms of a library that do, at one or two joints.
+
+The search for named effects serves as sparse regression inside the simulation: terms are added while held-out windows
+agree, and taken away again. What comes out must explain as much as any claim must, and clearly more than the best
+explanation with names; else nothing is said.
+
+Source: Brunton, Proctor and Kutz, PNAS 113 (2016): laws as the fewest terms of a library that pay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from estexp_jax.discovery.fitting import Progress
+from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.hypotheses import BENT, Hypothesis, Place
+from estexp_jax.discovery.likely_laws import likely
+from estexp_jax.discovery.location import element, where
+from estexp_jax.discovery.marginal import about
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.searching import select
+from estexp_jax.discovery.selection import Explanation, Selection, worth
+from estexp_jax.discovery.starts import Vectors
+from estexp_jax.discovery.verdict import verdict
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.laws.base import JointLaw
+from estexp_jax.physics.engines.replaying import Replayer
+from estexp_jax.physics.registry import ALL, LAWS, VARIANTS, effect
+from estexp_jax.physics.robot import Robot
+
+_MEMORY = "unknown laws"
+_JOINTS, _TERMS, _MOST = 2, 6, 3
+"""Joints that laws are looked for at, terms that are looked at there beside the plain ones, most terms in a law."""
+_HALF = 0.5
+"""Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
+_BEST = 3
+"""So many named explanations, the best ones, stay alternatives, and the best one of each place."""
+
+
+_Result = tuple[Selection, Problem]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Unnamed:
+    """A mismatch that nothing named explains.
+
+    Attributes:
+        robot: the nominal robot.
+        problem: the comparison of which nothing is known yet, claims acting from their onset on.
+        parameters: the hypothesis that only values of the model are off.
+        selection: of named effects.
+        seen: what the joints lack, in each training recording.
+    """
+
+    robot: Robot
+    problem: Problem
+    parameters: Hypothesis
+    selection: Selection
+    seen: Sequence[ForceResidual]
+
+
+def is_law(place: Place) -> bool:
+    """Whether a claim is a term of an unknown law."""
+    return isinstance(effect(place[0]), JointLaw)
+
+
+def needed(robot: Robot, selection: Selection) -> bool:
+    """Whether nothing named explains the mismatch."""
+    return verdict(robot, selection, selection.chosen.claims) == "unexplained"
+
+
+def unknown_law(
+    unnamed: Unnamed, replayer: Callable[[Sequence[str]], Replayer]
+) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
+    """The explanation by an unknown law and the comparison about it; None where there is none to believe.
+
+    Args:
+        unnamed: what is to be explained.
+        replayer: gives the simulator of the effects of these names.
+
+    Yields:
+        Progress.
+    """
+    robot, named = unnamed.robot, unnamed.selection
+    joints = suspects(robot, named, unnamed.seen)
+    starts: dict[Place, Vectors] = {}
+    for joint in joints:
+        yield Progress("unknown laws, forces", joints.index(joint), len(joints), joint)
+        starts |= likely(robot, unnamed.seen, joint, _TERMS)
+    if not starts:
+        return None
+    beside = [p for p in named.chosen.places if element(robot, p) not in [("joint", j) for j in joints]]
+    kept = _kept(robot, named)
+    names = {name for e in kept for name, _ in e.places} | {name for name, _ in (*starts, *beside)} | set(BENT)
+    simulator = replayer([e.name for e in (*ALL, *VARIANTS, *LAWS) if e.name in names])
+    problem = _among(unnamed.problem, simulator, (*starts, *beside), starts)
+    found, there = yield from _told(select(problem, unnamed.parameters, _MOST))
+    found = replace(found, tried=(*kept, *found.tried))
+    if not believed(robot, found, named, there):
+        return None
+    fewest = replace(found, chosen=fewest_terms(found))
+    if fewest.chosen is found.chosen or not believed(robot, fewest, named, there):
+        return found, there
+    return fewest, about(there, fewest.chosen.fitted)
+
+
+def fewest_terms(found: Selection) -> Explanation:
+    """The explanation with the fewest of the chosen one's terms, each of which halves what is left at least."""
+    chosen = found.chosen
+    parts = [e for e in found.tried if e.places and set(e.places) < set(chosen.places)]
+    spared = [len(chosen.places) - len(e.places) for e in parts]
+    enough = [e for e, n in zip(parts, spared, strict=True) if e.held_out.sum() * _HALF**n <= chosen.held_out.sum()]
+    return min(enough, key=lambda e: (len(e.places), e.error), default=chosen)
+
+
+def _told(steps: Generator[Progress, None, _Result]) -> Generator[Progress, None, _Result]:
+    """A search whose stages say what it is for."""
+    while True:
+        try:
+            stage = next(steps)
+        except StopIteration as end:
+            return end.value
+        yield stage._replace(stage=f"{_MEMORY}: {stage.stage}")
+
+
+def suspects(robot: Robot, selection: Selection, seen: Sequence[ForceResidual]) -> list[str]:
+    """Joints where a law may act: where named effects remove most of the error, then those that lack most force."""
+    names, model = robot.names("joint"), robot.model
+    ranked = [str(entry["name"]) for entry in where(robot, selection) if entry["kind"] == "joint"]
+    power = np.sum([np.square(r.force).sum(axis=0) for r in seen], axis=0)
+    moved = [j for j in robot.scalar_joints if any(np.ptp(r.qvel[:, model.jnt_dofadr[j]]) > 0.0 for r in seen)]
+    lacks = {j: power[model.jnt_dofadr[j]] / scales.joint_torque(robot, j) ** 2 for j in moved}
+    forced = [names[j] for j in sorted(lacks, key=lambda j: lacks[j], reverse=True)]
+    movable = {names[j] for j in moved}
+    return [j for j in dict.fromkeys((*ranked[:1], *forced[:1], *ranked, *forced)) if j in movable][:_JOINTS]
+
+
+def believed(robot: Robot, found: Selection, named: Selection, problem: Problem) -> bool:
+    """Whether a law explains held-out windows as well as claims must, and clearly better than anything named.
+
+    Args:
+        robot: the nominal robot.
+        found: with laws.
+        named: without.
+        problem: the comparison about what is chosen with laws.
+    """
+    chosen, best = found.chosen, min((named.parameters, *named.tried), key=lambda e: e.error)
+    if not any(is_law(p) for p in chosen.places) or not worth(chosen, best):
+        return False
+    if verdict(robot, found, chosen.claims) != "missing_physics":
+        return False
+    plain = replace(problem, step=None, own={})
+    windows = problem.fitted
+    return plain.error(chosen.fitted.member, windows) < plain.error(found.nominal.fitted.member, windows)
+
+
+def _among(problem: Problem, simulator: Replayer, places: Sequence[Place], starts: Mapping[Place, Vectors]) -> Problem:
+    """The comparison among other claims, by a simulator that knows them."""
+    memory = problem.memory.setdefault(_MEMORY, {})
+    replays = replace(problem.replays, replayer=simulator)
+    return replace(problem, replays=replays, places=tuple(places), likely=starts, memory=memory)
+
+
+def _kept(robot: Robot, selection: Selection) -> list[Explanation]:
+    """Named explanations that stay beside a law: the chosen one, the best ones, and the best one of each place."""
+    ranked = sorted(selection.tried, key=lambda e: e.error)
+    places: dict[tuple[str, str | None], Explanation] = {}
+    for e in ranked:
+        if len(e.places) == 1:
+            places.setdefault(element(robot, e.places[0]), e)
+    wanted = [selection.chosen, *ranked[:_BEST], *places.values()]
+    return [e for e in selection.tried if any(e is w for w in wanted)]

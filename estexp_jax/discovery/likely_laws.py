@@ -1,0 +1,189 @@
+"""Which terms of an unknown law the forces that a joint lacks suggest, and with which values.
+
+Each term of the library is laid beside the missing force, at many values of its shape; compared is what is left of both
+without what wrong values of the model would explain. A look only: what the terms do is found in the simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.starts import Vectors
+from estexp_jax.physics.effects.base import JointMoment
+from estexp_jax.physics.effects.laws.base import JointLaw, Reach
+from estexp_jax.physics.registry import LAWS
+from estexp_jax.physics.robot import Robot
+
+PLAIN = ("law_constant", "law_line", "law_damping", "law_drag", "law_dry_friction")
+"""Terms that are always looked at: beside another one they may count for what they do not alone."""
+_SAMPLES, _COLUMNS = 2000, 64
+"""Samples of the forces, and values of shapes laid beside them at once."""
+_STARTS = 4
+"""Values that are kept of a term."""
+_JOLT = 0.995
+"""Quantile of the force beyond which it is cut off: jolts are smeared by smoothing."""
+_LITTLE = 1e-3
+"""Share of the largest amplitude at which a force is still in proportion to it."""
+_ALIKE = 1e-6
+"""Share of a force's square; if less than that is left of it, it is what wrong values of the model look like."""
+_FAST = 0.98
+"""Quantile of the speed that counts as fast."""
+
+
+class _Samples(NamedTuple):
+    """What was seen of a joint, (samples,); of the others by index."""
+
+    force: np.ndarray
+    q: np.ndarray
+    w: np.ndarray
+    motor: np.ndarray
+    bent: np.ndarray  # (samples, n) orthonormal: what wrong values of the model would look like
+    others: Mapping[int, tuple[np.ndarray, np.ndarray]]
+    runs: tuple[tuple[np.ndarray, np.ndarray], ...]  # of each recording, unthinned: time, speed
+    thin: tuple[np.ndarray, ...]  # which rows of each recording count
+    reach: Reach
+
+
+class _Beside(NamedTuple):
+    """A term at some values beside the missing force: share of its square that it takes out."""
+
+    share: float
+    values: tuple[float, ...]
+
+
+def likely(robot: Robot, seen: Sequence[ForceResidual], joint: str, n: int) -> dict[Place, Vectors]:
+    """The terms at a joint that take out most of the force that it lacks and the plain ones, with values to start from.
+
+    Args:
+        robot: the nominal robot.
+        seen: what its joints lack, in each training recording.
+        joint: the joint's name.
+        n: how many terms are wanted beside the plain ones.
+    """
+    samples = _samples(robot, seen, robot.index("joint", joint))
+    found = {law.name: _beside(robot, law, joint, samples) for law in LAWS}
+    ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
+    kept = [*ranked[:n], *(name for name in PLAIN if name not in ranked[:n])]
+    return {(name, joint): [b.values for b in found[name]] for name in kept if found[name]}
+
+
+def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Samples:
+    model = robot.model
+    every = max(1, sum(len(r.time) for r in seen) // _SAMPLES)
+    thin = tuple(np.arange(0, len(r.time), every) for r in seen)
+
+    def joined(columns: Sequence[np.ndarray]) -> np.ndarray:
+        return np.concatenate([c[rows] for c, rows in zip(columns, thin, strict=True)])
+
+    def motion(j: int) -> tuple[np.ndarray, np.ndarray]:
+        place, dof = model.jnt_qposadr[j], model.jnt_dofadr[j]
+        return joined([r.qpos[:, place] for r in seen]), joined([r.qvel[:, dof] for r in seen])
+
+    dof = model.jnt_dofadr[joint]
+    moved = [j for j in robot.scalar_joints if any(np.ptp(r.qvel[:, model.jnt_dofadr[j]]) > 0.0 for r in seen)]
+    (q, w), motor = motion(joint), joined([r.motor[:, dof] for r in seen])
+    force = joined([r.force[:, dof] for r in seen])
+    far = float(np.quantile(np.abs(force), _JOLT))
+    faster = joined([np.gradient(r.qvel[:, dof], r.time) for r in seen])
+    bent, _ = np.linalg.qr(np.stack([w, motor, faster], axis=1) + 0.0)
+    length = max(float(np.ptp(r.time)) for r in seen)
+    others = {j: motion(j) for j in moved if j != joint}
+    reach = Reach(float(q.min()), float(q.max()), float(np.quantile(np.abs(w), _FAST)), length, tuple(others))
+    runs = tuple((r.time - r.time[0], r.qvel[:, dof]) for r in seen)
+    return _Samples(np.clip(force, -far, far), q, w, motor, bent, others, runs, thin, reach)
+
+
+def _beside(robot: Robot, law: JointLaw, joint: str, samples: _Samples) -> list[_Beside]:
+    """The best values of a term, the best one first; [] where it can do nothing."""
+    bounds = np.array(law.bounds(robot, joint))
+    shapes = [tuple(np.clip(s, *bounds[1:].T)) for s in law.tried(samples.reach)] if len(bounds) > 1 else [()]
+    shapes = shapes if law.tried(samples.reach) else []
+    found: list[_Beside] = []
+    for part, columns in _columns(law, _LITTLE * bounds[0, 1], shapes, samples):
+        found += _explained(part, columns, bounds[0], samples)
+    distinct = {b.values: b for b in sorted(found, key=lambda b: b.share) if b.values[0] != 0.0}
+    return list(reversed(distinct.values()))[:_STARTS]
+
+
+def _explained(
+    shapes: Sequence[tuple[float, ...]], columns: np.ndarray, bound: np.ndarray, samples: _Samples
+) -> list[_Beside]:
+    """What each column takes out of the missing force beside wrong values of the model, and alone.
+
+    What looks like wrong values of the model takes nothing out; it is still a start, by all that it resembles.
+    """
+    whole = np.sum(columns**2, axis=0)
+    left, force = _without(samples.bent, columns), _without(samples.bent, samples.force[:, None])[:, 0]
+    found: list[_Beside] = []
+    for own, y, counts in ((left, force, True), (columns, samples.force, False)):
+        size, along = np.sum(own**2, axis=0), own.T @ y
+        amplitude = np.where(size > _ALIKE * whole, along, 0.0) / np.maximum(size, 1e-30)
+        share = amplitude * along / max(float(force @ force), 1e-30) if counts else np.zeros(len(shapes))
+        share, amplitude = _allowed(share, amplitude, bound)
+        values = zip(share.tolist(), amplitude.tolist(), shapes, strict=True)
+        found += [_Beside(s, (a, *map(float, shape))) for s, a, shape in values]
+    return found
+
+
+def _allowed(share: np.ndarray, amplitude: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes within their bounds; what would need another sign takes nothing out, and starts from little."""
+    low, high = bound
+    wrong = (amplitude < low) & (low == 0.0)
+    return np.where(wrong, 0.0, share), np.where(wrong, 0.01 * high, np.clip(amplitude, low, high))
+
+
+def _without(basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    return columns - basis @ (basis.T @ columns)
+
+
+def _columns(
+    law: JointLaw, amplitude: float, shapes: Sequence[tuple[float, ...]], samples: _Samples
+) -> Iterator[tuple[Sequence[tuple[float, ...]], np.ndarray]]:
+    """Shapes with the force (samples, shapes) of a term of amplitude 1 at them."""
+    for first in range(0, len(shapes), _COLUMNS):
+        part = shapes[first : first + _COLUMNS]
+        filled = np.resize(np.array(part, float).reshape(len(part), -1), (_COLUMNS, len(part[0])))  # compiles once
+        p = (np.full(_COLUMNS, amplitude), *filled.T)
+        yield part, _force(law, p, samples)[:, : len(part)] / amplitude
+
+
+def _force(law: JointLaw, p: tuple[np.ndarray, ...], samples: _Samples) -> np.ndarray:
+    """The force (samples, shapes) of a term at values (shapes,) of each parameter, where the joint was seen."""
+    q, w, motor = (x[:, None] for x in (samples.q, samples.w, samples.motor))
+    one = np.ones_like(q)
+
+    def motion_of(number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        others = samples.others
+        at = [others[round(float(k)) - 1] for k in np.ravel(number)]
+        return np.stack([x for x, _ in at], axis=1), np.stack([v for _, v in at], axis=1)
+
+    moment = JointMoment(
+        q, w, motor, one, np.zeros(1), one, one, lambda q, w: motor, lambda number: 0.0 * number, motion_of
+    )
+    state = _states(law, p, samples)
+    does, _ = law.act(tuple(jnp.asarray(x) for x in p), moment, state)
+    sign = np.tanh(w / (0.01 * max(samples.reach.speed, 1e-9)))
+    total = does.force - does.damping * w - does.friction * sign + (does.motor - 1.0) * motor
+    return np.asarray(jnp.broadcast_to(total, (len(samples.q), len(p[0]))), float)
+
+
+def _states(law: JointLaw, p: tuple[np.ndarray, ...], samples: _Samples) -> tuple[np.ndarray, ...]:
+    """The hidden variables (samples, shapes) of a term along the recordings."""
+    if not law.n_states:
+        return ()
+    each = []
+    for values in zip(*p, strict=True):
+        parts = [law.remembered(values, t, w) for t, w in samples.runs]
+        each.append(
+            [
+                np.concatenate([part[k][rows] for part, rows in zip(parts, samples.thin, strict=True)])
+                for k in range(law.n_states)
+            ]
+        )
+    return tuple(np.stack([one[k] for one in each], axis=1) for k in range(law.n_states))

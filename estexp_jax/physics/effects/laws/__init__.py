@@ -1,0 +1,1 @@
+"""The library from which laws that no catalogue holds are put together."""

@@ -1,0 +1,147 @@
+"""Dry friction whose level changes with place or direction, as a friction loss renewed at each step."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.laws.base import (
+    PHASES,
+    ROUND,
+    WAVES,
+    JointLaw,
+    Reach,
+    amplitude,
+    away,
+    half_span,
+    signed,
+    torque,
+)
+from estexp_jax.physics.robot import Robot
+
+Bounds = tuple[tuple[float, float], ...]
+_TURNING = 0.01
+"""Speed within which a direction is none, rad/s or m/s."""
+
+
+@final
+class LawDryFriction(JointLaw):
+    """tau = -T sign(w)."""
+
+    name: ClassVar[str] = "law_dry_friction"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("T", "N m", signed=False),)
+    equation: ClassVar[str] = "tau = -T sign(w)"
+    resembles: ClassVar[str] = "dry friction"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return ()
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [()]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["T"], "sign(w)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0] + 0.0 * moment.w), state
+
+
+@final
+class LawTwoWayFriction(JointLaw):
+    """tau = -T (1 + a sign(w)) sign(w): dry friction with another level each way."""
+
+    name: ClassVar[str] = "law_two_way_friction"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("T", "N m", signed=False),
+        Parameter("a", "", signed=True),
+    )
+    equation: ClassVar[str] = "tau = -T (1 + a sign(w)) sign(w)"
+    resembles: ClassVar[str] = "dry friction that is larger one way than the other"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return ((-1.0, 1.0),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(a,) for a in (-0.9, -0.5, 0.5, 0.9)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["T"], f"(1 {signed(values['a'], 'sign(w)')}) sign(w)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0] * (1.0 + p[1] * jnp.tanh(moment.w / _TURNING))), state
+
+
+@final
+class LawFrictionWave(JointLaw):
+    """tau = -T (1 + a sin(n q + phase)) sign(w): friction that rises and falls along the way, as of a bent shaft."""
+
+    name: ClassVar[str] = "law_friction_wave"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("T", "N m", signed=False),
+        Parameter("a", ""),
+        Parameter("n", "1/rad", neutral=1.0),
+        Parameter("phase", "rad", signed=True),
+    )
+    equation: ClassVar[str] = "tau = -T (1 + a sin(n q + phase)) sign(w)"
+    resembles: ClassVar[str] = "dry friction that rises and falls along the way"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (0.0, 1.0), (0.2, 40.0 * max(np.pi / half_span(robot, joint), 1.0)), ROUND
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        scale = max(1.0, 1.5 / reach.span)
+        return [(0.8, n * scale, phase) for n in WAVES for phase in PHASES]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        wave = signed(values["a"], f"sin({values['n']:.3g} q {signed(values['phase'], '')})")
+        return signed(-values["T"], f"(1 {wave}) sign(w)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        T, a, n, phase = p
+        return JointForce(friction=T * (1.0 + a * jnp.sin(n * moment.q + phase))), state
+
+
+@final
+class LawTightSpot(JointLaw):
+    """tau = -T exp(-((q - q0) / s)^2) sign(w): dry friction at one place."""
+
+    name: ClassVar[str] = "law_tight_spot"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("T", "N m", signed=False),
+        Parameter("q0", "rad", signed=True),
+        Parameter("s", "rad", neutral=0.1),
+    )
+    equation: ClassVar[str] = "tau = -T exp(-((q - q0) / s)^2) sign(w)"
+    resembles: ClassVar[str] = "dry friction at one position"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        half = half_span(robot, joint)
+        return scales.joint_span(robot, joint), (0.005 * half, half)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(q, share * reach.span) for q in reach.places(9) for share in (0.06, 0.15, 0.4)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["T"], f"exp(-({away('q', values['q0'])}/{values['s']:.3g})^2) sign(w)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0] * jnp.exp(-jnp.square((moment.q - p[1]) / p[2]))), state

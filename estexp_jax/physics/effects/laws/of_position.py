@@ -1,0 +1,232 @@
+"""Forces that depend on where a joint is."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.laws.base import (
+    PHASES,
+    ROUND,
+    WAVES,
+    JointLaw,
+    Reach,
+    amplitude,
+    away,
+    half_span,
+    signed,
+    torque,
+)
+from estexp_jax.physics.robot import Robot
+
+Bounds = tuple[tuple[float, float], ...]
+_TIGHT = 0.1
+"""Share of half a joint's range within which a law of its position may reach full torque."""
+
+
+def _place(robot: Robot, joint: int) -> tuple[float, float]:
+    return scales.joint_span(robot, joint)
+
+
+def _widths(robot: Robot, joint: int) -> tuple[float, float]:
+    half = half_span(robot, joint)
+    return 0.005 * half, half
+
+
+def _spots(reach: Reach) -> list[tuple[float, ...]]:
+    return [(q, share * reach.span) for q in reach.places(9) for share in (0.04, 0.1, 0.25)]
+
+
+@final
+class LawConstant(JointLaw):
+    """tau = a."""
+
+    name: ClassVar[str] = "law_constant"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("a", "N m"),)
+    equation: ClassVar[str] = "tau = a"
+    resembles: ClassVar[str] = "a constant force"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return ()
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [()]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["a"], "")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] + 0.0 * moment.q), state
+
+
+@final
+class LawLine(JointLaw):
+    """tau = -k (q - q0), of either sign."""
+
+    name: ClassVar[str] = "law_line"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
+    equation: ClassVar[str] = "tau = -k (q - q0)"
+    resembles: ClassVar[str] = "a spring"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (_place(robot, joint),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(q,) for q in (reach.low, *reach.places(1), reach.high)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["k"], away("q", values["q0"]))
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * (moment.q - p[1])), state
+
+
+@final
+class LawSquare(JointLaw):
+    """tau = k (q - q0)^2, of either sign."""
+
+    name: ClassVar[str] = "law_square"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad2"), Parameter("q0", "rad", signed=True))
+    equation: ClassVar[str] = "tau = k (q - q0)^2"
+    resembles: ClassVar[str] = "a force that grows away from some position, to one side"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint) / (_TIGHT * half_span(robot, joint)) ** 2
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (_place(robot, joint),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(q,) for q in (reach.low, *reach.places(9), reach.high)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["k"], f"{away('q', values['q0'])}^2")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * jnp.square(moment.q - p[1])), state
+
+
+@final
+class LawCube(JointLaw):
+    """tau = -k (q - q0)^3: a spring that hardens, or one that gives way."""
+
+    name: ClassVar[str] = "law_cube"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad3"), Parameter("q0", "rad", signed=True))
+    equation: ClassVar[str] = "tau = -k (q - q0)^3"
+    resembles: ClassVar[str] = "a spring that hardens as it is stretched"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint) / (_TIGHT * half_span(robot, joint)) ** 3
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (_place(robot, joint),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(q,) for q in (reach.low, *reach.places(9), 0.0, reach.high)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["k"], f"{away('q', values['q0'])}^3")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * (moment.q - p[1]) ** 3), state
+
+
+@final
+class LawWave(JointLaw):
+    """tau = A sin(n q + phase)."""
+
+    name: ClassVar[str] = "law_wave"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("A", "N m"),
+        Parameter("n", "1/rad", neutral=1.0),
+        Parameter("phase", "rad", signed=True),
+    )
+    equation: ClassVar[str] = "tau = A sin(n q + phase)"
+    resembles: ClassVar[str] = "a force that comes and goes along the way, like cogging"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (0.2, 40.0 * max(np.pi / half_span(robot, joint), 1.0)), ROUND
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        scale = max(1.0, 1.5 / reach.span)
+        return [(n * scale, phase) for n in WAVES for phase in PHASES[:2]] + [
+            (n * scale, 0.25 * np.pi * side) for n in WAVES for side in (-1, 1)
+        ]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["A"], f"sin({values['n']:.3g} q {signed(values['phase'], '')})")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * jnp.sin(p[1] * moment.q + p[2])), state
+
+
+@final
+class LawBump(JointLaw):
+    """tau = A exp(-((q - q0) / s)^2): a push at one place."""
+
+    name: ClassVar[str] = "law_bump"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("A", "N m"),
+        Parameter("q0", "rad", signed=True),
+        Parameter("s", "rad", neutral=0.1),
+    )
+    equation: ClassVar[str] = "tau = A exp(-((q - q0) / s)^2)"
+    resembles: ClassVar[str] = "a push at one position"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return _place(robot, joint), _widths(robot, joint)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return _spots(reach)
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["A"], f"exp(-({away('q', values['q0'])}/{values['s']:.3g})^2)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * jnp.exp(-jnp.square((moment.q - p[1]) / p[2]))), state
+
+
+@final
+class LawDetent(JointLaw):
+    """tau = -A x exp(-x^2), x = (q - q0) / s: a magnet or a notch that pulls to one place."""
+
+    name: ClassVar[str] = "law_detent"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("A", "N m"),
+        Parameter("q0", "rad", signed=True),
+        Parameter("s", "rad", neutral=0.1),
+    )
+    equation: ClassVar[str] = "tau = -A x exp(-x^2), x = (q - q0) / s"
+    resembles: ClassVar[str] = "a detent that pulls to, or pushes from, one position"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 2.0 * torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return _place(robot, joint), _widths(robot, joint)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return _spots(reach)
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        x = f"({away('q', values['q0'])}/{values['s']:.3g})"
+        return signed(-values["A"], f"{x} exp(-{x}^2)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        x = (moment.q - p[1]) / p[2]
+        return JointForce(force=-p[0] * x * jnp.exp(-jnp.square(x))), state

@@ -1,0 +1,97 @@
+"""Forces that depend on more than the moment: on the time, or on what the joint did before."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.laws.base import ROUND, JointLaw, Reach, amplitude, half_span, signed, torque
+from estexp_jax.physics.robot import Robot
+
+Bounds = tuple[tuple[float, float], ...]
+_RATES = (0.15, 8.0)
+"""Frequencies of rhythms that are looked for, Hz."""
+
+
+@final
+class LawRhythm(JointLaw):
+    """tau = A sin(2 pi f t + phase), t the time since the recording began: a thing beside the robot goes round."""
+
+    name: ClassVar[str] = "law_rhythm"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("A", "N m"),
+        Parameter("f", "Hz", neutral=1.0),
+        Parameter("phase", "rad", signed=True),
+    )
+    equation: ClassVar[str] = "tau = A sin(2 pi f t + phase), t the time since the recording began"
+    resembles: ClassVar[str] = "a push that comes and goes with time"
+    symbols: ClassVar[str] = "t the time since the recording began"
+    n_states: ClassVar[int] = 1
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return _RATES, ROUND
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        rates = np.arange(_RATES[0], _RATES[1], 0.2 / reach.length).tolist()
+        return [(f, phase) for f in rates for phase in (-np.pi / 4, 0.0, np.pi / 4, np.pi / 2)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["A"], f"sin({2.0 * np.pi * values['f']:.4g} t {signed(values['phase'], '')})")
+
+    def remembered(self, p: tuple[float, ...], time: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, ...]:
+        return (time,)
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        return (jnp.zeros_like(q),)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        A, f, phase = p
+        (t,) = state
+        return JointForce(force=A * jnp.sin(2.0 * np.pi * f * t + phase)), (t + moment.dt,)
+
+
+@final
+class LawCreep(JointLaw):
+    """dF/dt = k w - F / T, tau = -F: a spring and a damper in series, as rubber and belts creep.
+
+    Source: Maxwell's model: Findley, Lai and Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976).
+    """
+
+    name: ClassVar[str] = "law_creep"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("T", "s", neutral=1.0))
+    equation: ClassVar[str] = "tau = -F, dF/dt = k w - F / T"
+    resembles: ClassVar[str] = "a spring that creeps"
+    n_states: ClassVar[int] = 1
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint) / (0.1 * half_span(robot, joint))
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return ((0.02, 20.0),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(T,) for T in (0.05, 0.15, 0.5, 1.5, 5.0)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return f"- F with dF/dt = {values['k']:.3g} w - F/{values['T']:.3g}"
+
+    def remembered(self, p: tuple[float, ...], time: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, ...]:
+        k, T = p
+        force, last = np.zeros(len(time)), 0.0
+        for i, dt in enumerate(np.diff(time)):
+            left = np.exp(-dt / T)
+            last = last * left + k * T * (1.0 - left) * speed[i]
+            force[i + 1] = last
+        return (force,)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        k, T = p
+        (force,) = state
+        left = jnp.exp(-moment.dt / T)
+        after = force * left + k * T * (1.0 - left) * moment.w
+        return JointForce(force=-after), (after,)

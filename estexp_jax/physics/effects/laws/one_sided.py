@@ -1,0 +1,64 @@
+"""Springs that act on one side of a position only."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.laws.base import JointLaw, Reach, amplitude, away, half_span, signed, torque
+from estexp_jax.physics.robot import Robot
+
+_TIGHT = 0.02
+"""Share of half a joint's range within which such a spring may reach full torque."""
+
+
+@final
+class LawUpperSpring(JointLaw):
+    """tau = -k max(q - q0, 0)."""
+
+    name: ClassVar[str] = "law_upper_spring"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
+    equation: ClassVar[str] = "tau = -k max(q - q0, 0)"
+    resembles: ClassVar[str] = "a spring that begins beyond some position"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
+
+    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+        return (scales.joint_span(robot, joint),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(q,) for q in reach.places(9)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["k"], f"max{away('q', values['q0'])[:-1]}, 0)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * jnp.maximum(moment.q - p[1], 0.0)), state
+
+
+@final
+class LawLowerSpring(JointLaw):
+    """tau = -k min(q - q0, 0)."""
+
+    name: ClassVar[str] = "law_lower_spring"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
+    equation: ClassVar[str] = "tau = -k min(q - q0, 0)"
+    resembles: ClassVar[str] = "a spring that begins below some position"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
+
+    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+        return (scales.joint_span(robot, joint),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(q,) for q in reach.places(9)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["k"], f"min{away('q', values['q0'])[:-1]}, 0)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * jnp.minimum(moment.q - p[1], 0.0)), state

@@ -1,0 +1,201 @@
+"""Laws in no catalogue are found as equations, told so that they can be checked, and not claimed where they fail."""
+
+import json
+from dataclasses import replace
+
+import jsonschema
+import numpy as np
+import pytest
+
+from estexp_jax.discovery.findings import presence, told_place, told_places
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
+from estexp_jax.discovery.laws import fewest_terms, needed, suspects
+from estexp_jax.discovery.likely_laws import PLAIN, likely
+from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.telling_laws import covered, equation, law_entries
+from estexp_jax.package_data import schema_path
+from estexp_jax.physics.changes import Change
+from estexp_jax.physics.registry import catalogue
+from estexp_jax.report.explain_text import claim
+from tests.discovery.planted import CONFIG, Plant, case_of, explained, nominal
+
+
+def detent(_: float, q: np.ndarray, __: np.ndarray) -> np.ndarray:
+    x = (q - 0.35) / 0.12
+    return -0.9 * x * np.exp(-(x**2))
+
+
+def harder_one_way(_: float, __: np.ndarray, w: np.ndarray) -> np.ndarray:
+    way = np.tanh(w[1] / 0.02)
+    return np.array([0.0, -0.06 * (1.0 + 0.5 * way) * way])
+
+
+def stirred(_: float, __: np.ndarray, w: np.ndarray) -> np.ndarray:
+    return np.array([0.0, -0.03 * abs(w[0]) * w[1]])
+
+
+def gravel(_: float, q: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """No smooth law: kicks that follow each other like random numbers along the way."""
+    return 0.6 * np.sign(np.sin(1e4 * np.sin(37.0 * q)) + 0.0 * w)
+
+
+@pytest.fixture(scope="module")
+def notched():
+    config = replace(CONFIG, most=1, effects=("viscous_friction", "coulomb_friction"))
+    return explained(case_of("one", Plant(law=detent), 21), config)
+
+
+def test_a_law_in_no_catalogue_is_found_with_its_values(notched):
+    findings = notched.findings
+    jsonschema.validate(
+        json.loads(json.dumps(findings, default=float)), json.loads(schema_path("findings").read_text())
+    )
+    assert findings["verdict"] == "missing_physics" and findings["side"] == "plant"
+    [law] = findings["what"]
+    assert (law["effect"], law["kind"], law["name"], law["in_mjcf"]) == ("unknown_law", "joint", "shaft", False)
+    assert {name: p["value"] for name, p in law["parameters"].items()} == pytest.approx(
+        {"A": 0.9, "q0": 0.35, "s": 0.12}, rel=0.03
+    )
+    assert "exp(-((q - 0.35)/0.12)^2)" in law["equation"]
+    assert "detent" in law["sentence"] and "data cover" in law["sentence"] and law["equation"] in claim(law)
+    assert findings["fit"]["gain"]["value"] > 0.8
+    assert findings["fit"]["explained"]["test"] < 0.5 * findings["fit"]["placebo"]["test"]
+    assert (findings["where"][0]["kind"], findings["where"][0]["name"]) == ("joint", "shaft")
+
+
+def test_the_simulator_keeps_the_law_and_the_model_says_that_it_lacks_it(notched):
+    [law] = [c for c in notched.changes if c.effect == "law_detent"]
+    assert Change.from_json(json.loads(json.dumps(law.to_json()))) == law
+    assert [c.effect for c in notched.left_out] == ["law_detent"]
+    assert all(c.effect != "law_detent" for c in notched.mjcf_changes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "words", "values"),
+    [
+        (harder_one_way, "larger one way", {"T": 0.06, "a": 0.5}),
+        (stirred, "another joint's speed", {"g": 0.03, "with": 1.0}),
+    ],
+)
+def test_laws_of_two_joints_and_of_directions_are_found(law, words, values):
+    findings = explained(case_of("two", Plant(law=law), 23)).findings
+    assert findings["verdict"] == "missing_physics"
+    [told] = findings["what"]
+    assert (told["effect"], told["name"]) == ("unknown_law", "elbow") and words in told["sentence"]
+    assert {name: p["value"] for name, p in told["parameters"].items()} == pytest.approx(values, rel=0.15)
+    assert findings["fit"]["explained"]["test"] < 0.5 * findings["fit"]["nominal"]["test"]
+
+
+@pytest.mark.slow
+def test_what_no_term_describes_stays_unexplained_or_helps():
+    findings = explained(case_of("one", Plant(law=gravel), 25)).findings
+    assert findings["verdict"] in ("unexplained", "missing_physics", "consistent")
+    if findings["verdict"] == "missing_physics":
+        assert findings["fit"]["explained"]["test"] < findings["fit"]["nominal"]["test"]
+    else:
+        assert not findings["what"]
+
+
+def moving(force) -> ForceResidual:
+    """A joint that is swung about, lacking a force of its position and speed."""
+    time = 0.01 * np.arange(800)
+    q = np.stack([np.sin(1.7 * time) + 0.3 * np.sin(5.1 * time), 0.8 * np.cos(2.9 * time + 0.4 * time**1.1)], axis=1)
+    w = np.gradient(q, time, axis=0)
+    motor = np.stack([np.sin(4.0 * time), np.cos(6.5 * time)], axis=1)
+    lacks = np.zeros((800, 2))
+    lacks[:, 1] = force(time, q, w)
+    return ForceResidual(time, q, w, motor, motor, lacks)
+
+
+@pytest.mark.parametrize(
+    ("force", "name", "values"),
+    [
+        (lambda t, q, w: -0.3 * (q[:, 1] - 0.1) ** 3, "law_cube", (0.3,)),
+        (lambda t, q, w: 0.05 * np.sin(2.0 * np.pi * 1.3 * t), "law_rhythm", (0.05, 1.3)),
+        (lambda t, q, w: -0.02 * np.abs(w[:, 0]) * w[:, 1], "law_stir", (0.02, 1.0)),
+        (lambda t, q, w: -0.05 * np.sign(w[:, 1]) * np.exp(-(((q[:, 1] - 0.4) / 0.2) ** 2)), "law_tight_spot", (0.05,)),
+    ],
+)
+def test_missing_forces_suggest_the_law_that_made_them(force, name, values):
+    found = likely(nominal("two"), [moving(force)], "elbow", 6)
+    first = next(iter(found))
+    assert first == (name, "elbow")
+    assert found[first][0][: len(values)] == pytest.approx(values, rel=0.35)
+    assert {(plain, "elbow") for plain in PLAIN} <= set(found)
+
+
+def test_joints_that_lack_most_force_are_suspects():
+    there = moving(lambda t, q, w: 0.2 * q[:, 1])
+    nothing = selection({(): 4.0})
+    assert suspects(nominal("two"), nothing, [there])[0] == "elbow"
+
+
+def explanation(places: tuple, error: float) -> Explanation:
+    robot = nominal("two")
+    own = parameters_only(robot, catalogue(["viscous_friction"]))
+    hypothesis = claiming(robot, own, places) if places else Hypothesis((), own.free)
+    return Explanation(Fit(hypothesis, hypothesis.start(), error**2), np.full(9, error**2 / 9.0))
+
+
+def selection(errors: dict[tuple, float], chosen: tuple = ()) -> Selection:
+    tried = {places: explanation(places, error) for places, error in errors.items() if places}
+    own = explanation((), errors.get((), 20.0))
+    worst = replace(own, held_out=own.held_out * 1.2)
+    return Selection(worst, worst, own, tuple(tried.values()), tried.get(chosen, own))
+
+
+DRY, WAVE, CUBE = ("law_dry_friction", "elbow"), ("law_wave", "elbow"), ("law_cube", "shoulder")
+
+
+def test_only_what_is_left_without_a_name_needs_a_law():
+    assert needed(nominal("two"), selection({(): 20.0, (("viscous_friction", "elbow"),): 15.0}))
+    assert not needed(nominal("two"), selection({(): 1.0}))
+    friction = (("coulomb_friction", "elbow"),)
+    assert not needed(nominal("two"), selection({(): 20.0, friction: 2.0}, friction))
+
+
+def test_a_term_that_does_not_halve_the_error_is_left_out():
+    three = (DRY, WAVE, CUBE)
+    sparse = selection({(): 20.0, (DRY,): 9.0, (DRY, WAVE): 3.0, three: 2.8}, three)
+    assert fewest_terms(sparse).places == (DRY, WAVE)
+    dense = selection({(): 20.0, (DRY,): 9.0, (DRY, WAVE): 6.0, three: 2.0}, three)
+    assert fewest_terms(dense).places == three
+
+
+TERMS = (
+    Change("law_drag", "elbow", {"c": 0.12}),
+    Change("law_wave", "elbow", {"A": 0.05, "n": 7.0, "phase": -1.2}),
+    Change("law_stir", "elbow", {"g": -0.02, "with": 1.0}),
+)
+
+
+def test_terms_at_a_joint_are_told_as_one_equation():
+    told = equation(nominal("two"), TERMS)
+    expected = "tau = - 0.12 |w| w + 0.05 sin(7 q - 1.2) + 0.02 |w[shoulder]| w"
+    assert told == f"{expected}, in brackets the joint whose q or w it is"
+    there = moving(lambda t, q, w: 0.0 * t)
+    assert covered(nominal("two"), [there], "elbow").endswith("-0.8 < q < 0.8 rad")
+
+
+def test_a_law_is_one_entry_with_an_interval_for_each_value():
+    places = tuple((c.effect, "elbow") for c in TERMS[:2])
+    fitted = explanation(places, 1.0).fitted
+    n = len(fitted.hypothesis.free)
+    intervals = np.stack([np.arange(n) - 0.5, np.arange(n) + 0.5], axis=1)
+    there = moving(lambda t, q, w: 0.0 * t)
+    [entry] = law_entries(nominal("two"), [there], (fitted, intervals), [(TERMS[0], 0.7), (TERMS[1], 0.6)])
+    assert list(entry["parameters"]) == ["c_drag", "A_wave", "n_wave", "phase_wave"]
+    assert entry["parameters"]["A_wave"] == {"value": 0.05, "low": n - 3.5, "high": n - 2.5, "unit": "N m"}
+    assert entry["probability"] == 0.7 and entry["effect"] == "unknown_law"
+    assert "resembles drag and a force that comes and goes along the way" in entry["sentence"]
+
+
+def test_all_laws_of_a_joint_count_as_the_same_claim():
+    found = selection({(): 20.0, (DRY,): 9.0, (DRY, WAVE): 3.0}, (DRY, WAVE))
+    assert told_places(found.chosen) == ["unknown_law@elbow"]
+    assert told_place(Change("law_cube", "shoulder", {"k": 1.0})) == "unknown_law@shoulder"
+    share = presence(found, np.array([0.1, 0.3, 0.6]), Change("law_wave", "elbow", {"A": 0.1}))
+    assert share == pytest.approx(0.9)

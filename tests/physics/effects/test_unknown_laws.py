@@ -1,0 +1,177 @@
+"""Terms of unknown laws: nothing at amplitude zero, the force that their equation says, in both engines alike."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from estexp_jax.physics.changes import Change, encode, stack
+from estexp_jax.physics.effects.base import JointForce, JointMoment, neutral_values
+from estexp_jax.physics.effects.laws.base import JointLaw, Reach
+from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.registry import ALL, LAWS, VARIANTS, catalogue, effect
+from estexp_jax.physics.segment import Start, segment
+from tests.discovery.planted import nominal
+from tests.physics.robots import ROBOTS, robot
+
+every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+Q, W, M = np.linspace(-1.2, 1.4, 27), np.linspace(-3.0, 3.1, 27), np.linspace(2.0, -2.5, 27)
+Q2, W2 = np.cos(Q), np.sin(3.0 * W)
+REACH = Reach(-1.2, 1.4, 3.0, 8.0, (1,))
+
+
+def moment() -> JointMoment:
+    q, w, m = (jnp.asarray(x, jnp.float32) for x in (Q, W, M))
+    one = jnp.ones_like(q)
+
+    def motion_of(number):
+        there = number > 1.5
+        return jnp.where(there, jnp.asarray(Q2), 0.0), jnp.where(there, jnp.asarray(W2), 0.0)
+
+    return JointMoment(q, w, m, one, 0.002, one, one, lambda q, w: m, lambda number: 0.0 * number, motion_of)
+
+
+def force(name: str, *p: float, state: tuple = ()) -> np.ndarray:
+    """On the joint, with what is implicit taken at the present speed."""
+    law = effect(name)
+    assert isinstance(law, JointLaw)
+    does, _ = law.act(tuple(jnp.full(len(Q), x) for x in p), moment(), tuple(jnp.full(len(Q), x) for x in state))
+    total = does.force - does.damping * W - does.friction * np.sign(W) + (does.motor - 1.0) * M
+    return np.asarray(total, float) + np.zeros(len(Q))
+
+
+X = (Q - 0.3) / 0.2
+EXPECTED = {
+    "law_constant": ((-0.7,), -0.7 + 0.0 * Q),
+    "law_line": ((1.5, 0.3), -1.5 * (Q - 0.3)),
+    "law_square": ((1.5, 0.3), 1.5 * (Q - 0.3) ** 2),
+    "law_cube": ((1.5, 0.3), -1.5 * (Q - 0.3) ** 3),
+    "law_wave": ((0.4, 7.0, 1.1), 0.4 * np.sin(7.0 * Q + 1.1)),
+    "law_bump": ((0.4, 0.3, 0.2), 0.4 * np.exp(-(X**2))),
+    "law_detent": ((0.4, 0.3, 0.2), -0.4 * X * np.exp(-(X**2))),
+    "law_upper_spring": ((2.0, 0.3), -2.0 * np.maximum(Q - 0.3, 0.0)),
+    "law_lower_spring": ((2.0, 0.3), -2.0 * np.minimum(Q - 0.3, 0.0)),
+    "law_damping": ((0.2,), -0.2 * W),
+    "law_one_way_damping": ((0.2,), -0.2 * np.abs(W)),
+    "law_drag": ((0.2,), -0.2 * np.abs(W) * W),
+    "law_cubic_drag": ((0.2,), -0.2 * W**3),
+    "law_smooth_friction": ((0.5, 0.4), -0.5 * np.tanh(W / 0.4)),
+    "law_hump": ((0.5, 0.8), -(W / 0.8) / (1.0 + (W / 0.8) ** 2)),
+    "law_place_damping": ((0.5, 0.3), -0.5 * (Q - 0.3) ** 2 * W),
+    "law_dry_friction": ((0.5,), -0.5 * np.sign(W)),
+    "law_two_way_friction": ((0.5, 0.6), -0.5 * (1.0 + 0.6 * np.sign(W)) * np.sign(W)),
+    "law_friction_wave": ((0.5, 0.6, 4.0, 0.2), -0.5 * (1.0 + 0.6 * np.sin(4.0 * Q + 0.2)) * np.sign(W)),
+    "law_tight_spot": ((0.5, 0.3, 0.2), -0.5 * np.exp(-(X**2)) * np.sign(W)),
+    "law_tow": ((0.3, 2.0), 0.3 * W2),
+    "law_fling": ((0.3, 2.0), 0.3 * np.abs(W2) * W2),
+    "law_square_fling": ((0.3, 2.0), 0.3 * W2**2),
+    "law_stir": ((0.3, 2.0), -0.3 * np.abs(W2) * W),
+    "law_whirl": ((0.3, 2.0), 0.3 * W2 * W),
+    "law_tie": ((0.3, 2.0, 0.1), -0.3 * (Q2 - 0.1)),
+    "law_soft_motor": ((0.4,), (1.0 / np.sqrt(1.0 + 0.4 * M**2) - 1.0) * M),
+    "law_slow_motor": ((0.2,), -0.2 * np.abs(W) * M),
+}
+
+
+def test_the_library_is_one_of_its_own() -> None:
+    names = [e.name for e in (*ALL, *VARIANTS, *LAWS)]
+    assert len(set(names)) == len(names)
+    assert {law.name for law in LAWS} == {*EXPECTED, "law_rhythm", "law_creep"}
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_the_force_is_what_the_equation_says(name: str) -> None:
+    p, expected = EXPECTED[name]
+    np.testing.assert_allclose(force(name, *p), expected, rtol=1e-4, atol=1e-5)
+
+
+def test_a_rhythm_goes_by_the_time_since_the_beginning() -> None:
+    assert force("law_rhythm", 0.4, 1.5, 0.3, state=(2.2,)) == pytest.approx(
+        0.4 * np.sin(3.0 * np.pi * 2.2 + 0.3), rel=1e-4
+    )
+    law, p = effect("law_rhythm"), tuple(jnp.full(len(Q), x) for x in (0.4, 1.5, 0.3))
+    assert isinstance(law, JointLaw)
+    _, (after,) = law.act(p, moment(), (jnp.full(len(Q), 2.2),))
+    assert np.asarray(after) == pytest.approx(2.202)
+
+
+def test_what_creeps_pushes_back_like_a_spring_and_then_lets_go() -> None:
+    law = effect("law_creep")
+    assert isinstance(law, JointLaw)
+    p, one = (jnp.full(1, 5.0), jnp.full(1, 0.5)), jnp.ones(1)
+    state, forces = law.initial(p, one, one), []
+    for step in range(1500):
+        w = one * (2.0 if step < 50 else 0.0)  # 0.1 rad in 50 ms, then held
+        does, state = law.act(p, moment()._replace(w=w, dt=1e-3 * one), state)
+        forces.append(float(does.force[0]))
+    assert forces[49] == pytest.approx(-0.5, rel=0.06)
+    assert forces[549] == pytest.approx(forces[49] * np.exp(-1.0), rel=1e-2)
+
+
+@pytest.mark.parametrize("name", ["law_rhythm", "law_creep"])
+def test_what_is_remembered_is_what_the_steps_lead_to(name: str) -> None:
+    law = effect(name)
+    assert isinstance(law, JointLaw)
+    values = {"law_rhythm": (0.4, 1.5, 0.3), "law_creep": (5.0, 0.5)}[name]
+    time, speed = 0.01 * np.arange(40), np.sin(np.arange(40) / 5.0)
+    [told] = law.remembered(values, time, speed)
+    one, p = jnp.ones(1), tuple(jnp.full(1, x) for x in values)
+    state, stepped = law.initial(p, one, one), []
+    for w in speed:
+        stepped.append(float(state[0][0]))
+        _, state = law.act(p, moment()._replace(w=w * one, dt=0.01 * one), state)
+    np.testing.assert_allclose(told, stepped, atol=1e-5)
+
+
+@every_law
+def test_without_amplitude_nothing_changes(law: JointLaw) -> None:
+    values = jnp.asarray(neutral_values(law, len(Q)), jnp.float32)
+    assert law.parameters[0].neutral == 0.0
+    p = tuple(values.T)
+    after, _ = law.act(p, moment(), law.initial(p, jnp.asarray(Q), jnp.asarray(W)))
+    before = JointForce(0.0, 0.0, 0.0, 0.0, 1.0)
+    for x, y in zip(jax.tree.leaves(before), jax.tree.leaves(after), strict=True):
+        np.testing.assert_array_equal(np.broadcast_to(y, len(Q)), np.full(len(Q), x))
+
+
+@every_law
+@pytest.mark.parametrize("name", ROBOTS)
+def test_bounds_sentences_and_starts_go_together(law: JointLaw, name: str) -> None:
+    subject = robot(name)
+    for site in law.sites(subject):
+        bounds = np.array(law.bounds(subject, site))
+        assert bounds.shape == (len(law.parameters), 2) and np.isfinite(bounds).all()
+        assert (bounds[:, 0] <= bounds[:, 1]).all() and bounds[0, 1] > 0.0
+        assert (bounds[0, 0] < 0.0) == law.parameters[0].signed
+        values = dict(zip([p.name for p in law.parameters], bounds @ [0.3, 0.7], strict=True))
+        said = Change(law.name, site, values).sentence()
+        assert site in said and any(c.isdigit() for c in said.replace(site, "")) and not said.endswith(".")
+        assert law.formula(values)[:2] in ("+ ", "- ")
+        with pytest.raises(NotImplementedError, match=law.name):
+            law.write_mjcf(subject, subject.spec.copy(), site, values)
+    assert law.tried(REACH) and all(len(shape) == len(law.parameters) - 1 for shape in law.tried(REACH))
+    assert law.equation and law.resembles and type(law).__doc__
+
+
+@pytest.mark.parametrize(
+    ("name", "p"),
+    [("law_stir", (0.05, 1.0)), ("law_tie", (0.3, 1.0, 0.1)), ("law_friction_wave", (0.03, 0.8, 5.0, 0.4))],
+)
+def test_engines_agree_on_laws(name: str, p: tuple[float, ...]) -> None:
+    subject, rows = nominal("two"), 41
+    law = effect(name)
+    change = Change(law.name, "elbow", dict(zip([x.name for x in law.parameters], p, strict=True)))
+    time = 0.01 * np.arange(rows)
+    commands = np.stack([np.sin(9.0 * time), 0.4 * np.cos(7.0 * time)], axis=1)
+    nothing = np.full((rows, 2), np.nan)
+    recording = Recording("r", time, commands, np.ones((rows, 2)), nothing, nothing, nothing)
+    stretch = segment([recording], 0, (0, rows - 1), 0.005, Start(np.array([0.3, -0.2]), np.zeros(2)))
+    effects = catalogue([name])
+    values = stack([encode(subject, effects, [change]), encode(subject, effects, [])])
+    found = [
+        replayer(subject, effects, [subject], engine=engine, widths=(2,)).replay(values, [stretch], np.zeros(2, int))
+        for engine in ("lanes", "mjx")
+    ]
+    np.testing.assert_allclose(found[0].qpos, found[1].qpos, atol=2e-5)
+    assert np.abs(found[0].qpos[0] - found[0].qpos[1]).max() > 5e-3
