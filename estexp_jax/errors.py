@@ -15,9 +15,9 @@ class InputError(Exception):
     """
 
     def __init__(self, what: str, *, where: str = "", right: str = "") -> None:
-        self.what, self.where, self.right = what, where, right
-        message = f"{where}: {what}" if where else what
-        super().__init__(plain(f"{message}; {right}" if right else message))
+        self.what, self.where, self.right = (plain(text) for text in (what, where, right))
+        message = f"{self.where}: {self.what}" if where else self.what
+        super().__init__(f"{message}; {self.right}" if right else message)
 
 
 def plain(text: str) -> str:

@@ -114,7 +114,7 @@ def _print(judged: list[dict[str, Any]]) -> None:
 
     console = Console(highlight=False)
     _print_table(console, "Recordings", ("file", "role", "rows", "s", "Hz", "jitter, ms", "gaps"), _recordings(judged))
-    header = ("joint", "told by", "largest span", "moves in")
+    header = ("joint", "told by", "largest span", "moves in", "can tell apart")
     _print_table(console, "Joints", header, _joints(judged))
     _print_table(console, "Commands", ("actuator", "low", "high", "saturated", "motor on"), _commands(judged))
     for remark, files in _remarks(judged).items():
@@ -157,6 +157,8 @@ def _recordings(judged: list[dict[str, Any]]) -> list[tuple[str, ...]]:
 
 
 def _joints(judged: list[dict[str, Any]]) -> list[tuple[str, ...]]:
+    from estexp_jax.recordings.excitation import SUSPECTS
+
     rows = []
     for name in judged[0]["joints"]:
         found = [one["joints"][name] for one in judged]
@@ -164,7 +166,9 @@ def _joints(judged: list[dict[str, Any]]) -> list[tuple[str, ...]]:
         span = max((joint["span"] for joint in found if joint["span"] is not None), default=None)
         moves = sum(joint["excited"] is True for joint in found)
         told = f"{moves} of {len(found)}" if columns else "unknown"
-        rows.append((name, ", ".join(columns) or "nothing", "-" if span is None else f"{span:.4g}", told))
+        able = [s.replace("_", " ") for s in SUSPECTS if any(joint["tells"].get(s) for joint in found)]
+        motion = "-" if span is None else f"{span:.4g}", told, ", ".join(able) or "nothing yet"
+        rows.append((name, ", ".join(columns) or "nothing", *motion))
     return rows
 
 

@@ -4,6 +4,7 @@ import hashlib
 import json
 import signal
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -104,7 +105,7 @@ def _outcome(attempt):
     try:
         attempt()
     except InputError as error:
-        assert 0 < len(str(error)) < 40_000 and "\n" not in error.what
+        assert 0 < len(str(error)) < 40_000 and "\n" not in str(error)
         return True
     finally:
         signal.alarm(0)
@@ -115,7 +116,8 @@ def _recording(robot, path, mapping, selection=Selection()):  # noqa: B008
     """Read a log in all ways that the program does; as a recording, if it is one."""
     table = read_table(path, selection)
     for name in (*table.names, *table.parts):
-        _outcome(lambda name=name: table.column(name))
+        with suppress(InputError):
+            assert table.column(name).dtype == np.float64
     recording = read_recording(robot, path, mapping=mapping, selection=selection, mend=True)
     assert np.isfinite(recording.ctrl).all() and not np.isinf(recording.sensor).any()
     judged = judge(robot, recording)
