@@ -12,7 +12,7 @@ from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.laws import fewest_terms, needed, suspects
-from estexp_jax.discovery.likely_laws import PLAIN, likely
+from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.package_data import schema_path
@@ -124,7 +124,7 @@ def test_missing_forces_suggest_the_law_that_made_them(force, name, values):
     first = next(iter(found))
     assert first == (name, "elbow")
     assert found[first][0][: len(values)] == pytest.approx(values, rel=0.35)
-    assert {(plain, "elbow") for plain in PLAIN} <= set(found)
+    assert len(found) == 6
 
 
 def test_joints_that_lack_most_force_are_suspects():
@@ -147,7 +147,7 @@ def selection(errors: dict[tuple, float], chosen: tuple = ()) -> Selection:
     return Selection(worst, worst, own, tuple(tried.values()), tried.get(chosen, own))
 
 
-DRY, WAVE, CUBE = ("law_dry_friction", "elbow"), ("law_wave", "elbow"), ("law_cube", "shoulder")
+DRY, WAVE, CUBE = ("law_two_way_friction", "elbow"), ("law_bump", "elbow"), ("law_cube", "shoulder")
 
 
 def test_only_what_is_left_without_a_name_needs_a_law():
@@ -155,6 +155,7 @@ def test_only_what_is_left_without_a_name_needs_a_law():
     assert not needed(nominal("two"), selection({(): 1.0}))
     friction = (("coulomb_friction", "elbow"),)
     assert not needed(nominal("two"), selection({(): 20.0, friction: 2.0}, friction))
+    assert needed(nominal("two"), selection({(): 20.0, friction: 4.0}, friction))
 
 
 def test_a_term_that_does_not_halve_the_error_is_left_out():
@@ -166,15 +167,15 @@ def test_a_term_that_does_not_halve_the_error_is_left_out():
 
 
 TERMS = (
-    Change("law_drag", "elbow", {"c": 0.12}),
-    Change("law_wave", "elbow", {"A": 0.05, "n": 7.0, "phase": -1.2}),
+    Change("law_cubic_drag", "elbow", {"c": 0.12}),
+    Change("law_bump", "elbow", {"A": 0.05, "q0": 0.7, "s": 0.2}),
     Change("law_stir", "elbow", {"g": -0.02, "with": 1.0}),
 )
 
 
 def test_terms_at_a_joint_are_told_as_one_equation():
     told = equation(nominal("two"), TERMS)
-    expected = "tau = - 0.12 |w| w + 0.05 sin(7 q - 1.2) + 0.02 |w[shoulder]| w"
+    expected = "tau = - 0.12 w^3 + 0.05 exp(-((q - 0.7)/0.2)^2) + 0.02 |w[shoulder]| w"
     assert told == f"{expected}, in brackets the joint whose q or w it is"
     there = moving(lambda t, q, w: 0.0 * t)
     assert covered(nominal("two"), [there], "elbow").endswith("-0.8 < q < 0.8 rad")
@@ -187,15 +188,15 @@ def test_a_law_is_one_entry_with_an_interval_for_each_value():
     intervals = np.stack([np.arange(n) - 0.5, np.arange(n) + 0.5], axis=1)
     there = moving(lambda t, q, w: 0.0 * t)
     [entry] = law_entries(nominal("two"), [there], (fitted, intervals), [(TERMS[0], 0.7), (TERMS[1], 0.6)])
-    assert list(entry["parameters"]) == ["c_drag", "A_wave", "n_wave", "phase_wave"]
-    assert entry["parameters"]["A_wave"] == {"value": 0.05, "low": n - 3.5, "high": n - 2.5, "unit": "N m"}
+    assert list(entry["parameters"]) == ["c_cubic_drag", "A_bump", "q0_bump", "s_bump"]
+    assert entry["parameters"]["A_bump"] == {"value": 0.05, "low": n - 3.5, "high": n - 2.5, "unit": "N m"}
     assert entry["probability"] == 0.7 and entry["effect"] == "unknown_law"
-    assert "resembles drag and a force that comes and goes along the way" in entry["sentence"]
+    assert "resembles a resistance that grows steeply with speed and a push at one position" in entry["sentence"]
 
 
 def test_all_laws_of_a_joint_count_as_the_same_claim():
     found = selection({(): 20.0, (DRY,): 9.0, (DRY, WAVE): 3.0}, (DRY, WAVE))
     assert told_places(found.chosen) == ["unknown_law@elbow"]
     assert told_place(Change("law_cube", "shoulder", {"k": 1.0})) == "unknown_law@shoulder"
-    share = presence(found, np.array([0.1, 0.3, 0.6]), Change("law_wave", "elbow", {"A": 0.1}))
+    share = presence(found, np.array([0.1, 0.3, 0.6]), Change("law_bump", "elbow", {"A": 0.1}))
     assert share == pytest.approx(0.9)
