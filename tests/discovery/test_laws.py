@@ -4,9 +4,12 @@ import json
 from dataclasses import replace
 
 import jsonschema
+import mujoco
 import numpy as np
 import pytest
 
+from estexp_jax.api.explain_files import EFFECTS_SCHEMA
+from estexp_jax.api.simulator import load_explained
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
@@ -19,7 +22,7 @@ from estexp_jax.package_data import schema_path
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.report.explain_text import claim
-from tests.discovery.planted import CONFIG, Plant, case_of, explained, nominal
+from tests.discovery.planted import CONFIG, XML, Plant, case_of, explained, nominal
 
 
 def detent(_: float, q: np.ndarray, __: np.ndarray) -> np.ndarray:
@@ -70,6 +73,28 @@ def test_the_simulator_keeps_the_law_and_the_model_says_that_it_lacks_it(notched
     assert Change.from_json(json.loads(json.dumps(law.to_json()))) == law
     assert [c.effect for c in notched.left_out] == ["law_detent"]
     assert all(c.effect != "law_detent" for c in notched.mjcf_changes)
+
+
+def test_the_simulator_that_is_given_back_moves_by_the_law(tmp_path):
+    law = Change("law_detent", "shaft", {"A": 0.9, "q0": 0.35, "s": 0.12})
+    kept = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": 1, "changes": [law.to_json()]}
+    (tmp_path / "effects.json").write_text(json.dumps(kept), encoding="utf-8")
+    (tmp_path / "nominal.xml").write_text(XML["one"], encoding="utf-8")
+    commands = 0.8 * np.sin(0.07 * np.arange(150))[:, None]
+    traces = load_explained(tmp_path).rollout(commands)
+    found = []
+    for force in (detent, None):
+        data = mujoco.MjData(nominal("one").model)
+        angles = []
+        for row in commands:
+            angles.append(float(data.qpos[0]))
+            for _ in range(2):
+                data.ctrl[:] = row
+                data.qfrc_applied[:] = force(0.0, data.qpos, data.qvel) if force else 0.0
+                mujoco.mj_step(nominal("one").model, data)
+        found.append(np.array(angles))
+    assert traces.qpos[:, 0] == pytest.approx(found[0], abs=1e-4)
+    assert np.abs(found[1] - found[0]).max() > 1e-2
 
 
 @pytest.mark.slow
