@@ -225,3 +225,4 @@ def test_all_laws_of_a_joint_count_as_the_same_claim():
     assert told_place(Change("law_cube", "shoulder", {"k": 1.0})) == "unknown_law@shoulder"
     share = presence(found, np.array([0.1, 0.3, 0.6]), Change("law_bump", "elbow", {"A": 0.1}))
     assert share == pytest.approx(0.9)
+    assert presence(found, np.array([0.0, 0.5, 0.5 + 1e-15]), Change("law_bump", "elbow", {"A": 0.1})) == 1.0
