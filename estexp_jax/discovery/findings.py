@@ -23,7 +23,8 @@ def presence(selection: Selection, shares: np.ndarray, change: Change) -> float:
     """Probability that an effect is present: share of all explanations that tell of it, by their probabilities."""
     everything, wanted = [selection.parameters, *selection.tried], told_place(change)
     told = [set(told_places(e)) for e in everything]
-    return float(sum(share for places, share in zip(told, shares, strict=True) if wanted in places))
+    total = sum(share for places, share in zip(told, shares, strict=True) if wanted in places)
+    return min(float(total), 1.0)  # a sum of many shares may come out a rounding error above
 
 
 def told_change(change: Change) -> Change:

@@ -1,5 +1,6 @@
 """Unknown laws: when no named effect explains a mismatch, the fewest terms of a library that do, at one or two joints.
 
+Named effects may act beside them, also some that the search among names alone never came to.
 The search for named effects serves as sparse regression inside the simulation: terms are added while held-out windows
 agree, and taken away again. What comes out must explain as much as any claim must, and clearly more than the best
 explanation with names; else nothing is said.
@@ -25,7 +26,7 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Explanation, Selection, worth
 from estexp_jax.discovery.starts import Vectors
-from estexp_jax.discovery.verdict import verdict
+from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.engines.replaying import Replayer
@@ -33,8 +34,12 @@ from estexp_jax.physics.registry import ALL, LAWS, VARIANTS, effect
 from estexp_jax.physics.robot import Robot
 
 _MEMORY = "unknown laws"
-_JOINTS, _TERMS, _MOST = 2, 6, 3
-"""Joints that laws are looked for at, terms that are looked at there beside the plain ones, most terms in a law."""
+_JOINTS, _TERMS, _MOST = 2, 8, 3
+"""Joints that laws are looked for at, terms that are looked at there, most claims in all."""
+_BESIDE = ("viscous_friction", "coulomb_friction", "quadratic_drag", "joint_stiffness", "cogging", "torque_offset")
+"""Named effects that may act at the same joint beside a law's terms: the library need not have them again."""
+_PLAINLY = 0.1
+"""Names that leave something of the mismatch give way only to what brings the squared error under this share."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
 _BEST = 3
@@ -70,8 +75,9 @@ def is_law(place: Place) -> bool:
 
 
 def needed(robot: Robot, selection: Selection) -> bool:
-    """Whether nothing named explains the mismatch."""
-    return verdict(robot, selection, selection.chosen.claims) == "unexplained"
+    """Whether nothing named explains the mismatch, or what does leaves more than noise may."""
+    judged = verdict(robot, selection, selection.chosen.claims)
+    return judged == "unexplained" or (judged == "missing_physics" and selection.chosen.error > QUIET)
 
 
 def unknown_law(
@@ -94,11 +100,12 @@ def unknown_law(
         starts |= likely(robot, unnamed.seen, joint, _TERMS)
     if not starts:
         return None
-    beside = [p for p in named.chosen.places if element(robot, p) not in [("joint", j) for j in joints]]
+    plain = [p for p in unnamed.problem.places if p[0] in _BESIDE and p[1] in joints]
+    places = tuple(dict.fromkeys((*starts, *plain, *named.chosen.places)))
     kept = _kept(robot, named)
-    names = {name for e in kept for name, _ in e.places} | {name for name, _ in (*starts, *beside)} | set(BENT)
+    names = {name for e in kept for name, _ in e.places} | {name for name, _ in places} | set(BENT)
     simulator = replayer([e.name for e in (*ALL, *VARIANTS, *LAWS) if e.name in names])
-    problem = _among(unnamed.problem, simulator, (*starts, *beside), starts)
+    problem = _among(unnamed.problem, simulator, places, starts)
     found, there = yield from _told(select(problem, unnamed.parameters, _MOST))
     found = replace(found, tried=(*kept, *found.tried))
     if not believed(robot, found, named, there):
@@ -112,6 +119,8 @@ def unknown_law(
 def fewest_terms(found: Selection) -> Explanation:
     """The explanation with the fewest of the chosen one's terms, each of which halves what is left at least."""
     chosen = found.chosen
+    if not any(is_law(p) for p in chosen.places):
+        return chosen
     parts = [e for e in found.tried if e.places and set(e.places) < set(chosen.places)]
     spared = [len(chosen.places) - len(e.places) for e in parts]
     enough = [e for e, n in zip(parts, spared, strict=True) if e.held_out.sum() * _HALF**n <= chosen.held_out.sum()]
@@ -150,7 +159,11 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
         problem: the comparison about what is chosen with laws.
     """
     chosen, best = found.chosen, min((named.parameters, *named.tried), key=lambda e: e.error)
-    if not any(is_law(p) for p in chosen.places) or not worth(chosen, best):
+    if verdict(robot, named, named.chosen.claims) != "unexplained":
+        better = chosen.held_out.sum() < _PLAINLY * best.held_out.sum()
+    else:
+        better = worth(chosen, best)
+    if not better:
         return False
     if verdict(robot, found, chosen.claims) != "missing_physics":
         return False

@@ -20,8 +20,6 @@ from estexp_jax.physics.effects.laws.base import JointLaw, Reach
 from estexp_jax.physics.registry import LAWS
 from estexp_jax.physics.robot import Robot
 
-PLAIN = ("law_constant", "law_line", "law_damping", "law_drag", "law_dry_friction")
-"""Terms that are always looked at: beside another one they may count for what they do not alone."""
 _SAMPLES, _COLUMNS = 2000, 64
 """Samples of the forces, and values of shapes laid beside them at once."""
 _STARTS = 4
@@ -58,19 +56,18 @@ class _Beside(NamedTuple):
 
 
 def likely(robot: Robot, seen: Sequence[ForceResidual], joint: str, n: int) -> dict[Place, Vectors]:
-    """The terms at a joint that take out most of the force that it lacks and the plain ones, with values to start from.
+    """The terms at a joint that take out most of the force that it lacks, with values to start from.
 
     Args:
         robot: the nominal robot.
         seen: what its joints lack, in each training recording.
         joint: the joint's name.
-        n: how many terms are wanted beside the plain ones.
+        n: how many terms are wanted.
     """
     samples = _samples(robot, seen, robot.index("joint", joint))
     found = {law.name: _beside(robot, law, joint, samples) for law in LAWS}
     ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
-    kept = [*ranked[:n], *(name for name in PLAIN if name not in ranked[:n])]
-    return {(name, joint): [b.values for b in found[name]] for name in kept if found[name]}
+    return {(name, joint): [b.values for b in found[name]] for name in ranked[:n]}
 
 
 def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Samples:

@@ -142,7 +142,10 @@ def _what(case: Case, found: Found, judged: str, shares: np.ndarray) -> tuple[tu
     laws = law_entries(
         case.robot, found.seen, (final, intervals), [(c, tell.presence(found.selection, shares, c)) for c in terms]
     )
-    return (*terms, *named, *bent), laws + entries + [tell.what_entry(c, final, intervals, 1.0) for c in bent]
+    entries += [tell.what_entry(c, final, intervals, 1.0) for c in bent]
+    if claimed[:1] == terms[:1]:
+        return (*terms, *named, *bent), laws + entries
+    return (*named, *bent, *terms), entries + laws
 
 
 def _at_work(fitted: Fit) -> tuple[Change, ...]:

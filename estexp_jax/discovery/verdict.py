@@ -14,7 +14,7 @@ from estexp_jax.physics.robot import Robot
 
 _ENOUGH = 0.7
 """Share of the excess error on held-out windows that an explanation must remove to be called one."""
-_QUIET = 2.5
+QUIET = 2.5
 """Deviations up to which an error that nothing explains is put down to noise that lasts longer than thought."""
 
 
@@ -30,9 +30,9 @@ def verdict(robot: Robot, selection: Selection, changes: tuple[Change, ...]) -> 
     as_it_is, chosen = min(selection.nominal, selection.corrected, key=lambda e: e.error), selection.chosen
     if as_it_is.error <= NOISE:
         return "consistent"
-    if not changes and min(as_it_is.error, chosen.error) <= _QUIET and not worth(chosen, as_it_is):
+    if not changes and min(as_it_is.error, chosen.error) <= QUIET and not worth(chosen, as_it_is):
         return "consistent"
-    explained = chosen.error <= _QUIET or (changes and gain(chosen.error, as_it_is.error, 1.0) >= _ENOUGH)
+    explained = chosen.error <= QUIET or (changes and gain(chosen.error, as_it_is.error, 1.0) >= _ENOUGH)
     if not explained:
         return "unexplained"
     return "parameters" if all(is_wrong_value(robot, change) for change in changes) else "missing_physics"

@@ -27,22 +27,17 @@ from estexp_jax.physics.effects.joint_limit import JointLimit
 from estexp_jax.physics.effects.joint_offset import JointOffset
 from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.effects.laws.of_friction import LawDryFriction, LawFrictionWave, LawTightSpot, LawTwoWayFriction
+from estexp_jax.physics.effects.laws.of_friction import LawFrictionWave, LawTightSpot, LawTwoWayFriction
 from estexp_jax.physics.effects.laws.of_motors import LawSlowMotor, LawSoftMotor
 from estexp_jax.physics.effects.laws.of_others import LawFling, LawSquareFling, LawStir, LawTie, LawTow, LawWhirl
 from estexp_jax.physics.effects.laws.of_position import (
     LawBump,
-    LawConstant,
     LawCube,
     LawDetent,
-    LawLine,
     LawSquare,
-    LawWave,
 )
 from estexp_jax.physics.effects.laws.of_speed import (
     LawCubicDrag,
-    LawDamping,
-    LawDrag,
     LawHump,
     LawOneWayDamping,
     LawPlaceDamping,
@@ -126,23 +121,17 @@ VARIANTS: Catalogue = (
 """Other forms of effects of the catalogue, told under its names."""
 
 LAWS: tuple[JointLaw, ...] = (
-    LawConstant(),
-    LawLine(),
     LawSquare(),
     LawCube(),
-    LawWave(),
     LawBump(),
     LawDetent(),
     LawUpperSpring(),
     LawLowerSpring(),
-    LawDamping(),
     LawOneWayDamping(),
-    LawDrag(),
     LawCubicDrag(),
     LawSmoothFriction(),
     LawHump(),
     LawPlaceDamping(),
-    LawDryFriction(),
     LawTwoWayFriction(),
     LawFrictionWave(),
     LawTightSpot(),

@@ -12,7 +12,7 @@ from estexp_jax.api.explain import Explanation
 from estexp_jax.api.simulator import Simulator
 from estexp_jax.inference.excitation import multisine
 from estexp_jax.physics.changes import parse_change
-from estexp_jax.recordings.table import read_csv
+from estexp_jax.recordings.read import read_table
 from estexp_jax.recordings.write import write_csv
 from tests.cli.pendulum import PENDULUM, run
 
@@ -35,20 +35,20 @@ def test_the_files_are_what_was_promised(proposed, explained):
     names = {str(path.relative_to(proposed)) for path in proposed.rglob("*") if path.is_file()}
     promised = {"commands.csv", "advice.md", *(f"rivals/{n}.csv" for n in range(1, len(rivals) + 1))}
     assert names - {".estexp-run.json"} == promised
-    commands = read_csv(proposed / "commands.csv")
+    commands = read_table(proposed / "commands.csv")
     assert commands.names == ("time", "ctrl.servo")
     np.testing.assert_allclose(commands.column("time"), np.arange(201) / 100)
     assert np.abs(commands.column("ctrl.servo")).max() <= 0.9 * 1.5
     for n in range(1, len(rivals) + 1):
-        told = read_csv(proposed / "rivals" / f"{n}.csv")
+        told = read_table(proposed / "rivals" / f"{n}.csv")
         assert told.names == ("time", "sensor.angle")
         np.testing.assert_array_equal(told.column("time"), commands.column("time"))
 
 
 def test_the_first_rival_predicts_what_the_explained_simulator_does(proposed, explained):
-    commands = read_csv(proposed / "commands.csv").column("ctrl.servo")[:, None]
+    commands = read_table(proposed / "commands.csv").column("ctrl.servo")[:, None]
     traces = ee.load_explained(explained).rollout(commands, period=0.01)
-    first, second = (read_csv(proposed / "rivals" / f"{n}.csv").column("sensor.angle") for n in (1, 2))
+    first, second = (read_table(proposed / "rivals" / f"{n}.csv").column("sensor.angle") for n in (1, 2))
     np.testing.assert_allclose(first, traces.sensors[:, 0], atol=1e-5)
     assert np.abs(second - first).max() > 0.02
 
@@ -64,7 +64,7 @@ def test_the_advice_names_rivals_sensor_and_what_comes_next(proposed, explained)
 def test_it_is_the_same_from_python_and_prints_itself(proposed, explained):
     told = []
     proposal = ee.propose(explained, duration=2.0, seed=4, progress=told.append)
-    np.testing.assert_array_equal(proposal.commands[:, 0], read_csv(proposed / "commands.csv").column("ctrl.servo"))
+    np.testing.assert_array_equal(proposal.commands[:, 0], read_table(proposed / "commands.csv").column("ctrl.servo"))
     assert [step.done for step in told if step.stage == "searching motions"] == list(range(1, 17))
     assert "coulomb_friction@elbow" in repr(proposal)
     assert proposal._repr_html_().count("<tr>") == 1 + len(proposal.table())
@@ -72,7 +72,7 @@ def test_it_is_the_same_from_python_and_prints_itself(proposed, explained):
 
 def test_a_part_of_a_range_is_not_left(explained, tmp_path):
     assert run("propose", explained, "--out", tmp_path / "out", *SHORT, "--margin", "0.1") == 0
-    commands = read_csv(tmp_path / "out" / "commands.csv").column("ctrl.servo")
+    commands = read_table(tmp_path / "out" / "commands.csv").column("ctrl.servo")
     assert 0.0 < np.abs(commands).max() <= 0.1 * 1.5 + 1e-12
 
 

@@ -28,32 +28,6 @@ _TURNING = 0.01
 
 
 @final
-class LawDryFriction(JointLaw):
-    """tau = -T sign(w)."""
-
-    name: ClassVar[str] = "law_dry_friction"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("T", "N m", signed=False),)
-    equation: ClassVar[str] = "tau = -T sign(w)"
-    resembles: ClassVar[str] = "dry friction"
-    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["T"], "sign(w)")
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(friction=p[0] + 0.0 * moment.w), state
-
-
-@final
 class LawTwoWayFriction(JointLaw):
     """tau = -T (1 + a sign(w)) sign(w): dry friction with another level each way."""
 

@@ -4,14 +4,10 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 import jax.numpy as jnp
-import numpy as np
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import (
-    PHASES,
-    ROUND,
-    WAVES,
     JointLaw,
     Reach,
     amplitude,
@@ -38,56 +34,6 @@ def _widths(robot: Robot, joint: int) -> tuple[float, float]:
 
 def _spots(reach: Reach) -> list[tuple[float, ...]]:
     return [(q, share * reach.span) for q in reach.places(9) for share in (0.04, 0.1, 0.25)]
-
-
-@final
-class LawConstant(JointLaw):
-    """tau = a."""
-
-    name: ClassVar[str] = "law_constant"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("a", "N m"),)
-    equation: ClassVar[str] = "tau = a"
-    resembles: ClassVar[str] = "a constant force"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["a"], "")
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] + 0.0 * moment.q), state
-
-
-@final
-class LawLine(JointLaw):
-    """tau = -k (q - q0), of either sign."""
-
-    name: ClassVar[str] = "law_line"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
-    equation: ClassVar[str] = "tau = -k (q - q0)"
-    resembles: ClassVar[str] = "a spring"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return (_place(robot, joint),)
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in (reach.low, *reach.places(1), reach.high)]
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["k"], away("q", values["q0"]))
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=-p[0] * (moment.q - p[1])), state
 
 
 @final
@@ -138,38 +84,6 @@ class LawCube(JointLaw):
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.q - p[1]) ** 3), state
-
-
-@final
-class LawWave(JointLaw):
-    """tau = A sin(n q + phase)."""
-
-    name: ClassVar[str] = "law_wave"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        amplitude("A", "N m"),
-        Parameter("n", "1/rad", neutral=1.0),
-        Parameter("phase", "rad", signed=True),
-    )
-    equation: ClassVar[str] = "tau = A sin(n q + phase)"
-    resembles: ClassVar[str] = "a force that comes and goes along the way, like cogging"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return (0.2, 40.0 * max(np.pi / half_span(robot, joint), 1.0)), ROUND
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        scale = max(1.0, 1.5 / reach.span)
-        return [(n * scale, phase) for n in WAVES for phase in PHASES[:2]] + [
-            (n * scale, 0.25 * np.pi * side) for n in WAVES for side in (-1, 1)
-        ]
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["A"], f"sin({values['n']:.3g} q {signed(values['phase'], '')})")
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * jnp.sin(p[1] * moment.q + p[2])), state
 
 
 @final

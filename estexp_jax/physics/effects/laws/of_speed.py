@@ -18,31 +18,6 @@ _STILL = 1e-3
 
 
 @final
-class LawDamping(JointLaw):
-    """tau = -c w, of either sign."""
-
-    name: ClassVar[str] = "law_damping"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s/rad"),)
-    equation: ClassVar[str] = "tau = -c w"
-    resembles: ClassVar[str] = "damping"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["c"], "w")
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] + 0.0 * moment.w), state
-
-
-@final
 class LawOneWayDamping(JointLaw):
     """tau = -c |w|: with damping, another one each way."""
 
@@ -65,31 +40,6 @@ class LawOneWayDamping(JointLaw):
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * jnp.abs(moment.w)), state
-
-
-@final
-class LawDrag(JointLaw):
-    """tau = -c |w| w, of either sign."""
-
-    name: ClassVar[str] = "law_drag"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s2/rad2"),)
-    equation: ClassVar[str] = "tau = -c |w| w"
-    resembles: ClassVar[str] = "drag"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["c"], "|w| w")
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] * jnp.abs(moment.w)), state
 
 
 @final

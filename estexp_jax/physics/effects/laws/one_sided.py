@@ -10,7 +10,7 @@ from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Par
 from estexp_jax.physics.effects.laws.base import JointLaw, Reach, amplitude, away, half_span, signed, torque
 from estexp_jax.physics.robot import Robot
 
-_TIGHT = 0.02
+_TIGHT = 0.1
 """Share of half a joint's range within which such a spring may reach full torque."""
 
 
