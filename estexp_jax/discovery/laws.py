@@ -38,7 +38,7 @@ _JOINTS, _TERMS, _MOST = 2, 8, 3
 """Joints that laws are looked for at, terms that are looked at there, most claims in all."""
 _BESIDE = ("viscous_friction", "coulomb_friction", "quadratic_drag", "joint_stiffness", "cogging", "torque_offset")
 """Named effects that may act at the same joint beside a law's terms: the library need not have them again."""
-_PLAINLY = 0.1
+_PLAINLY = 0.3
 """Names that leave something of the mismatch give way only to what brings the squared error under this share."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
