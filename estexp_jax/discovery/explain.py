@@ -46,8 +46,6 @@ from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
 
-_SHORT = 0.5
-"""Length of windows for a first look, s."""
 _WINDOWS, _WORK = (16, 48), 48_000
 """Fewest and most windows that are fitted of long recordings, and how often the robot's forces are computed in them."""
 
@@ -62,12 +60,11 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     every = singles(case.robot, catalogue(claimable(config.effects)))
     places = tuple(p for p in every if possible(case.robot, p, recordings))
     cut = cut_of(case.robots, recordings, config.window)
-    short = cut_of(case.robots, recordings, _SHORT) if config.window > 2.0 * _SHORT else None
     simulator = _replayer(case, config, simulated(config.effects), _apart(case, cut.whole, case.indices("train")))
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
     problem = Problem(Replays(simulator, channels, cut), recordings, memory, noise, places)
-    return replace(problem, most=_most_windows(case.robot, cut.whole), short=short)
+    return replace(problem, most=_most_windows(case.robot, cut.whole))
 
 
 def _replayer(case: Case, config: ExplainConfig, effects: Sequence[str], apart: Sequence[tuple[int, int]]) -> Replayer:
@@ -104,7 +101,7 @@ def _to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     window = fitting_window(case.robot, config.window)
     if window == config.window:
         return whole
-    return replace(whole.with_windows(cut_of(case.robots, whole.recordings, window)), short=None)
+    return whole.with_windows(cut_of(case.robots, whole.recordings, window))
 
 
 def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:

@@ -62,7 +62,6 @@ class Problem:
         most: so many windows are fitted at most.
         likely: values to start the search for some claims from, where a look at the forces suggests some.
         doubt: directions and factors of `doubt.directions` for each window, found by `about` too.
-        short: the same recordings in shorter windows, for a first look; None: they are short already.
         slack: what values of the model and earlier claims would explain, if they were fitted; None: they are not.
         memory: the state of each stage of fitting, plain numbers and arrays by its name: kept by the caller, it lets an
             interrupted explanation go on where it was.
@@ -78,7 +77,6 @@ class Problem:
     own: Mapping[Hypothesis, np.ndarray] = field(default_factory=dict)
     lacking: float = 1.0
     doubt: tuple[np.ndarray, np.ndarray] | None = None
-    short: Cut | None = None
     slack: Slack | None = None
     most: int = 48
     likely: Mapping[Place, Vectors] = field(default_factory=dict)
@@ -116,17 +114,6 @@ class Problem:
     def windows_of(self, recordings: Sequence[int]) -> np.ndarray:
         """Indices of the windows of some recordings."""
         return np.array([i for i, s in enumerate(self.segments) if s.recording in recordings], dtype=int)
-
-    def near(self, member: Member) -> Problem:
-        """The same comparison in short windows, about one member.
-
-        What swings gets out of step with what swings a little faster, until neither tells of the other: the shorter the
-        windows, the farther from the truth the way to it is seen.
-        """
-        if self.short is None:
-            return self
-        share = max(1, len(self.short.whole) // len(self.segments))
-        return replace(self.with_windows(self.short, self.replays.began), most=self.most * share).about(member)
 
     def about(self, member: Member) -> Problem:
         """The same comparison with what one member shows: the error of the coarse step, and of uncertain starts."""

@@ -15,8 +15,6 @@ from estexp_jax.physics.registry import effect
 
 _MANY = 32
 """Windows of which an eighth is enough for a first look."""
-_FAIR = 0.1
-"""A hypothesis that lowers the cost by this share of what the best one does is looked at longer."""
 _BEST = 4
 """Of so many best hypotheses, richer relatives are looked at longer than they seem worth."""
 
@@ -65,10 +63,9 @@ def looked_at(
 ) -> Generator[Progress, None, list[Task]]:
     """The most promising of many hypotheses, by looks that move only what they claim last.
 
-    All their starts are tried in short windows, a quarter of them, of many an eighth. Those that bring a fair share of
-    what the best brings, at most half of them, what is simpler than one of these, and what is richer than the best, go
-    on to twice as many windows, of full length, with starts from the simpler one's solution; and so on, down to `n`.
-    All the time, everything that `base` fits is taken as fitted beside them.
+    All their starts are tried on a quarter of the windows, of many on an eighth. The better half, what is simpler than
+    one of these, and what is richer than the best, goes on to twice as many windows, with starts from the simpler one's
+    solution; and so on, down to `n`. All the time, everything that `base` fits is taken as fitted beside them.
 
     Args:
         problem: the comparison.
@@ -83,34 +80,14 @@ def looked_at(
     """
     looked, again = [Fit(h, vectors[0], np.inf) for h, vectors in tasks], list(tasks)
     for every in (4, 2, 1) if len(problem.fitted) < _MANY else (8, 4, 2, 1):
-        seen = problem.near(base.member) if looked[0].cost == np.inf else problem
-        windows = _telling(seen, base, every)
-        free = slackened(seen, base, windows, cost)
+        windows = problem.fitted[::every]
+        free = slackened(problem, base, windows, cost)
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
         ranked = sorted(looked, key=lambda f: f.cost)
-        nothing = float(np.sum(free.residuals([base.member], windows).astype(np.float64) ** 2))
-        best = _with_richer(with_rungs(ranked, max(n, min(len(looked) // 2, _fair(ranked, nothing)))), ranked)
+        best = _with_richer(with_rungs(ranked, max(n, len(looked) // 2)), ranked)
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
-
-
-def _telling(problem: Problem, base: Fit, every: int) -> np.ndarray:
-    """One of so many windows: half of them those that are off most, as what acts now and then shows in few."""
-    n = -(-len(problem.fitted) // every)
-    left = np.sum(problem.residuals([base.member], problem.fitted)[0].astype(np.float64) ** 2, axis=1)
-    worst = np.argsort(-left, kind="stable")[: -(-n // 2)] if every > 1 else np.arange(0)
-    others = np.setdiff1d(np.arange(len(left)), worst)
-    spread = (
-        others[np.linspace(0, len(others) - 1, n - len(worst)).round().astype(int)] if n > len(worst) else others[:0]
-    )
-    return problem.fitted[np.sort(np.concatenate([worst, spread]))]
-
-
-def _fair(ranked: Sequence[Fit], nothing: float) -> int:
-    """How many lower the cost by a fair share of what the best does."""
-    least = nothing - _FAIR * (nothing - ranked[0].cost)
-    return sum(f.cost <= least for f in ranked)
 
 
 def _settled(problem: Problem, free: Problem, base: Fit, looked: Sequence[Fit]) -> list[Task]:

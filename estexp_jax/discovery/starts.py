@@ -125,7 +125,7 @@ def climbed(name: str, simpler: Mapping[str, float]) -> Vectors:
             return [(simpler["loss"], simpler["tau"], share) for share in (0.6, 0.3, 0.15)]
         case "rebound_limit":
             stop = simpler["low"], simpler["high"]
-            return [(*stop, time, ratio) for time, ratio in product((0.006, 0.02), (0.1, 0.4))]
+            return [(*stop, time, ratio) for time, ratio in product((0.006, 0.02), (0.03, 0.2))]
         case "motor_fade":
             return [(min(max(2.0 * simpler["loss"], 0.05), 0.95), tau) for tau in (1.0, 5.0)]
         case _:

@@ -36,7 +36,7 @@ class ReboundLimit(Edit):
         return _LIMIT.sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return *_LIMIT.bounds(robot, site), (0.002, 0.5), (0.005, 1.5)
+        return *_LIMIT.bounds(robot, site), (0.002, 0.1), (0.005, 0.3)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"{_LIMIT.sentence(site, values)} and bounces"
