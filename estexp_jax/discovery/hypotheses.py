@@ -39,8 +39,6 @@ VARIANTS = {
     "part_stub": "part_lost",
     "outer_compliance": "joint_compliance",
     "outer_backlash": "backlash",
-    "rebound_limit": "joint_limit",
-    "motor_heat": "motor_fade",
 }
 """Other forms of effects, tried wherever these are."""
 
