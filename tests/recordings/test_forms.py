@@ -7,21 +7,8 @@ import pytest
 
 from estexp_jax.cli.main import main
 from estexp_jax.recordings import read_manifest
+from tests.cli.pendulum import PENDULUM
 from tests.recordings.forms import FORMS, write_form
-
-ARM = """
-<mujoco model="pendulum">
-  <option timestep="0.005" integrator="implicitfast"/>
-  <worldbody>
-    <body name="arm" pos="0 0 1">
-      <joint name="elbow" axis="0 1 0" damping="0.02"/>
-      <geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02" mass="0.5"/>
-    </body>
-  </worldbody>
-  <actuator><position name="servo" joint="elbow" kp="8" forcerange="-3 3" ctrlrange="-1.5 1.5"/></actuator>
-  <sensor><jointpos name="angle" joint="elbow"/></sensor>
-</mujoco>
-"""
 
 
 def _log(seed, rows=400):
@@ -45,7 +32,7 @@ def _needs(form):
 def manifests(tmp_path_factory):
     """The manifest of each form."""
     folder = tmp_path_factory.mktemp("forms")
-    (folder / "arm.xml").write_text(ARM)
+    (folder / "arm.xml").write_text(PENDULUM)
     logs = [_log(seed) for seed in range(3)]
     written = {}
     for form in FORMS:
@@ -98,7 +85,7 @@ def _same(one, two):
 
 @pytest.mark.slow
 def test_every_form_is_explained_alike(tmp_path):
-    (tmp_path / "pendulum.xml").write_text(ARM)
+    (tmp_path / "pendulum.xml").write_text(PENDULUM)
     sizes = ("--duration", "4", "--rate", "100", "--seed", "31")
     effect = ("--effect", "coulomb_friction@elbow T=0.35")
     assert main(["record", str(tmp_path / "pendulum.xml"), *effect, "--out", str(tmp_path / "logs"), *sizes]) == 0

@@ -14,14 +14,10 @@ _TIGHT = 0.1
 """Share of half a joint's range within which such a spring may reach full torque."""
 
 
-@final
-class LawUpperSpring(JointLaw):
-    """tau = -k max(q - q0, 0)."""
+class _OneSided(JointLaw):
+    """A spring with its stiffness and the position at which it begins."""
 
-    name: ClassVar[str] = "law_upper_spring"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
-    equation: ClassVar[str] = "tau = -k max(q - q0, 0)"
-    resembles: ClassVar[str] = "a spring that begins beyond some position"
 
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
@@ -31,6 +27,15 @@ class LawUpperSpring(JointLaw):
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:
         return [(q,) for q in reach.places(9)]
+
+
+@final
+class LawUpperSpring(_OneSided):
+    """tau = -k max(q - q0, 0)."""
+
+    name: ClassVar[str] = "law_upper_spring"
+    equation: ClassVar[str] = "tau = -k max(q - q0, 0)"
+    resembles: ClassVar[str] = "a spring that begins beyond some position"
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], f"max{away('q', values['q0'])[:-1]}, 0)")
@@ -40,22 +45,12 @@ class LawUpperSpring(JointLaw):
 
 
 @final
-class LawLowerSpring(JointLaw):
+class LawLowerSpring(_OneSided):
     """tau = -k min(q - q0, 0)."""
 
     name: ClassVar[str] = "law_lower_spring"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
     equation: ClassVar[str] = "tau = -k min(q - q0, 0)"
     resembles: ClassVar[str] = "a spring that begins below some position"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
-
-    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
-        return (scales.joint_span(robot, joint),)
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in reach.places(9)]
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], f"min{away('q', values['q0'])[:-1]}, 0)")
