@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
 
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.schedule import CommandHistory, Schedule, schedule
+
+_MOMENT = 1e-6
+"""So long before a row its command is not yet there, s."""
+_LEAST = 1e-3
+"""Shortest time that a command of a past row is the mean of, s."""
 
 
 class Start(NamedTuple):
@@ -27,6 +33,22 @@ class Start(NamedTuple):
     qvel: np.ndarray
     sensed: tuple[tuple[int, int, int], ...] = ()
     covariance: np.ndarray | None = None
+
+
+class Past(NamedTuple):
+    """Rows of a recording up to the one that a segment starts at, that one last.
+
+    Attributes:
+        qpos, qvel: (rows, nq), (rows, nv).
+        ctrl, enable: (rows, nu).
+        length: (rows,) time until the next of these rows, s; of the last one 0.
+    """
+
+    qpos: np.ndarray
+    qvel: np.ndarray
+    ctrl: np.ndarray
+    enable: np.ndarray
+    length: np.ndarray
 
 
 @final
@@ -76,6 +98,39 @@ class Segment:
     def rows(self) -> int:
         """Number of rows."""
         return self.last - self.first + 1
+
+    def commands(self, shift: np.ndarray, source: np.ndarray) -> np.ndarray:
+        """Commands (1 + steps, nu) of a moment before the first row and of each step, as `CommandHistory.mean`."""
+        start = np.concatenate([self.steps.start[:1] - _MOMENT, self.steps.start])
+        return self.history.mean(start, np.concatenate([[_MOMENT], self.steps.length]), shift, source)
+
+    @cached_property
+    def logged(self) -> np.ndarray:
+        """`commands` as they were logged."""
+        return self.commands(*self._as_logged())
+
+    @cached_property
+    def switched_on(self) -> np.ndarray:
+        """Which motors were on (1 + steps, nu), a moment before the first row and in each step."""
+        return self.enable[np.concatenate([[max(self.first - 1, 0)], self.first + self.steps.row])]
+
+    def past(self, rows: int, shift: np.ndarray, source: np.ndarray) -> Past:
+        """At most so many rows, with commands as `CommandHistory.mean`; where no path is known, only the start."""
+        path = self.path or Path(self.steps.start[:1], self.start.qpos[None], self.start.qvel[None])
+        known = self.first + 1 if self.path is not None else 1
+        at = np.arange(max(known - rows, 0), known)
+        length = np.append(np.diff(path.time[at]), 0.0)
+        ctrl = self.history.mean(path.time[at], np.maximum(length, _LEAST), shift, source)
+        return Past(path.qpos[at], path.qvel[at], ctrl, self.enable[at + self.first + 1 - known], length)
+
+    @cached_property
+    def logged_past(self) -> Past:
+        """All of `past`, with commands as they were logged."""
+        return self.past(self.first + 1, *self._as_logged())
+
+    def _as_logged(self) -> tuple[np.ndarray, np.ndarray]:
+        n = self.enable.shape[1]
+        return np.zeros(n), np.arange(n)
 
 
 def segment(

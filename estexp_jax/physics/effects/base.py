@@ -218,8 +218,8 @@ class CommandShift(Effect):
     side: ClassVar[str] = "command"
 
     @abc.abstractmethod
-    def shift(self, robot: Robot, values: jax.Array) -> jax.Array:
-        """Time by which each command is late, (nu,), s."""
+    def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
+        """Time by which each command is late, (..., nu), s, of values (..., n_sites, n_parameters)."""
 
 
 class ReadingShift(Effect):
@@ -228,8 +228,8 @@ class ReadingShift(Effect):
     side: ClassVar[str] = "sensor"
 
     @abc.abstractmethod
-    def shift(self, robot: Robot, values: jax.Array) -> jax.Array:
-        """Age of each reading, (nsensordata,), s."""
+    def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
+        """Age of each reading, (..., nsensordata), s, of values (..., n_sites, n_parameters)."""
 
 
 class Distortion(Effect):

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-import jax
-import jax.numpy as jnp
+import numpy as np
 
 from estexp_jax.physics.effects.base import CommandShift, Parameter
-from estexp_jax.physics.effects.sites import ALL_ALIKE, per_element, with_all
+from estexp_jax.physics.effects.sites import ALL_ALIKE, with_all
 from estexp_jax.physics.robot import Robot
 
 
@@ -33,5 +32,6 @@ class CommandDelay(CommandShift):
             f"all motors ({site}) obey {late}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {late}"
         )
 
-    def shift(self, robot: Robot, values: jax.Array) -> jax.Array:
-        return jnp.maximum(per_element(values[:, 0], robot.model.nu), 0.0)
+    def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
+        own, alike = np.split(values[..., 0], [robot.model.nu], axis=-1)
+        return np.maximum(own + alike.sum(axis=-1, keepdims=True), 0.0)

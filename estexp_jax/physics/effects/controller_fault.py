@@ -24,4 +24,12 @@ class CommandRoute(ControllerFault):
 
     @abc.abstractmethod
     def route(self, robot: Robot, values: Any) -> Any:
-        """Index of the command that each motor obeys, (nu,), or -1 for its own; for arrays of numpy or JAX."""
+        """Index of the command that each motor obeys, or -1 for its own.
+
+        Args:
+            robot: the nominal robot.
+            values: (..., n_sites, n_parameters), of numpy or JAX.
+
+        Returns:
+            (..., nu).
+        """

@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-import jax
-import jax.numpy as jnp
+import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter, ReadingShift
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
@@ -30,6 +29,7 @@ class SensorDelay(ReadingShift):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the sensor {site} shows what was {1000 * values['delay']:.3g} ms ago"
 
-    def shift(self, robot: Robot, values: jax.Array) -> jax.Array:
-        late = jnp.zeros(robot.model.nsensordata, jnp.asarray(values).dtype)
-        return late.at[scalar_sensor_columns(robot)].set(jnp.maximum(values[:, 0], 0.0))
+    def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
+        late = np.zeros((*values.shape[:-2], robot.model.nsensordata))
+        late[..., scalar_sensor_columns(robot)] = np.maximum(values[..., 0], 0.0)
+        return late

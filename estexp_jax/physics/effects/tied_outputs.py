@@ -37,4 +37,4 @@ class TiedOutputs(CommandRoute):
         return network._replace(output_of=jnp.where(source >= 0, source, network.output_of))
 
     def route(self, robot: Robot, values: Any) -> Any:
-        return values[:, 0].astype(int) - 1
+        return values[..., 0].astype(int) - 1

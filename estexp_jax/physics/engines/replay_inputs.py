@@ -15,10 +15,8 @@ from estexp_jax.physics.effects.base import CommandShift, Distortion, Effect, Re
 from estexp_jax.physics.effects.controller_fault import CommandRoute
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Path, Segment
+from estexp_jax.physics.segment import Segment
 
-_MOMENT = 1e-6
-"""So long before a row its command is not yet there, s."""
 _LAG = 0.04
 """Commands of this time tell where a servo is, s: it follows a little late."""
 
@@ -49,23 +47,15 @@ def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[
     """
     shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
     sources = _sources(robot, catalogue, values)
-    nu = robot.model.nu
+    nu, punctual = robot.model.nu, _punctual(shifts, sources)
     length = np.zeros((len(segments), n_steps), np.float32)
     ctrl = np.zeros((len(segments), n_steps, nu), np.float32)
     enable = np.ones((len(segments), n_steps, nu), np.float32)
-    punctual = _punctual(shifts, sources)
-    commanded: dict[int, np.ndarray] = {}
     for i, s in enumerate(segments):
         k = s.steps.n_steps + 1
-        if not (punctual[i] and id(s) in commanded):
-            start = np.concatenate([s.steps.start[:1] - _MOMENT, s.steps.start])
-            span = np.concatenate([[_MOMENT], s.steps.length])
-            mean = s.history.mean(start, span, shifts[i], sources[i])
-            commanded |= {id(s): mean} if punctual[i] else {}
         length[i, 1:k] = s.steps.length
-        ctrl[i, :k] = commanded[id(s)] if punctual[i] else mean
-        enable[i, 0] = s.enable[max(s.first - 1, 0)]
-        enable[i, 1:k] = s.enable[s.first + s.steps.row]
+        ctrl[i, :k] = s.logged if punctual[i] else s.commands(shifts[i], sources[i])
+        enable[i, :k] = s.switched_on
         ctrl[i, k:], enable[i, k:] = ctrl[i, k - 1], enable[i, k - 1]
     return Drive(length, ctrl, enable)
 
@@ -123,17 +113,18 @@ def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Seg
     """Rows before each segment (lanes, n_rows + 1, ...), its own first row last; the first ones repeat."""
     shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
     sources = _sources(robot, catalogue, values)
-    found = []
-    for i, s in enumerate(segments):
-        before = s.first if s.path is not None else 0
-        row = np.clip(np.arange(before - n_rows, before + 1), 0, None) + (s.first - before)
-        there = s.path or Path(s.steps.start[:1], s.start.qpos[None], s.start.qvel[None])
-        at = np.minimum(row, len(there.time) - 1)
-        length = np.append(np.diff(there.time[at]), 0.0)
-        start = there.time[at]
-        ctrl = s.history.mean(start, np.maximum(length, 1e-3), shifts[i], sources[i])
-        found.append(Roll(there.qpos[at], there.qvel[at], ctrl, s.enable[row], length))
-    return Roll(*(np.stack(column).astype(np.float32) for column in zip(*found, strict=True)))
+    punctual, n = _punctual(shifts, sources), n_rows + 1
+    pasts = [
+        s.logged_past if p else s.past(n, *late)
+        for s, p, *late in zip(segments, punctual, shifts, sources, strict=True)
+    ]
+    found = Roll(*(np.empty((len(pasts), n, *x.shape[1:]), np.float32) for x in pasts[0]))
+    for i, past in enumerate(pasts):
+        k = min(n, len(past.length))
+        for whole, own in zip(found, past, strict=True):
+            whole[i, n - k :], whole[i, : n - k] = own[-k:], own[-k]
+        found.length[i, : n - k] = 0.0
+    return found
 
 
 def changed(robot: Robot, effects: Sequence[Effect], values: Values) -> np.ndarray:
@@ -174,8 +165,7 @@ def _shifts(
     total = np.zeros((_lanes(values), n))
     for effect in catalogue:
         if isinstance(effect, CommandShift | ReadingShift) and isinstance(effect, kind):
-            for lane in np.flatnonzero(values[effect.name].any(axis=(1, 2))).tolist():
-                total[lane] += np.asarray(effect.shift(robot, values[effect.name][lane]))
+            total += effect.shift(robot, values[effect.name])
     return total
 
 
@@ -184,7 +174,7 @@ def _sources(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
     source = np.tile(np.arange(robot.model.nu), (_lanes(values), 1))
     for effect in catalogue:
         if isinstance(effect, CommandRoute):
-            other = np.stack([effect.route(robot, v) for v in values[effect.name]])
+            other = effect.route(robot, values[effect.name])
             source = np.where(other >= 0, other, source)
     return source
 

@@ -147,9 +147,9 @@ def _assert_unchanged(e: Effect, subject: Robot, values: jax.Array, *, exact: bo
             before = decode(jnp.linspace(-1.0, 1.0, n_weights(2, model.nu)), 2, model.nu)
             after = e.damage(subject, before, values)
         case CommandShift():
-            before, after = np.zeros(model.nu), e.shift(subject, values)
+            before, after = np.zeros(model.nu), e.shift(subject, np.asarray(values))
         case ReadingShift():
-            before, after = np.zeros(model.nsensordata), e.shift(subject, values)
+            before, after = np.zeros(model.nsensordata), e.shift(subject, np.asarray(values))
         case CommandLaw():
             before = jnp.linspace(-1.0, 1.0, len(values))
             after, _ = e.act(tuple(values.T), before, 0.3 * before, 0.002, e.initial(tuple(values.T), before))
@@ -254,5 +254,5 @@ def test_controller_faults_hit_their_neuron_and_motor_only() -> None:
 def test_a_command_delay_is_never_negative() -> None:
     subject, e = robot("cartpole"), effect("command_delay")
     assert isinstance(e, CommandShift)
-    shift = e.shift(subject, jnp.asarray([[0.03], [-0.1]]))
-    np.testing.assert_allclose(shift, [0.03, 0.0], rtol=1e-6)
+    shift = e.shift(subject, np.array([[[0.03]], [[-0.1]]]))
+    np.testing.assert_allclose(shift, [[0.03], [0.0]], rtol=1e-6)
