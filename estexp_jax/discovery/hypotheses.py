@@ -39,12 +39,10 @@ VARIANTS = {
     "part_stub": "part_lost",
     "outer_compliance": "joint_compliance",
     "outer_backlash": "backlash",
+    "rebound_limit": "joint_limit",
+    "motor_heat": "motor_fade",
 }
-"""Other forms of effects, tried wherever these are.
-
-Not `rebound_limit` and `motor_heat` yet, though simulator and starts know them: a form takes a place of its own among
-the few hypotheses that are fitted in full, and on a real servo these two left none to its friction.
-"""
+"""Other forms of effects, tried wherever these are."""
 
 TOLERANCE = 0.3
 """Share by which a value of the model may be off and still count as a wrong parameter."""
@@ -57,6 +55,11 @@ _JAMMED = 0.5
 def claimable(effects: Sequence[str]) -> tuple[str, ...]:
     """Names of effects with their other forms."""
     return (*effects, *(variant for variant, name in VARIANTS.items() if name in effects))
+
+
+def told_of(place: Place) -> Place:
+    """The effect at the site that a form of it is told as."""
+    return VARIANTS.get(place[0], place[0]), place[1]
 
 
 def simulated(effects: Sequence[str]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
-from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming, told_of
 from estexp_jax.discovery.marginal import slackened
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.starts import RUNGS, climbed, starts
@@ -65,7 +65,8 @@ def looked_at(
 
     All their starts are tried on a quarter of the windows, of many on an eighth. The better half, what is simpler than
     one of these, and what is richer than the best, goes on to twice as many windows, with starts from the simpler one's
-    solution; and so on, down to `n`. All the time, everything that `base` fits is taken as fitted beside them.
+    solution; and so on, down to `n`. Forms of one effect take one place among them. All the time, everything that
+    `base` fits is taken as fitted beside them.
 
     Args:
         problem: the comparison.
@@ -73,7 +74,7 @@ def looked_at(
         tasks: hypotheses with vectors (n_free,) to start from.
         cost: of the best explanation so far, 1 for noise.
         stage: what to call it.
-        n: how many are wanted.
+        n: how many are wanted, forms of one effect counted once.
 
     Returns:
         The hypotheses with the vectors to fit them from.
@@ -85,7 +86,8 @@ def looked_at(
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
         ranked = sorted(looked, key=lambda f: f.cost)
-        best = _with_richer(with_rungs(ranked, max(n, len(looked) // 2)), ranked)
+        half = len({told_of(_last(f)) for f in looked}) // 2
+        best = _with_richer(with_rungs(ranked, max(n, half)), ranked)
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
 
@@ -109,10 +111,11 @@ def _settled(problem: Problem, free: Problem, base: Fit, looked: Sequence[Fit]) 
 
 
 def with_rungs(ranked: Sequence[Fit], n: int) -> list[Fit]:
-    """The first `n`, and the simpler relatives of those that claim a richer law, wherever they rank."""
-    first = list(ranked[:n])
+    """The first `n`, in all their forms, and the simpler relatives of richer laws among them, wherever they rank."""
+    slots = list(dict.fromkeys(told_of(_last(f)) for f in ranked))[:n]
+    first = [f for f in ranked if told_of(_last(f)) in slots]
     wanted = {(*places[:-1], (RUNGS[places[-1][0]], places[-1][1])) for places in map(_places, first) if _rich(places)}
-    return first + [f for f in ranked[n:] if _places(f) in wanted]
+    return first + [f for f in ranked if f not in first and _places(f) in wanted]
 
 
 def _with_richer(kept: Sequence[Fit], ranked: Sequence[Fit]) -> list[Fit]:
