@@ -47,7 +47,11 @@ def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]
     return [Explanation(f, np.concatenate(part)) for f, part in zip(fits, parts, strict=True)]
 
 
-def held_out(problem: Problem, fitted: Fit, folds: Sequence[Fold]) -> Explanation:
-    """A hypothesis as it stands, fitted to nothing, judged on the same windows."""
-    parts = [problem.residuals([fitted.member], held)[0].astype(np.float64) for _, held in folds]
-    return Explanation(fitted, np.concatenate([np.sum(part**2, axis=1) / len(folds) for part in parts]))
+def as_fitted(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]) -> list[Explanation]:
+    """Hypotheses as they stand, judged on the same windows."""
+    if not fits:
+        return []
+    members = [f.member for f in fits]
+    squares = [np.sum(np.square(problem.residuals(members, held), dtype=np.float64), axis=2) for _, held in folds]
+    each = np.concatenate(squares, axis=1) / len(folds)
+    return [Explanation(f, own) for f, own in zip(fits, each, strict=True)]

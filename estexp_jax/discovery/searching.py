@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.cross_validation import cross_validated, held_out
+from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.marginal import about
@@ -18,7 +18,7 @@ from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, 
 from estexp_jax.discovery.starts import RUNGS
 
 _NEAR = 2.0
-"""Explanations up to so many times as far off as the best are fitted on and judged about its fit."""
+"""Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out."""
 _PROMISING = 8
 """So many of a round's hypotheses, the most promising ones, are fitted in full."""
 
@@ -68,8 +68,8 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     [bent], around = yield from fitted(about(problem, start), tasks, "parameters")
     problem = about(around.heard(bent.member), start)
     plain = replace(problem, rough=None)  # what the step does is no noise where the step itself is asked for
-    nominal, corrected = (held_out(p, start, search.folds) for p in (replace(plain, step=None), plain))
-    [own], problem = yield from _judged_about(search, problem, bent, [bent], "parameters only")
+    nominal, corrected = (as_fitted(p, [start], search.folds)[0] for p in (replace(plain, step=None), plain))
+    [own], problem = yield from _compared(search, problem, [bent], "parameters only")
     found = _Found(problem, own, ())
     for n in range(1, most + 1):
         before = found.chosen
@@ -89,16 +89,21 @@ def fitted(
 ) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
     """Hypotheses fitted to all windows, first with the step's error as the comparison has it, then each with its own.
 
-    Of tasks with the same hypothesis the better fit counts.
-
     Returns:
         The fits, and the comparison with their own corrections.
     """
+    found = yield from _at_first(problem, tasks, stage, iterations)
+    return (yield from _refitted(problem, found, stage, iterations))
+
+
+def _at_first(
+    problem: Problem, tasks: Sequence[Task], stage: str, iterations: int = 8
+) -> Generator[Progress, None, list[Fit]]:
+    """The best fit of each hypothesis to all windows, with the step's error as the comparison has it."""
     price, name = problem.price_of(problem.fitted), f"{stage}, at first"
     found = yield from fit(problem, tasks, problem.fitted, price, stage=name, iterations=iterations)
     better = {f.hypothesis: f for f in sorted(found, key=lambda f: f.cost, reverse=True)}
-    kept = [f for f in found if better[f.hypothesis] is f]
-    return (yield from _refitted(problem, kept, stage, iterations))
+    return [f for f in found if better[f.hypothesis] is f]
 
 
 def _refitted(
@@ -112,23 +117,12 @@ def _refitted(
 
 
 def _added(search: _Search, found: _Found, n: int) -> Generator[Progress, None, _Found]:
-    """The best explanation with one effect more, if it is worth it; it and its rivals judged afresh about its fit."""
+    """The best explanation with one effect more, if it is worth it."""
     stage = f"explanations with {n} effect{'s' * (n > 1)}"
     grown = yield from _grown(search, found, found.chosen.fitted, stage)
-    tried, best = (*found.tried, *grown), simplest(grown)
-    if not worth(best, found.chosen):
-        return replace(found, tried=tried)
-    near = [best.fitted, *(e.fitted for e in _rivals(grown, best))]
-    again, problem = yield from _judged_about(search, found.problem, best.fitted, near, f"{stage}, about the best")
-    anew = {e.places: e for e in again}
-    return _Found(problem, simplest(again), tuple(anew.get(e.places, e) for e in tried))
-
-
-def _rivals(grown: Sequence[Explanation], best: Explanation) -> list[Explanation]:
-    """Those that may yet turn out as good as the best, and the simpler relatives of it and them."""
-    near = [e for e in grown if e is not best and e.error <= _NEAR * best.error]
-    relatives = {(RUNGS.get(name), site) for name, site in (e.places[-1] for e in (best, *near))}
-    return near + [e for e in grown if e is not best and e not in near and e.places[-1] in relatives]
+    (before, *judged), problem = yield from _compared(search, found.problem, [found.chosen.fitted, *grown], stage)
+    tried, best = (*found.tried, *judged), simplest(judged)
+    return _Found(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
 
 
 def _exchanged(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
@@ -136,12 +130,11 @@ def _exchanged(search: _Search, found: _Found) -> Generator[Progress, None, _Fou
     stage, chosen = "another first effect", found.chosen
     hypothesis, [vector, *_] = without(found.problem, search.parameters, chosen.fitted, chosen.places[0])
     grown = yield from _grown(search, found, Fit(hypothesis, vector, np.inf), stage)
-    new = [e for e in grown if set(e.places) != set(chosen.places)]
+    new = [f for f in grown if set(f.hypothesis.places) != set(chosen.places)]
     if not new:
         return found
-    other = simplest(new).fitted
-    [best], problem = yield from _judged_about(search, found.problem, other, [other], f"{stage}, about the best")
-    tried = (*found.tried, *(e for e in new if e.places != best.places), best)
+    judged, problem = yield from _compared(search, found.problem, new, stage)
+    tried, best = (*found.tried, *judged), simplest(judged)
     return _Found(problem, best, tried) if best.error < chosen.error else replace(found, tried=tried)
 
 
@@ -158,24 +151,41 @@ def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Fo
     return found
 
 
-def _grown(search: _Search, found: _Found, base: Fit, stage: str) -> Generator[Progress, None, list[Explanation]]:
-    """The best explanations with one effect more than a fit."""
+def _grown(search: _Search, found: _Found, base: Fit, stage: str) -> Generator[Progress, None, list[Fit]]:
+    """The most promising hypotheses with one effect more than a fit, fitted."""
     problem, hypothesis = found.problem, base.hypothesis
     if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
         base = Fit(hypothesis, hypothesis.start(), np.inf)
     places = [p for p in problem.places if p not in hypothesis.places]
     tasks = [extended(problem, search.parameters, base, p) for p in places]
     promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, _PROMISING)
-    return (yield from _judged(search, problem, promising, stage))
+    return (yield from _at_first(problem, promising, stage))
 
 
-def _judged_about(
-    search: _Search, problem: Problem, best: Fit, fits: Sequence[Fit], stage: str
+def _compared(
+    search: _Search, problem: Problem, fits: Sequence[Fit], stage: str
 ) -> Generator[Progress, None, tuple[list[Explanation], Problem]]:
-    """Fits taken further and judged by the comparison about one of them, which is returned too."""
-    found, there = yield from _refitted(about(problem, best), fits, stage)
+    """Fits judged, in their order, by the comparison about the best of them, which is returned too.
+
+    Those that may yet turn out as good as the best are taken further and judged on held-out windows; the others as they
+    stand, which flatters them a little.
+    """
+    best = min(fits, key=lambda f: f.cost)
+    there, close = about(problem, best), _close(fits, best)
+    further, there = yield from _refitted(there, close, stage)
     yield Progress(f"{stage}, held-out windows", 0, 1)
-    return cross_validated(there, found, search.folds), there
+    judged = dict(zip(map(id, close), cross_validated(there, further, search.folds), strict=True))
+    others = [f for f in fits if id(f) not in judged]
+    judged |= dict(zip(map(id, others), as_fitted(there, others, search.folds), strict=True))
+    return [judged[id(f)] for f in fits], there
+
+
+def _close(fits: Sequence[Fit], best: Fit) -> list[Fit]:
+    """Those that may yet turn out as good as the best, and the simpler relatives of it and them."""
+    near = [f for f in fits if f.cost <= _NEAR**2 * best.cost]
+    places = [f.hypothesis.places[-1] for f in near if f.hypothesis.places]
+    relatives = {(RUNGS.get(name), site) for name, site in places}
+    return near + [f for f in fits if f not in near and f.hypothesis.places and f.hypothesis.places[-1] in relatives]
 
 
 def _judged(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from estexp_jax.discovery.cross_validation import cross_validated, held_out
+from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
 from estexp_jax.discovery.fitting import fit
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.marginal import about, slackened
@@ -62,7 +62,7 @@ def test_held_out_windows_are_each_judged_once_and_tell_the_true_effect(setting)
     parameters, true = cross_validated(problem, fits, folds)
     assert len(true.held_out) == len(problem.fitted) == sum(len(held) for _, held in folds)
     assert true.error < 0.5 * parameters.error
-    as_it_is = held_out(problem, fits[1], folds)
+    [as_it_is] = as_fitted(problem, fits[1:2], folds)
     assert true.error == pytest.approx(as_it_is.error, rel=0.3)
     assert not np.array_equal(true.held_out, as_it_is.held_out)  # fitted anew without them
 
