@@ -54,6 +54,16 @@ def simpler(problem: Problem, parameters: Hypothesis, chosen: Fit) -> list[Task]
     return fewer + lower
 
 
+def beside(fitted: Fit, other: Fit) -> np.ndarray:
+    """The vector (n_free,) of a fit with another's values of the model."""
+    known = dict(zip(_keys(other.hypothesis), other.vector, strict=True))
+    free = fitted.hypothesis.free
+    ordinary = np.array([np.isfinite(f.spread) for f in free], dtype=bool)
+    theirs = [known.get(k, v) for k, v in zip(_keys(fitted.hypothesis), fitted.vector, strict=True)]
+    low, high = np.array([[f.low, f.high] for f in free]).T
+    return np.where(ordinary, np.clip(theirs, low, high), fitted.vector)
+
+
 def _keys(hypothesis: Hypothesis) -> list[tuple[str, str, str]]:
     return [(f.effect, f.site, f.parameter) for f in hypothesis.free]
 
@@ -86,7 +96,7 @@ def looked_at(
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
         ranked = sorted(looked, key=lambda f: f.cost)
-        half = len(set(map(_slot, looked))) // 2
+        half = len({slot(_last(f)) for f in looked}) // 2
         best = _with_richer(with_rungs(ranked, max(n, half)), ranked)
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
@@ -110,16 +120,16 @@ def _settled(problem: Problem, free: Problem, base: Fit, looked: Sequence[Fit]) 
     return found
 
 
-def _slot(fitted: Fit) -> Place:
+def slot(place: Place) -> Place:
     """What forms of one effect have in common; dry friction of bristles is one of dry friction."""
-    name, site = told_of(_last(fitted))
+    name, site = told_of(place)
     return "coulomb_friction" if name == "hysteresis" else name, site
 
 
 def with_rungs(ranked: Sequence[Fit], n: int) -> list[Fit]:
     """The first `n`, in all their forms, and the simpler relatives of richer laws among them, wherever they rank."""
-    slots = list(dict.fromkeys(map(_slot, ranked)))[:n]
-    first = [f for f in ranked if _slot(f) in slots]
+    slots = list(dict.fromkeys(slot(_last(f)) for f in ranked))[:n]
+    first = [f for f in ranked if slot(_last(f)) in slots]
     wanted = {(*places[:-1], (RUNGS[places[-1][0]], places[-1][1])) for places in map(_places, first) if _rich(places)}
     return first + [f for f in ranked if f not in first and _places(f) in wanted]
 

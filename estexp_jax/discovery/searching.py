@@ -13,12 +13,17 @@ from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.screening import extended, looked_at, simpler, without
+from estexp_jax.discovery.screening import beside, extended, looked_at, simpler, slot, without
 from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, worth
 from estexp_jax.discovery.starts import RUNGS
 
 _NEAR = 2.0
 """Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out."""
+_MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
+"""Where the best single effect leaves more than so many deviations, up to so many that leave at most so many times as
+much are all added to."""
+_DONORS = 3
+"""So many best fits lend the others their values of the model to start from."""
 _PROMISING = 8
 """So many of a round's hypotheses, the most promising ones, are fitted in full."""
 
@@ -72,13 +77,13 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     [own], problem = yield from _compared(search, problem, [bent], "parameters only")
     found = _Found(problem, own, ())
     for n in range(1, most + 1):
-        before = found.chosen
+        before, bases = found.chosen, _bases(found)
         if before.error <= NOISE:
             break
-        found = yield from _added(search, found, n)
+        found = yield from _added(search, found, bases, n)
         if found.chosen is before:
             break
-        if n == 2 and found.chosen.error > NOISE:
+        if n == 2 and len(bases) == 1 and found.chosen.error > NOISE:
             found = yield from _exchanged(search, found)
     found = yield from _simplified(search, found)
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
@@ -109,17 +114,39 @@ def _at_first(
 def _refitted(
     problem: Problem, fits: Sequence[Fit], stage: str, iterations: int = 8
 ) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
-    """Fits to which the comparison was about something else, fitted on, each with its own step's error."""
+    """Fits to which the comparison was about something else, fitted on, each with its own step's error.
+
+    They may start from each other's values of the model.
+    """
     there = problem.corrected([f.member for f in fits])
     prices = there.prices([f.member for f in fits])
-    tasks: list[Task] = [(f.hypothesis, [f.vector]) for f in fits]
+    best = sorted(fits, key=lambda f: f.cost)[:_DONORS]
+    tasks: list[Task] = [(f.hypothesis, [f.vector, *(beside(f, d) for d in best if d is not f)]) for f in fits]
     return (yield from fit(there, tasks, there.fitted, prices, stage=stage, iterations=iterations)), there
 
 
-def _added(search: _Search, found: _Found, n: int) -> Generator[Progress, None, _Found]:
-    """The best explanation with one effect more, if it is worth it."""
-    stage = f"explanations with {n} effect{'s' * (n > 1)}"
-    grown = yield from _grown(search, found, found.chosen.fitted, stage)
+def _bases(found: _Found) -> list[Fit]:
+    """What to add an effect to: the best explanation; where a single effect leaves much, also others about as good.
+
+    Of several things that are missing, the one that explains most alone need not be any of them.
+    """
+    chosen = found.chosen
+    if chosen.error <= _MUCH or len(chosen.places) != 1:
+        return [chosen.fitted]
+    ranked = sorted((e for e in found.tried if e.error <= _RIVALS * chosen.error), key=lambda e: e.error)
+    slots = {slot(e.places[-1]): e.fitted for e in reversed(ranked) if len(e.places) == 1}
+    others = [f for s, f in reversed(slots.items()) if s != slot(chosen.places[-1])]
+    return [chosen.fitted, *others[: _BASES - 1]]
+
+
+def _added(search: _Search, found: _Found, bases: Sequence[Fit], n: int) -> Generator[Progress, None, _Found]:
+    """The best explanation with one effect more than one of some, if it is worth it."""
+    stage, grown = f"explanations with {n} effect{'s' * (n > 1)}", list[Fit]()
+    for base in bases:
+        name = stage if base is bases[0] else f"{stage}, beside {base.hypothesis.label}"
+        grown += yield from _grown(search, found, base, name)
+    best = {frozenset(f.hypothesis.places): f for f in sorted(grown, key=lambda f: f.cost, reverse=True)}
+    grown = [f for f in grown if best[frozenset(f.hypothesis.places)] is f]
     (before, *judged), problem = yield from _compared(search, found.problem, [found.chosen.fitted, *grown], stage)
     tried, best = (*found.tried, *judged), simplest(judged)
     return _Found(problem, best, tried) if worth(best, before) else replace(found, tried=tried)

@@ -18,8 +18,8 @@ NOISE = 1.2
 """An error, in deviations of noise and uncertain start states, up to which there is no mismatch."""
 _WORTH = 0.85
 """An added effect must bring the held-out squared error under this share of what it was ..."""
-_CHANCE = 0.05
-"""... and the windows must agree on it, at this level of a signed-rank test ..."""
+_CHANCE, _LUCK = 0.05, 0.01
+"""... and the windows must agree on it, at these levels of a signed-rank test or of resampling ..."""
 _PLAINLY = 0.3
 """... unless it brings it under this share: what acts only now and then, like a stop, shows in few windows."""
 _TIE = 1.03
@@ -112,7 +112,14 @@ def simplest(found: Sequence[Explanation]) -> Explanation:
 def worth(new: Explanation, old: Explanation) -> bool:
     """Whether an explanation predicts held-out windows enough better than a simpler one to be believed."""
     share = new.held_out.sum() / old.held_out.sum()
-    return bool(share < _PLAINLY or (share < _WORTH and p_value(new, old) < _CHANCE))
+    return bool(share < _PLAINLY or (share < _WORTH and (p_value(new, old) < _CHANCE or _luck(new, old) < _LUCK)))
+
+
+def _luck(new: Explanation, old: Explanation, n: int = 1000) -> float:
+    """Share of resampled held-out windows on which `new` is worse: a large gain need not be one of every window."""
+    gain = old.held_out - new.held_out
+    windows = np.random.default_rng(0).integers(0, len(gain), size=(n, len(gain)))
+    return float(np.mean(gain[windows].sum(axis=1) <= 0.0))
 
 
 def p_value(new: Explanation, old: Explanation) -> float:
