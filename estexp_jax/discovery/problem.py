@@ -118,13 +118,13 @@ class Problem:
     def about(self, member: Member) -> Problem:
         """The same comparison with what one member shows: the error of the coarse step, and of uncertain starts."""
         coarse, step, rough = self.replays.step_about(member, self.fitted)
-        there = replace(self, step=self._spread(step), rough=self._spread(rough), own={})
+        there = replace(self, step=self._spread(self._longest(step)), rough=self._spread(self._longest(rough)), own={})
         return replace(there, doubt=there._doubt(member, coarse))
 
     def corrected(self, members: Sequence[Member]) -> Problem:
         """The same comparison, in which each of these hypotheses is corrected by the step's error at its own fit."""
         _, steps = self.replays.steps(members, self.fitted)
-        found = {h: self._spread(step) for (h, _), step in zip(members, steps, strict=True)}
+        found = {h: self._spread(self._longest(step)) for (h, _), step in zip(members, steps, strict=True)}
         return replace(self, own={**self.own, **found})
 
     def _spread(self, x: np.ndarray) -> np.ndarray:
@@ -132,6 +132,11 @@ class Problem:
         whole = np.zeros((len(self.segments), *x.shape[1:]), x.dtype)
         whole[self.fitted] = x
         return whole
+
+    def _longest(self, x: np.ndarray) -> np.ndarray:
+        """An array (windows, rows, ...) with as many rows as the longest of all windows has, 0 in the new ones."""
+        more = max(s.rows for s in self.segments) - x.shape[1]
+        return np.pad(x, [(0, 0), (0, more), *[(0, 0)] * (x.ndim - 2)])
 
     def price_of(self, windows: np.ndarray) -> float:
         """Price of a model's value being off by an ordinary error: that of one sample a deviation off, all costing 1.
@@ -161,7 +166,8 @@ class Problem:
     @cached_property
     def fitted(self) -> np.ndarray:
         """Indices of the windows that are fitted: those of training recordings; of very many, evenly spread ones."""
-        return self.trained[:: -(-len(self.trained) // self.most)]
+        n = min(len(self.trained), self.most)
+        return self.trained[np.linspace(0, len(self.trained) - 1, n).round().astype(int)]
 
     @property
     def trained(self) -> np.ndarray:
@@ -182,7 +188,7 @@ class Problem:
         change = (others - simulated[..., None]) / self._deviation(windows, simulated.shape[1])[..., None]
         sampled = np.isfinite(self._compared(windows))[..., None]
         effect = np.where(sampled, np.clip(np.nan_to_num(change), -_FAR, _FAR), 0.0)
-        basis, kept = directions(effect.reshape(len(windows), -1, len(starts)))
+        basis, kept = directions(self._longest(effect).reshape(len(windows), -1, len(starts)))
         return self._spread(basis), 1.0 + self._spread(kept - 1.0)
 
     def heard(self, member: Member) -> Problem:

@@ -99,3 +99,23 @@ def test_whitening_makes_noise_with_uncertain_starts_white():
     basis, kept = directions(effect)
     white = whitened(draws.astype(np.float32), basis, kept)[:, 0]
     assert np.cov(white.T) == pytest.approx(np.eye(30), abs=0.12)
+
+
+def test_windows_that_are_not_fitted_may_have_more_rows(setting):
+    case, _, (hypothesis, start) = setting
+    first = case.recordings[0]
+    thin = {name: getattr(first, name)[::2] for name in ("time", "ctrl", "enable", "sensor", "qpos", "qvel")}
+    problem = problem_of(replace(case, recordings=(replace(first, **thin), *case.recordings[1:])))
+    few = replace(problem, most=1)
+    assert few.fitted.tolist() == [0] and few.segments[0].rows < max(s.rows for s in few.segments)
+    about = few.about((hypothesis, start)).heard((hypothesis, start)).corrected([(hypothesis, start)])
+    plain, found = (p.residuals([(hypothesis, start)], problem.trained)[0] for p in (problem, about))
+    assert np.isfinite(found).all() and found.shape == plain.shape
+
+
+def test_of_many_windows_so_many_are_fitted_evenly_spread(setting):
+    _, problem, _ = setting
+    for most in (1, 2, 4, 5, 6, 48):
+        found = replace(problem, most=most).fitted
+        assert len(found) == min(most, len(problem.trained)) and len(set(found.tolist())) == len(found)
+    assert replace(problem, most=4).fitted.tolist() == [problem.trained[i] for i in (0, 2, 3, 5)]
