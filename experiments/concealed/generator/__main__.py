@@ -34,24 +34,20 @@ def patient() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def write_set(
-    out: Path, seed: int, n: int, robots: Sequence[str], shorter: float = 1.0, workers: int = 1
-) -> dict[str, dict]:
+def write_set(out: Path, planned: Sequence[Plan], shorter: float = 1.0, workers: int = 1) -> dict[str, dict]:
     """Write `out/cases/<id>/` and give the answers; what `out/drawn/` has the answer of is not made again.
 
     Args:
         out: folder of the set.
-        seed: decides everything; how many processes there are decides nothing.
-        n: number of cases.
-        robots: names.
+        planned: its cases; they decide everything, how many processes there are decides nothing.
         shorter: share of the recordings' usual length.
         workers: processes that make cases.
     """
-    todo = [(out, f"c{i:03d}", plan, shorter) for i, plan in enumerate(plans(seed, n, robots))]
+    todo = [(out, f"c{i:03d}", plan, shorter) for i, plan in enumerate(planned)]
     left = [t for t in todo if not _kept(out, t[1]).is_file()]
     with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) if workers > 1 else nullcontext() as pool:
         for i, name in enumerate(pool.map(_write, left) if pool else map(_write, left)):
-            print(f"{name}: made {n - len(left) + i + 1} of {n}", flush=True)
+            print(f"{name}: made {len(todo) - len(left) + i + 1} of {len(todo)}", flush=True)
     return {name: json.loads(_kept(out, name).read_text(encoding="utf-8")) for _, name, _, _ in todo}
 
 
@@ -74,4 +70,4 @@ def _write(asked: tuple[Path, str, Plan, float]) -> str:
 
 
 if __name__ == "__main__":
-    write_set(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4:])
+    write_set(Path(sys.argv[1]), plans(int(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]))

@@ -19,6 +19,8 @@ from experiments.concealed.generator.visibility import Visibility, stretch, visi
 
 TRAIN, TEST = (0.6, 0.6, 0.6), (0.9,)
 """Amplitudes of the recordings, as shares of the full one."""
+_PLAIN_ERROR = 0.01
+"""Deviation of the parameter errors of plain cases."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,7 @@ class Plan:
         planted: what is concealed.
         seed: of everything random in it.
         by_hand: whether the equations written by hand move it.
+        plain: parameters are off by 1 %, encoders have 14 bits, noise has no memory, no row is lost.
     """
 
     group: str
@@ -53,6 +56,7 @@ class Plan:
     planted: tuple[Planted, ...]
     seed: int
     by_hand: bool = False
+    plain: bool = False
 
 
 @dataclass(frozen=True)
@@ -109,12 +113,14 @@ def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = 
     place, nominal = layout(plan.robot), nominal_xml(robot, plan.planted, rng)
     model = mujoco.MjModel.from_xml_string(nominal)
     truth, deviation = robot.model, float(rng.uniform(0.01, 0.03))
+    deviation = _PLAIN_ERROR if plan.plain else deviation
     if not clean:
         perturb(truth, deviation, rng)
     wrong = misjudge(truth, 0.15, rng) if plan.group == "parameters" else {}
     motors = Motors.of(truth, place)
     effects = tuple(build(p, plan.robot, motors, rng) for p in plan.planted)
     instruments = Instruments.draw(rng)
+    instruments = replace(instruments, bits=14, coloured=0.0, dropped=0.0, memory=0.0) if plan.plain else instruments
     rate = float(rng.choice(robot.rates, p=_shares(len(robot.rates))))
     plant = Plant(robot, truth, motors, effects, plan.by_hand)
     recorded = tuple(_recordings(plan, robot, plant, effects, instruments, rate, shorter, rng))

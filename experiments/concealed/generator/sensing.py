@@ -33,10 +33,11 @@ class Instruments:
     Attributes:
         bits: of the encoders, over a turn or a metre.
         white, coloured: deviation of position noise as a share of an encoder step; the coloured one is AR(1).
-        torque: deviation of torque noise as a share of the torque's own, AR(1) with 0.7.
+        torque: deviation of torque noise as a share of the torque's own, AR(1).
         jitter: deviation of the rows' times as a share of the period.
         dropped: share of the rows that is lost.
         stamp: deviation of the time stamps, s.
+        memory: of the torque noise, from row to row.
     """
 
     bits: int
@@ -46,6 +47,7 @@ class Instruments:
     jitter: float
     dropped: float
     stamp: float = 2e-5
+    memory: float = 0.7
 
     @staticmethod
     def draw(rng: np.random.Generator) -> Instruments:
@@ -115,7 +117,7 @@ def measured(
     """A reading as logged; arguments as of `deviation`."""
     n = len(true)
     if channel.kind == "torque":
-        return np.round(true + instruments.torque * size * coloured(n, 0.7, rng), 5)
+        return np.round(true + instruments.torque * size * coloured(n, instruments.memory, rng), 5)
     step = instruments.step() / (2.0 * np.pi if slide else 1.0)
     noise = instruments.white * rng.standard_normal(n) + instruments.coloured * coloured(n, 0.9, rng)
     return np.round((true + step * noise) / step) * step

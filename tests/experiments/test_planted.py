@@ -1,0 +1,63 @@
+"""The planted set holds what it says, and its scores count what they say."""
+
+from collections import Counter
+
+import pytest
+
+from experiments.concealed.generator.case import make
+from experiments.concealed.generator.catalogue import SINGLE, places
+from experiments.concealed.scoring.judge import Row, Size
+from experiments.planted import run as front
+from experiments.planted.planned import PARTS, planned
+from experiments.planted.scores import measured
+
+
+def test_every_effect_is_planted_five_times_wherever_it_fits() -> None:
+    found = Counter((p.planted[0].effect, p.robot) for p in planned(3, "single"))
+    wanted = {(name, robot) for robot in ("leg", "planar") for name in SINGLE if places(name, robot)}
+    assert set(found) == wanted and set(found.values()) == {5}
+    assert Counter(p.group for p in planned(3, "nothing")) == {"null": 50, "parameters": 50}
+
+
+def test_parts_make_the_whole_and_only_the_seed_decides() -> None:
+    whole = planned(4)
+    parts = [p for part in PARTS[1:] for p in planned(4, part)]
+    assert len({p.seed for p in whole}) == len(whole)
+    assert sorted(p.seed for p in whole) == sorted(p.seed for p in parts)
+    assert planned(4) == whole and planned(5) != whole
+
+
+def test_plain_cases_have_ordinary_errors_of_one_percent_and_fine_encoders() -> None:
+    [plan, *_] = planned(6, "nothing")
+    case = make(plan, shorter=0.1, refit=False)
+    assert case.deviation == 0.01
+    assert (case.instruments.bits, case.instruments.memory, case.instruments.dropped) == (14, 0.0, 0.0)
+
+
+def _row(group: str, **what) -> Row:
+    return Row(**{"case": "c", "group": group, "robot": "leg", "truth": "x", "shown": 9.0, "visible": True} | what)
+
+
+def test_scores_count_what_they_say() -> None:
+    size = Size("x", "c", 1.0, 1.04, 0.04, True)
+    rows = [
+        _row("single", verdict="missing_physics", place_first=True, name_equivalent=True, gain=0.9, sizes=(size,)),
+        _row("single", verdict="unexplained", place_first=True, name_equivalent=False, gain=0.1),
+        _row("single", verdict="none", visible=False, shown=1.0),
+        _row("null", verdict="unexplained", alarm=True, visible=False),
+        _row("parameters", verdict="parameters", visible=False),
+        _row("single", verdict="missing_physics", robot="quadruped", place_first=False, name_equivalent=False),
+    ]
+    told = {what: found for what, _, found in measured(rows)}
+    assert told["effects too weak to be seen"] == "1 of 3"
+    assert told["right place first"].startswith("2 of 2 ")
+    assert told["right name first, or one that says the same"].startswith("1 of 2 ")
+    assert told["error of parameters, median and 90 %"].startswith("4.0 %, 4 %")
+    assert told["held-out excess error removed, median"].startswith("50 %")
+    assert told["alarms where nothing is missing"].startswith("1 of 2 ")
+    assert told["quadruped: right place first"].startswith("0 of 1 ")
+
+
+def test_a_folder_with_results_is_not_written_over(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert front.main(["--out", str(tmp_path)]) == 2
+    assert "--resume" in capsys.readouterr().err
