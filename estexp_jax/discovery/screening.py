@@ -73,10 +73,10 @@ def looked_at(
 ) -> Generator[Progress, None, list[Task]]:
     """The most promising of many hypotheses, by looks that move only what they claim last.
 
-    All their starts are tried on a quarter of the windows, of many on an eighth. The better half, what is simpler than
-    one of these, and what is richer than the best, goes on to twice as many windows, with starts from the simpler one's
-    solution; and so on, down to `n`. Forms of one effect take one place among them. All the time, everything that
-    `base` fits is taken as fitted beside them.
+    All their starts are tried on a quarter of the windows, of many on an eighth, half of these being those that are off
+    most. The better half, what is simpler than one of these, and what is richer than the best, goes on to twice as many
+    windows, with starts from the simpler one's solution; and so on, down to `n`. Forms of one effect take one place
+    among them. All the time, everything that `base` fits is taken as fitted beside them.
 
     Args:
         problem: the comparison.
@@ -91,7 +91,7 @@ def looked_at(
     """
     looked, again = [Fit(h, vectors[0], np.inf) for h, vectors in tasks], list(tasks)
     for every in (4, 2, 1) if len(problem.fitted) < _MANY else (8, 4, 2, 1):
-        windows = problem.fitted[::every]
+        windows = _telling(problem, base, every)
         free = slackened(problem, base, windows, cost)
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
@@ -100,6 +100,18 @@ def looked_at(
         best = _with_richer(with_rungs(ranked, max(n, half)), ranked)
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
+
+
+def _telling(problem: Problem, base: Fit, every: int) -> np.ndarray:
+    """One of so many fitted windows: half of them those that are off most, as what acts now and then shows in few."""
+    if every == 1:
+        return problem.fitted
+    n = -(-len(problem.fitted) // every)
+    left = np.sum(np.square(problem.residuals([base.member], problem.fitted)[0], dtype=np.float64), axis=1)
+    worst = np.argsort(-left, kind="stable")[: n // 2]
+    others = np.setdiff1d(np.arange(len(left)), worst)
+    spread = others[np.linspace(0, len(others) - 1, n - len(worst)).round().astype(int)]
+    return problem.fitted[np.sort(np.concatenate([worst, spread]))]
 
 
 def _settled(problem: Problem, free: Problem, base: Fit, looked: Sequence[Fit]) -> list[Task]:
