@@ -23,8 +23,17 @@ RIVALS_SCHEMA = "estexp.rivals/1"
 """Format of `rivals.json`."""
 
 
-def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any]) -> Path:
-    """Write findings, report, both models, effects, rivals and predictions; gives the report's path."""
+def write_results(
+    folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None = None
+) -> Path:
+    """Write findings, report, both models, effects, rivals and predictions; gives the report's path.
+
+    Args:
+        folder: where to.
+        diagnosis: what was found.
+        findings: complete, as in `findings.json`.
+        ghosts: the robots in one scene, for the report.
+    """
     from estexp_jax.report.explain_page import page
 
     write_json(folder.file("findings.json"), findings)
@@ -42,7 +51,7 @@ def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
-    report.write_text(page(diagnosis, findings), encoding="utf-8")
+    report.write_text(page(diagnosis, findings, ghosts), encoding="utf-8")
     return report
 
 
