@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,9 @@ import numpy as np
 
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.export import explained_spec, explained_xml
+from estexp_jax.errors import InputError
 from estexp_jax.inference.windows import FINER
+from estexp_jax.physics.portable import ASSETS, portable
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.runs import RunFolder, write_json
 
@@ -20,16 +23,24 @@ RIVALS_SCHEMA = "estexp.rivals/1"
 """Format of `rivals.json`."""
 
 
-def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any]) -> Path:
-    """Write findings, report, both models, effects, rivals and predictions; gives the report's path."""
+def write_results(
+    folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None = None
+) -> Path:
+    """Write findings, report, both models, effects, rivals and predictions; gives the report's path.
+
+    Args:
+        folder: where to.
+        diagnosis: what was found.
+        findings: complete, as in `findings.json`.
+        ghosts: the robots in one scene, for the report.
+    """
     from estexp_jax.report.explain_page import page
 
     write_json(folder.file("findings.json"), findings)
     left_out = diagnosis.left_out
-    explained = explained_xml(diagnosis.case.robot, diagnosis.mjcf_changes, left_out, FINER)
-    folder.file("model_explained.xml").write_text(explained, encoding="utf-8")
-    nominal = explained_spec(diagnosis.case.robot, ()).to_xml()
-    folder.file("nominal.xml").write_text(nominal, encoding="utf-8")
+    robot = diagnosis.case.robot
+    write_model(folder, "model_explained.xml", explained_xml(robot, diagnosis.mjcf_changes, left_out, FINER))
+    write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": FINER, "changes": changes}
     write_json(folder.file("effects.json"), effects)
@@ -40,8 +51,25 @@ def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
-    report.write_text(page(diagnosis, findings), encoding="utf-8")
+    report.write_text(page(diagnosis, findings, ghosts), encoding="utf-8")
     return report
+
+
+def write_model(folder: RunFolder, name: str, model: tuple[str, Mapping[str, Path]]) -> None:
+    """Write a model and the files that belong beside it, as `portable` gives them.
+
+    Raises:
+        InputError: one of the files is gone, or cannot be copied.
+    """
+    text, files = model
+    for file, source in files.items():
+        try:
+            shutil.copyfile(source, folder.file(f"{ASSETS}/{file}"))
+        except shutil.SameFileError:
+            pass
+        except OSError as error:
+            raise InputError(f"cannot be copied: {error.strerror}", where=str(source)) from None
+    folder.file(name).write_text(text, encoding="utf-8")
 
 
 def _columns(prediction: Prediction) -> dict[str, np.ndarray]:

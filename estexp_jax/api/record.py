@@ -10,6 +10,7 @@ from typing import final
 import mujoco
 import numpy as np
 
+from estexp_jax.api.explain_files import write_model
 from estexp_jax.api.simulator import Simulator, Traces
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.errors import InputError
@@ -17,6 +18,7 @@ from estexp_jax.inference.excitation import multisine, steps
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
+from estexp_jax.physics.portable import portable
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.write import write_csv
@@ -65,8 +67,7 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
             raise InputError(
                 f"'{change.effect}' acts in a controller, and commands are replayed here", where="--effect"
             )
-    nominal = explained_spec(robot, ())
-    folder.file("nominal.xml").write_text(nominal.to_xml(), encoding="utf-8")
+    write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
     real = Simulator(robot, tuple(changes), _FINER)
     time = np.arange(int(round(config.duration * config.rate))) / config.rate
     motions = (

@@ -26,10 +26,11 @@ class Options:
     Example:
         estexp check recordings.toml --out out/check
         estexp check nominal.xml a.csv b.csv --map ctrl.servo=goal_position --init
+        estexp check robot.urdf --init
     """
 
     files: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE [FILE ...]")]
-    """A recordings.toml; or an MJCF model and the logs of its robot."""
+    """A recordings.toml; or an MJCF or URDF model and the logs of its robot; or, with --init, a URDF alone."""
     test: Annotated[
         tyro.conf.UseAppendAction[tuple[tuple[str, ...], ...]], tyro.conf.arg(metavar="FILE [FILE ...]")
     ] = ()
@@ -39,7 +40,8 @@ class Options:
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Where to write check.json and check.png."""
     init: bool = False
-    """Write a first recordings.toml for the model and the logs, to be completed by hand; into DIR, or here."""
+    """Write a first recordings.toml for the model and the logs, to be completed by hand; into DIR, or here. For a model
+    alone: a first MJCF with servos and angle sensors at all joints that have none."""
     force: bool = False
     """Replace the results in DIR."""
     resume: bool = False
@@ -52,9 +54,11 @@ def run(options: Options) -> int:
     Raises:
         InputError: a file cannot be read, or DIR cannot be used.
     """
-    from estexp_jax.api.inputs import read_inputs
+    from estexp_jax.api.inputs import is_manifest, read_inputs
     from estexp_jax.runs import open_run
 
+    if options.init and len(options.files) == 1 and not (is_manifest(options.files) or options.test):
+        return _begin_model(options)
     tests = [path for group in options.test for path in group]
     config = {"files": options.files, "test": tests, "map": options.map, "init": options.init}
     inputs = None if options.init else read_inputs(options.files, test=tests, maps=options.map, mend=True)
@@ -70,6 +74,17 @@ def run(options: Options) -> int:
     _print(judged)
     if folder is not None:
         _write(folder, inputs, judged)
+    return 0
+
+
+def _begin_model(options: Options) -> int:
+    """Write a first MJCF."""
+    from estexp_jax.api.first_model import write_first_model
+    from estexp_jax.physics.robot import Robot
+
+    robot = Robot.from_xml(options.files[0])
+    path = write_first_model(robot, options.out or Path())
+    print(f"{path}: written; put the gains of your servos into it, they are guesses")
     return 0
 
 

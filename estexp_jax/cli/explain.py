@@ -46,6 +46,8 @@ class Options:
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
     seed: int = 0
     """Of the resampling behind probabilities and intervals."""
+    pictures: bool = True
+    """Show the robots, as recorded and as predicted, in one scene in the report, where a GL is."""
     force: bool = False
     """Replace the results in DIR."""
     resume: bool = False
@@ -71,12 +73,24 @@ def run(options: Options) -> int:
     marker = {"command": "explain", "config": {**files, **chosen}}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     explanation = _explained(inputs, config, folder)
-    report = write_results(folder, explanation.diagnosis, explanation.findings)
+    ghosts = _ghosts(explanation) if options.pictures else None
+    report = write_results(folder, explanation.diagnosis, explanation.findings, ghosts)
     print(explanation.summary())
     for change in explanation.diagnosis.left_out:
         print(f"MJCF has no place for {change.place}: model_explained.xml is fitted without it; load_explained has it.")
     print(f"Report: {report}")
     return 0
+
+
+def _ghosts(explanation: Explanation) -> bytes | None:
+    from estexp_jax.report.explain_ghosts import ghosts_of
+    from estexp_jax.report.gl import NoGlError
+
+    try:
+        return ghosts_of(explanation.diagnosis)
+    except NoGlError as error:
+        print(f"No picture of the robots: {error}")
+        return None
 
 
 def _window(text: str) -> float:

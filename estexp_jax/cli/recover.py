@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from estexp_jax.recovery.config import Settings
     from estexp_jax.recovery.cycle import Job
     from estexp_jax.recovery.state import RunState
+    from estexp_jax.report.recover_film import Film
     from estexp_jax.runs import Progress, RunFolder
 
 _CHECKPOINT = "checkpoint.npz"
@@ -76,6 +77,8 @@ class Options:
     """Relative error expected in the simulator; 0: it is exact. Default: 0 for --robot same, else 0.03."""
     engine: Literal["auto", "lanes", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
+    pictures: bool = True
+    """Show how the robot walks, where a GL is: film.jpg, film.mp4 (extra `video`), both in the report, too."""
     force: bool = False
     """Replace the results in DIR."""
     resume: bool = False
@@ -141,7 +144,7 @@ def run(options: Options) -> int:
         story.begin(model.name, state)
         state = _run(job, state, folder, story)
         story.end(state)
-        _write(folder, job, state, config, progress)
+        _write(folder, job, state, config, progress, pictures=options.pictures)
     return 0
 
 
@@ -157,7 +160,33 @@ def _run(job: Job, state: RunState, folder: RunFolder, story: Any) -> RunState:
     return state
 
 
-def _write(folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: Progress) -> None:
+def _film(folder: RunFolder, job: Job, state: RunState, progress: Progress) -> Film | None:
+    """How it walks, written; None, and said why, where it cannot be drawn."""
+    from estexp_jax.report.film import can_film
+    from estexp_jax.report.gl import NoGlError
+    from estexp_jax.report.recover_film import film_of
+    from estexp_jax.runs.files import replacing
+
+    progress.stage("pictures")
+    try:
+        film = film_of(job, state)
+    except NoGlError as error:
+        progress.say(f"No pictures: {error}")
+        return None
+    if film is None:
+        return None
+    for name, content in (("film.jpg", film.strip), ("film.mp4", film.video)):
+        if content is not None:
+            with replacing(folder.file(name)) as stream:
+                stream.write(content)
+    if not can_film():
+        progress.say("Pictures, but no film: pip install 'estexp_jax[video]'")
+    return film
+
+
+def _write(
+    folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: Progress, *, pictures: bool
+) -> None:
     from estexp_jax.report.recover_files import record, write_history, write_traces
     from estexp_jax.report.recover_page import page
     from estexp_jax.runs import versions, write_json
@@ -169,7 +198,8 @@ def _write(folder: RunFolder, job: Job, state: RunState, config: dict[str, Any],
     with replacing(folder.file("traces.npz")) as stream:
         write_traces(stream, state, simulator.robot, simulator.walker.interface)
     write_json(folder.file("run.json"), {**record(state, axis, job.planted, config), "versions": versions()})
+    film = _film(folder, job, state, progress) if pictures else None
     title = f"{config['model']}: recovery, seed {job.settings.seed}"
     with replacing(folder.file("report.html")) as stream:
-        stream.write(page(title, job.planted, state, axis, config).encode())
+        stream.write(page(title, job.planted, state, axis, config, film).encode())
     progress.say(f"Report: {folder.path / 'report.html'}")

@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 
 from estexp_jax.physics.changes import Change
+from estexp_jax.physics.portable import portable
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
@@ -20,7 +21,7 @@ def expressible(change: Change) -> bool:
 def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> mujoco.MjSpec:
     """A description of the robot with the changes that MJCF can express in it, at a part of the robot's step.
 
-    Files the model refers to (meshes, textures) are given by absolute paths, so that it loads from anywhere.
+    Files the model refers to (meshes, textures) are given by absolute paths.
     """
     spec = robot.spec.copy()
     for change in changes:
@@ -37,12 +38,15 @@ def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> m
     return spec
 
 
-def explained_xml(robot: Robot, changes: Sequence[Change], left_out: Sequence[Change], finer: int) -> str:
-    """MJCF text of `explained_spec`, headed by what it contains and what it lacks."""
+def explained_xml(
+    robot: Robot, changes: Sequence[Change], left_out: Sequence[Change], finer: int
+) -> tuple[str, dict[str, Path]]:
+    """MJCF text of `explained_spec`, headed by what it contains and what it lacks; and its files, see `portable`."""
     lines = ["The nominal model with the physics that its recordings show it lacked."]
     step = robot.model.opt.timestep
     lines += [f"Its step is {step / finer:g} s instead of {step:g} s."]
     lines += [f"In it: {c.sentence()}." for c in changes if expressible(c)]
     lines += [f"NOT in it, MJCF has no place for it: {c.sentence()} ({c.place})." for c in left_out]
     comment = "\n     ".join(lines).replace("--", "- -")
-    return f"<!-- {comment} -->\n{explained_spec(robot, changes, finer).to_xml()}"
+    text, files = portable(explained_spec(robot, changes, finer))
+    return f"<!-- {comment} -->\n{text}", files

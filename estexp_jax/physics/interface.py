@@ -86,11 +86,10 @@ def interface_of(robot: Robot) -> Interface:
     touch_type, angle_type = int(mujoco.mjtSensor.mjSENS_TOUCH), int(mujoco.mjtSensor.mjSENS_JOINTPOS)
     sensors = [i for i in range(model.nsensor) if int(model.sensor_type[i]) in (touch_type, angle_type)]
     if not sensors:
-        raise InputError(
-            "the robot has no touch and no jointpos sensor", where=robot.source, right="add some to <sensor>"
-        )
+        right = robot.remedy or "add some to <sensor>"
+        raise InputError("the robot has no touch and no jointpos sensor", where=robot.source, right=right)
     if not model.nu:
-        raise InputError("the robot has no actuator", where=robot.source, right="add position servos or motors")
+        raise InputError("the robot has no actuator", where=robot.source, right=robot.remedy)
     for a in range(model.nu):
         if robot.joint_of_actuator(a) not in robot.scalar_joints:
             where = f"{robot.source}, actuator '{robot.names('actuator')[a]}'"

@@ -12,6 +12,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.description import elements, freeze, named
+from estexp_jax.physics.model_files import is_file, read_description
 
 _TYPES = {
     "body": mujoco.mjtObj.mjOBJ_BODY,
@@ -21,13 +22,14 @@ _TYPES = {
     "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
     "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
 }
+_FAILURES = (ValueError, RuntimeError, mujoco.FatalError)
 _COUNTS = {"body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "actuator": "nu", "sensor": "nsensor"}
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot as its MJCF describes it.
+    """A robot as its MJCF or URDF describes it.
 
     Attributes:
         spec: the description, every element named; copied before every change, never changed in place.
@@ -41,17 +43,20 @@ class Robot:
 
     @classmethod
     def from_xml(cls, path: str | Path) -> Robot:
-        """Compile the MJCF file at `path`.
+        """Compile the MJCF or URDF at `path`; meshes and whatever else it refers to are read from its own folder.
 
         Raises:
-            InputError: there is no such file, or it does not compile.
+            InputError: there is no such file, it refers to what is not there or leads out of its folder, or it does not
+                compile.
         """
         path = Path(path)
-        if not path.is_file():
-            raise InputError("no such MJCF file", where=str(path), right="give the path of a MuJoCo XML model")
+        if not is_file(path):
+            raise InputError(
+                "no such MJCF file", where=str(path), right="give the path of a MuJoCo XML model or a URDF"
+            )
         try:
-            return cls.from_spec(mujoco.MjSpec.from_file(str(path)), str(path))
-        except (ValueError, mujoco.FatalError) as error:
+            return cls.from_spec(read_description(path), str(path))
+        except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=str(path)) from None
 
     @classmethod
@@ -63,7 +68,7 @@ class Robot:
         """
         try:
             return cls.from_spec(mujoco.MjSpec.from_string(xml), source)
-        except (ValueError, mujoco.FatalError) as error:
+        except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=source) from None
 
     @classmethod
@@ -108,6 +113,13 @@ class Robot:
         """Indices of the hinge and slide joints: those with one coordinate and one speed."""
         kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
         return tuple(i for i in range(self.model.njnt) if int(self.model.jnt_type[i]) in kinds)
+
+    @property
+    def remedy(self) -> str:
+        """What to do where a robot has no actuators; empty where it has some."""
+        if self.model.nu:
+            return ""
+        return f"`estexp check {self.source} --init` writes an MJCF of it with servos and sensors, a URDF has none"
 
     def joint_of_actuator(self, actuator: int) -> int | None:
         """Index of the joint an actuator drives directly, or None for any other transmission."""

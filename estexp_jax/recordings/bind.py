@@ -75,6 +75,8 @@ def check_names(robot: Robot, names: Iterable[str], where: str) -> None:
         if name not in choices:
             kind = next((prefix for prefix in _PREFIXES if name.startswith(prefix)), "")
             right = known(choice for choice in choices if choice.startswith(kind))
+            if robot.remedy and kind in ("ctrl.", "enable.", "sensor."):
+                right += f"; {robot.remedy}"
             raise InputError(f"'{name}' names nothing on this robot", where=where, right=right)
 
 

@@ -55,21 +55,29 @@ class ForeignTarget:
 
     def __call__(self, controller: Controller) -> Trial:
         """See `Target`."""
+        return self._walked(controller)[0]
+
+    def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
+        """See `target.Filmed`."""
+        return self._walked(controller)[1][list(rows)]
+
+    def _walked(self, controller: Controller) -> tuple[Trial, np.ndarray]:
+        """A trial, and the configurations (rows, nq) in it."""
         face, model, shape = controller.interface, self._model, (controller.steps,)
         random = np.random.default_rng([self._seed, _TAG, zlib.crc32(np.asarray(controller.weights, "<f4").tobytes())])
         data, repeats = self._at_rest(face, controller.control_step)
         network, hidden, faults = self._network(controller), controller.rest(), self._faults(face)
         readings, commands = np.zeros((*shape, face.n_inputs)), np.zeros((*shape, face.n_outputs))
-        position = np.zeros((*shape, 3))
+        position, path = np.zeros((*shape, 3)), np.zeros((*shape, self._robot.model.nq))
         matrix, offset = travel_map(self._robot)
         for row in range(controller.steps):
             qpos, sensordata = self._map.qpos(data), self._map.sensordata(data, face)
-            position[row] = matrix @ qpos + offset
+            position[row], path[row] = matrix @ qpos + offset, qpos
             readings[row] = self._sensed(face, self._map.true(face, qpos, sensordata), faults, random)
             hidden, commands[row] = drive(network, face, controller.gain, hidden, readings[row])
             data.ctrl[:] = commands[row, self._map.actuators]
             mujoco.mj_step(model, data, repeats)
-        return Trial(controller.control_step * np.arange(controller.steps), readings, commands, position)
+        return Trial(controller.control_step * np.arange(controller.steps), readings, commands, position), path
 
     def _at_rest(self, face: Interface, control_step: float) -> tuple[mujoco.MjData, int]:
         data = mujoco.MjData(self._model)

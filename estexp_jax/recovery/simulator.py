@@ -102,6 +102,24 @@ class Simulator:
         """
         return self.walker.walk(stack(self._values(sets)), weights, self.settled(sets), steps)
 
+    def motions(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, rows: Sequence[int]) -> np.ndarray:
+        """How many damaged robots move, each under its own controller.
+
+        A walk keeps only its last posture, so there is a walk as long as that for each row. They are the very walks of
+        `trial` to the last bit.
+
+        Args:
+            sets: the changes of each robot.
+            weights: (len(sets), n_weights).
+            rows: control steps.
+
+        Returns:
+            Configurations (sets, rows, nq).
+        """
+        values, start = stack(self._values(sets)), self.settled(sets)
+        ends = (self.walker.walk(values, weights, start, row).final if row else start for row in rows)
+        return np.stack([np.asarray(end.qpos) for end in ends], axis=1)
+
     def trial(self, changes: Sequence[Change], weights: np.ndarray, steps: int) -> Trial:
         """One trial of one damaged robot."""
         walk = self.walks(changes, self.settled([changes]), weights[None], steps)

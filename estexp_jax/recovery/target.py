@@ -7,7 +7,9 @@ returns a `Trial` will do; the two kinds that come with the package are simulate
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, final
+from typing import Protocol, final, runtime_checkable
+
+import numpy as np
 
 from estexp_jax.physics.changes import Change
 from estexp_jax.recovery.simulator import Simulator
@@ -22,18 +24,31 @@ class Target(Protocol):
         ...
 
 
+@runtime_checkable
+class Filmed(Protocol):
+    """A robot that can also tell how it moved, to be shown."""
+
+    def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
+        """Configurations (len(rows), nq), as the nominal robot numbers them, at control steps of the same trial."""
+        ...
+
+
 @final
 class SameTarget:
     """The simulator itself with damage planted in it: nothing but the damage is unknown.
 
     Args:
         simulator: its catalogue holds the planted effects.
-        planted: what differs.
+        planted: what differs; kept.
     """
 
     def __init__(self, simulator: Simulator, planted: Sequence[Change]) -> None:
-        self._simulator, self._planted = simulator, tuple(planted)
+        self._simulator, self.planted = simulator, tuple(planted)
 
     def __call__(self, controller: Controller) -> Trial:
         """See `Target`."""
-        return self._simulator.trial(self._planted, controller.weights, controller.steps)
+        return self._simulator.trial(self.planted, controller.weights, controller.steps)
+
+    def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
+        """See `Filmed`."""
+        return self._simulator.motions([self.planted], controller.weights[None], rows)[0]

@@ -14,6 +14,7 @@ from estexp_jax.discovery.diagnosis import Diagnosis
 from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where
 from estexp_jax.report.explain_rivals import NAMES, figure_rivals
 from estexp_jax.report.explain_text import VERDICTS, proof
+from estexp_jax.report.film import source
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,12 +28,13 @@ _NOTHING = {
 }
 
 
-def page(diagnosis: Diagnosis, findings: Mapping[str, Any]) -> str:
+def page(diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None = None) -> str:
     """HTML of an explanation.
 
     Args:
         diagnosis: with the arrays that figures need.
         findings: complete, as in `findings.json`.
+        ghosts: the robots in one scene (JPEG), where they could be drawn.
     """
     import jinja2
 
@@ -58,6 +60,7 @@ def page(diagnosis: Diagnosis, findings: Mapping[str, Any]) -> str:
         fit=_image(figure_fit(diagnosis)),
         rivals=_image(figure_rivals(findings)),
         ranking=_image(figure_ranking(diagnosis)),
+        ghosts="" if ghosts is None else source(ghosts, "image/jpeg"),
     )
 
 

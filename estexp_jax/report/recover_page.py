@@ -9,7 +9,9 @@ from typing import Any
 
 from estexp_jax.physics.changes import Change
 from estexp_jax.recovery.state import RunState
+from estexp_jax.report.film import source
 from estexp_jax.report.recover_figure import path_figure, progress_figure
+from estexp_jax.report.recover_film import Film
 
 _TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Recovery: {{ title }}</title>
@@ -35,6 +37,11 @@ it; squares: its trials. Captions: the diagnoses.</p>
 <td class="number">{{ row.hardware }}</td></tr>{% endfor %}</table>
 <h2>The ways it went</h2>
 <img alt="ways seen from above" src="{{ paths }}">
+{% if strip %}<h2>How it walks</h2>
+{% if video %}<video controls loop muted playsinline src="{{ video }}" style="max-width: 100%"></video>{% endif %}
+<img alt="the walks in pictures" src="{{ strip }}">
+<p>Orange: the parts that something has happened to. Below each picture: how far the robot has come, and when.</p>
+{% endif %}
 <h2>Settings</h2>
 <table>{% for name, value in settings %}<tr><td>{{ name }}</td><td><code>{{ value }}</code></td></tr>
 {% endfor %}</table>
@@ -42,7 +49,14 @@ it; squares: its trials. Captions: the diagnoses.</p>
 """
 
 
-def page(title: str, planted: Sequence[Change], state: RunState, axis: str, settings: Mapping[str, Any]) -> str:
+def page(
+    title: str,
+    planted: Sequence[Change],
+    state: RunState,
+    axis: str,
+    settings: Mapping[str, Any],
+    film: Film | None = None,
+) -> str:
     """HTML of a run that has had its damage.
 
     Args:
@@ -51,6 +65,7 @@ def page(title: str, planted: Sequence[Change], state: RunState, axis: str, sett
         state: the run.
         axis: of the distance.
         settings: names to values, for the record.
+        film: how it walks, where it could be drawn.
     """
     import jinja2
 
@@ -63,6 +78,8 @@ def page(title: str, planted: Sequence[Change], state: RunState, axis: str, sett
         progress=_image(progress_figure(state, axis)),
         paths=_image(path_figure(state, axis)),
         rows=table(state, axis),
+        strip="" if film is None else source(film.strip, "image/jpeg"),
+        video="" if film is None or film.video is None else source(film.video, "video/mp4"),
         settings=list(settings.items()),
     )
 

@@ -15,6 +15,7 @@ from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.recovery.target import Target
 from estexp_jax.report.picture import Picture
 from estexp_jax.report.recover_figure import path_figure, progress_figure
+from estexp_jax.report.recover_film import Film, film_of
 from estexp_jax.report.recover_page import headline, table
 
 _HEADS = ("pass", "diagnosis", "probability", "foretold (m)", "trial (m)")
@@ -84,6 +85,14 @@ class RecoverRun:
     def plot_paths(self) -> Picture:
         """The ways it went: before the damage, after it, and in the last trial."""
         return Picture(path_figure(self.state, self.job.settings.axis))
+
+    def film(self) -> Film | None:
+        """How it walks: before the damage, damaged, recovered; None before the damage, and of robots in the world.
+
+        Raises:
+            NoGlError: nothing here can draw.
+        """
+        return film_of(self.job, self.state)
 
     def _repr_html_(self) -> str:
         return self.table()._repr_html_()

@@ -65,7 +65,7 @@ def parsed(name: str, doc: str | None, *, seeds: int, quick_seeds: int, argument
 def publish(options: Options, script: str) -> None:
     """Say where the results are; where asked for, copy them beside the script."""
     for file in sorted(options.out.iterdir()):
-        if file.suffix in (".csv", ".json", ".png", ".npz"):
+        if file.suffix in (".csv", ".json", ".png", ".npz", ".jpg", ".mp4"):
             print(f"wrote {file}")
             if options.publish:
                 shutil.copy(file, Path(script).resolve().parent / file.name)

@@ -16,7 +16,17 @@ PENDULUM = """
 </mujoco>
 """
 EFFECT = "coulomb_friction@elbow T=0.35"
-SMALL = ("--most", "1", "--effects", "coulomb_friction", "viscous_friction", "command_delay", "--window", "1")
+SMALL = (
+    "--most",
+    "1",
+    "--effects",
+    "coulomb_friction",
+    "viscous_friction",
+    "command_delay",
+    "--window",
+    "1",
+    "--no-pictures",
+)
 
 
 def run(*arguments: object) -> int:

@@ -15,6 +15,7 @@ from estexp_jax.cli.recover import Options, settings_of
 from estexp_jax.errors import InputError
 
 TINY = "--situation 3 --seed 1 --population 8 --generations 3 --steps 30 --settle-steps 10 --passes 2".split()
+TINY.append("--no-pictures")
 FILES = ("run.json", "history.parquet", "traces.npz")
 
 

@@ -1,0 +1,67 @@
+"""Draws robots in a process of its own: graphics drivers may crash, and MuJoCo chooses one when it is imported.
+
+Started by `gl.py` with MUJOCO_GL set, as a script and outside the package: of the package it needs nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import mujoco
+import numpy as np
+
+_THICKER = 0.03
+
+
+def draw(job: Any) -> np.ndarray:
+    """Pictures (shots, frames, height, width, 3) of a job as `gl.py` writes it."""
+    model = _loaded(job["model"])
+    height, width = (int(x) for x in job["size"])
+    shots, frames = job["qpos"].shape[:2]
+    model.vis.quality.offsamples = 0  # several samples a pixel take several times as long without a graphics card
+    model.vis.quality.shadowsize = 1024
+    model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+    pictures = np.zeros((shots, frames, height, width, 3), np.uint8)
+    with mujoco.Renderer(model, height, width) as renderer:
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = int(job["shadows"])
+        data, ghost = mujoco.MjData(model), mujoco.MjData(model)
+        for shot in range(shots):
+            for frame in range(frames):
+                _compose(renderer, data, ghost, job, shot, frame)
+                pictures[shot, frame] = renderer.render()
+    return pictures
+
+
+def _loaded(content: np.ndarray) -> mujoco.MjModel:
+    return mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": content.tobytes()})
+
+
+def _compose(renderer: Any, data: Any, ghost: Any, job: Any, shot: int, frame: int) -> None:
+    """One scene: the robot in its first posture, and others of itself beside it, each in its colours."""
+    model = renderer.model
+    camera = mujoco.MjvCamera()
+    camera.lookat[:] = job["lookat"][shot, frame]
+    camera.distance, camera.azimuth, camera.elevation = job["camera"][shot]
+    for layer, qpos in enumerate(job["qpos"][shot, frame]):
+        model.geom_rgba[:] = job["rgba"][shot, layer]
+        now = data if layer == 0 else ghost
+        now.qpos[:] = qpos
+        mujoco.mj_kinematics(model, now)
+        mujoco.mj_camlight(model, now)
+        if layer == 0:
+            renderer.update_scene(now, camera)
+            for lamp in renderer.scene.lights[: renderer.scene.nlight]:  # go with a robot that walks
+                if not lamp.headlight:
+                    lamp.pos[:2] += (job["lookat"][shot, frame] - job["lookat"][shot, 0])[:2]
+        else:
+            moving, first = mujoco.mjtCatBit.mjCAT_DYNAMIC, renderer.scene.ngeom
+            mujoco.mjv_addGeoms(model, now, mujoco.MjvOption(), mujoco.MjvPerturb(), moving, renderer.scene)
+            for geom in renderer.scene.geoms[first : renderer.scene.ngeom]:
+                geom.size[:] *= 1.0 + _THICKER * layer  # what is in the same place does not flicker
+
+
+if __name__ == "__main__":
+    with np.load(sys.argv[1], allow_pickle=False) as given:
+        np.save(sys.argv[2], draw(given), allow_pickle=False)
