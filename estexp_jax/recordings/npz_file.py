@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tokenize
 import zipfile
 import zlib
 from lzma import LZMAError
@@ -17,6 +18,7 @@ from estexp_jax.recordings.table import Selection, Table, check_size, check_widt
 # What reading a damaged member may raise: wrong lengths, checksums, encryption, unknown compression, broken headers.
 _BROKEN = (ValueError, EOFError, OSError, zipfile.BadZipFile, zlib.error, LZMAError)
 _BROKEN += (RuntimeError, OverflowError, TypeError, KeyError, MemoryError, SyntaxError, IndexError)
+_BROKEN += (tokenize.TokenError,)  # of NumPy's parser of headers
 
 
 def read_npz(path: Path, selection: Selection) -> Table:
