@@ -156,3 +156,9 @@ def test_headers_that_python_cannot_read_are_no_columns(tmp_path):
     header = b"\x93NUMPY\x01\x00\x20\x00{'descr': '<f8', (((((((((((((\n  "
     with pytest.raises(InputError, match="is no column"):
         read_table(_npz(tmp_path / "a.npz", x=header)).column("x")
+
+
+def test_headers_in_the_manner_of_python_2_are_read_without_a_warning(tmp_path):
+    header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (2L,), }"
+    content = b"\x93NUMPY\x01\x00" + (len(header) + 1).to_bytes(2, "little") + header + b"\n" + bytes(16)
+    assert read_table(_npz(tmp_path / "a.npz", x=content)).column("x").tolist() == [0.0, 0.0]
