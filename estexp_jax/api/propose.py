@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.api.explain_files import RIVALS_SCHEMA
+from estexp_jax.api.results import DAMAGE, damaged, read_results
 from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.discovery.propose import ProposeConfig, Proposed
@@ -60,7 +60,7 @@ class Proposal:
         return DataFrame(rows(self.proposed))
 
     def write(self, out: str | Path, *, force: bool = False) -> Path:
-        """Write commands, predictions and advice into a folder, as the command does; gives the advice's path.
+        """Write commands, predictions, advice and report into a folder, as the command does; gives the report's path.
 
         Raises:
             InputError: the folder holds results and `force` is not set.
@@ -141,19 +141,12 @@ def read_open(folder: str | Path) -> Open:
         InputError: the folder holds no explanation, or one without rivals.
     """
     path = Path(folder) / "rivals.json"
-    right = "give the --out of `estexp explain`"
-    try:
-        kept = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"cannot be read: {error}", where=str(path), right=right) from None
-    if not isinstance(kept, dict) or kept.get("schema") != RIVALS_SCHEMA:
-        raise InputError("is not a list of rivals", where=str(path), right=f"its schema is {RIVALS_SCHEMA}; {right}")
+    kept = read_results(path, RIVALS_SCHEMA, "a list of rivals")
     try:
         contest = Contest.from_json(kept)
         robot, finer = Robot.from_xml(Path(folder) / kept["nominal"]), int(kept["finer"])
-    except (KeyError, TypeError, ValueError) as error:
-        told = f"is damaged ({type(error).__name__}: {error})"
-        raise InputError(told, where=str(path), right="explain again") from None
+    except DAMAGE as error:
+        raise damaged(path, error) from None
     _check(contest, robot, path)
     return Open(robot, contest, finer)
 

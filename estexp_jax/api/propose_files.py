@@ -8,20 +8,24 @@ import numpy as np
 
 from estexp_jax.discovery.propose import Proposed
 from estexp_jax.recordings.write import write_csv
-from estexp_jax.report.propose_text import advice, column_of
+from estexp_jax.report.propose_advice import advice
+from estexp_jax.report.propose_text import column_of
 from estexp_jax.runs import RunFolder
 
 
 def write_proposal(folder: RunFolder, proposed: Proposed) -> Path:
-    """Write commands, what each rival predicts, and advice; gives the advice's path."""
+    """Write commands, what each rival predicts, advice and report; gives the report's path."""
+    from estexp_jax.report.propose_page import page
+
     names = proposed.robot.names("actuator")
     columns = {f"ctrl.{name}": proposed.commands[:, a] for a, name in enumerate(names)}
     for n, readings in enumerate(proposed.shown.readings, start=1):
         write_csv(folder.file(f"rivals/{n}.csv"), {"time": proposed.time, **_columns(proposed, readings)})
     write_csv(folder.file("commands.csv"), {"time": proposed.time, **columns})
-    path = folder.file("advice.md")
-    path.write_text(advice(proposed), encoding="utf-8")
-    return path
+    folder.file("advice.md").write_text(advice(proposed), encoding="utf-8")
+    report = folder.file("report.html")
+    report.write_text(page(proposed), encoding="utf-8")
+    return report
 
 
 def _columns(proposed: Proposed, readings: np.ndarray) -> dict[str, np.ndarray]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, final
@@ -10,6 +9,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
+from estexp_jax.api.results import DAMAGE, damaged, read_results
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, encode, stack
 from estexp_jax.physics.engines.choice import replayer
@@ -87,16 +87,16 @@ def load_explained(folder: str | Path) -> Simulator:
     """The simulator that `estexp explain` left in a folder.
 
     Raises:
-        InputError: the folder holds no explanation.
+        InputError: the folder holds no explanation, or one that does not fit its model.
     """
     path = Path(folder) / "effects.json"
+    kept = read_results(path, EFFECTS_SCHEMA, "a list of effects")
     try:
-        kept = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"cannot be read: {error}", where=str(path), right="give the --out of `estexp explain`"
-        ) from None
-    if not isinstance(kept, dict) or kept.get("schema") != EFFECTS_SCHEMA:
-        raise InputError("is not a list of effects", where=str(path), right=f"its schema is {EFFECTS_SCHEMA}")
-    robot = Robot.from_xml(Path(folder) / kept["nominal"])
-    return Simulator(robot, tuple(Change.from_json(entry) for entry in kept["changes"]), kept["finer"])
+        robot, finer = Robot.from_xml(Path(folder) / kept["nominal"]), int(kept["finer"])
+        changes = tuple(Change.from_json(entry) for entry in kept["changes"])
+        if finer < 1:
+            raise ValueError(f"finer is {finer}")
+        encode(robot, catalogue(dict.fromkeys(change.effect for change in changes)), changes)
+    except DAMAGE as error:
+        raise damaged(path, error) from None
+    return Simulator(robot, changes, finer)

@@ -109,6 +109,8 @@ def _explained(inputs: Inputs, config: ExplainConfig, folder: RunFolder) -> Expl
 
     kept = folder.file("checkpoint.npz")
     memory: dict[str, Any] = (load_checkpoint(kept) or {}) if folder.resumed else {}
+    if not isinstance(memory, dict):
+        raise InputError("the checkpoint is damaged", where=str(kept), right="begin anew with --force")
     running = ""
     with Progress() as progress:
         progress.say(f"Explaining {len(inputs.recordings)} recordings of {inputs.model.name}")

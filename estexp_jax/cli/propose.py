@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Options:
     """Find what to record next: the motion on which the explanations that are left disagree most.
 
-    Writes commands.csv, rivals/<n>.csv (what each explanation predicts) and advice.md.
+    Writes commands.csv, rivals/<n>.csv (what each explanation predicts), advice.md and report.html.
 
     Example:
         estexp explain recordings.toml --out out/explain
@@ -27,7 +27,7 @@ class Options:
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Where `estexp explain` wrote its results."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
-    """Where commands, predictions and advice go."""
+    """Where commands, predictions, advice and report go."""
     duration: float = 8.0
     """Of the motion, s."""
     margin: float = 0.9
@@ -59,9 +59,9 @@ def run(options: Options) -> int:
     marker = {"command": "propose", "config": {"folder": str(options.folder), **vars(config)}}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     proposal = _proposed(left, config)
-    path = write_proposal(folder, proposal.proposed)
+    report = write_proposal(folder, proposal.proposed)
     print(proposal.summary())
-    print(f"Commands: {folder.path / 'commands.csv'}\nAdvice: {path}")
+    print(f"Commands: {folder.path / 'commands.csv'}\nAdvice: {folder.path / 'advice.md'}\nReport: {report}")
     return 0
 
 

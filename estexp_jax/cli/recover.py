@@ -138,7 +138,7 @@ def run(options: Options) -> int:
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     enable_compilation_cache()
     saved = load_checkpoint(folder.file(_CHECKPOINT))
-    state = RunState() if saved is None else RunState.from_tree(saved)
+    state = RunState() if saved is None else _state(saved, options.out)
     with Progress() as progress:
         story = Story(progress, job)
         story.begin(model.name, state)
@@ -146,6 +146,16 @@ def run(options: Options) -> int:
         story.end(state)
         _write(folder, job, state, config, progress, pictures=options.pictures)
     return 0
+
+
+def _state(saved: Any, out: Path) -> RunState:
+    from estexp_jax.recovery.state import RunState
+
+    try:
+        return RunState.from_tree(saved)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        told = f"the checkpoint is damaged ({type(error).__name__}: {error})"
+        raise InputError(told, where=str(out / _CHECKPOINT), right="begin anew with --force") from None
 
 
 def _run(job: Job, state: RunState, folder: RunFolder, story: Any) -> RunState:

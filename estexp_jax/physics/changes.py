@@ -63,8 +63,18 @@ class Change:
 
     @classmethod
     def from_json(cls, entry: Mapping[str, Any]) -> Change:
-        """The inverse of `to_json`."""
-        return cls(entry["effect"], entry["name"], dict(entry["parameters"]))
+        """The inverse of `to_json`.
+
+        Raises:
+            KeyError, TypeError, ValueError: it is none of its results.
+        """
+        name, parameters = entry["name"], {key: entry["parameters"][key] for key in entry["parameters"]}
+        if not isinstance(entry["effect"], str) or not isinstance(name, str | None):
+            raise ValueError("an effect and a place are names")
+        for key, value in parameters.items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e300:
+                raise ValueError(f"{key} is no number")
+        return cls(entry["effect"], name, parameters)
 
 
 def parse_change(text: str, robot: Robot) -> Change:

@@ -105,8 +105,14 @@ class _Files:
     def __post_init__(self) -> None:
         self._seen: set[Path] = set()
 
-    def read(self, path: Path) -> tuple[Path, ...]:
-        """Look over a model's text and all that it includes or attaches; gives the folders of these models."""
+    def read(self, path: Path, within: tuple[Path, ...] = (), *, attached: bool = False) -> tuple[Path, ...]:
+        """Look over a model's text and all that it includes or attaches; gives the folders of these models.
+
+        Args:
+            path: the file.
+            within: the files that led here.
+            attached: whether one of them was attached, not included: MuJoCo itself refuses rings of includes only.
+        """
         folder = path.absolute().parent
         self._seen.add(path.resolve())
         if len(self._seen) > _MOST_FILES:
@@ -114,8 +120,13 @@ class _Files:
         folders, text = [folder], _text(path)
         for element in elements(text, str(path)):
             for inner in self._opened(element, path, folder):
-                if element.tag != "flexcomp" and inner.resolve() not in self._seen:
-                    folders += self.read(inner)
+                if element.tag == "flexcomp":
+                    continue
+                below, link = (*within, path.resolve()), attached or element.tag == "model"
+                if link and inner.resolve() in below:
+                    raise InputError(f"attaches {inner.name}, which it is a part of", where=f"{path}, <{element.tag}>")
+                if inner.resolve() not in self._seen:
+                    folders += self.read(inner, below, attached=link)
         return tuple(dict.fromkeys(folders))
 
     def _opened(self, element: Element, path: Path, folder: Path) -> Iterator[Path]:

@@ -13,6 +13,7 @@ import numpy as np
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.description import elements, freeze, named
 from estexp_jax.physics.model_files import is_file, read_description
+from estexp_jax.physics.soundness import refuse_unbounded, refuse_unsound, unheard
 
 _TYPES = {
     "body": mujoco.mjtObj.mjOBJ_BODY,
@@ -55,7 +56,8 @@ class Robot:
                 "no such MJCF file", where=str(path), right="give the path of a MuJoCo XML model or a URDF"
             )
         try:
-            return cls.from_spec(read_description(path), str(path))
+            with unheard():
+                return cls.from_spec(read_description(path), str(path))
         except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=str(path)) from None
 
@@ -67,14 +69,21 @@ class Robot:
             InputError: the text does not compile.
         """
         try:
-            return cls.from_spec(mujoco.MjSpec.from_string(xml), source)
+            with unheard():
+                return cls.from_spec(mujoco.MjSpec.from_string(xml), source)
         except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=source) from None
 
     @classmethod
     def from_spec(cls, spec: mujoco.MjSpec, source: str = "MJCF") -> Robot:
-        """Compile a description that was built or changed in memory."""
+        """Compile a description that was built or changed in memory.
+
+        Raises:
+            InputError: it claims more than any robot has, or holds what is no number.
+        """
+        refuse_unbounded(spec, source)
         model = spec.compile()
+        refuse_unsound(model, source)
         return cls(named(spec), model, source)
 
     def names(self, kind: str) -> tuple[str, ...]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import tokenize
+import warnings
 import zipfile
 import zlib
 from lzma import LZMAError
@@ -17,6 +19,7 @@ from estexp_jax.recordings.table import Selection, Table, check_size, check_widt
 # What reading a damaged member may raise: wrong lengths, checksums, encryption, unknown compression, broken headers.
 _BROKEN = (ValueError, EOFError, OSError, zipfile.BadZipFile, zlib.error, LZMAError)
 _BROKEN += (RuntimeError, OverflowError, TypeError, KeyError, MemoryError, SyntaxError, IndexError)
+_BROKEN += (tokenize.TokenError,)  # of NumPy's parser of headers
 
 
 def read_npz(path: Path, selection: Selection) -> Table:
@@ -34,7 +37,9 @@ def read_npz(path: Path, selection: Selection) -> Table:
             for name, info in {info.filename.removesuffix(".npy"): info for info in members}.items():
                 taken = sum(values.size for values in columns.values())
                 try:
-                    columns[name] = _column(archive, info, taken, f"{path}, column '{name}'")
+                    with warnings.catch_warnings():
+                        warnings.simplefilter("ignore")  # NumPy's, of headers in the manner of Python 2
+                        columns[name] = _column(archive, info, taken, f"{path}, column '{name}'")
                 except _BROKEN as error:
                     unusable[name] = InputError(f"is no column: {error}", where=f"{path}, column '{name}'")
     except _BROKEN:

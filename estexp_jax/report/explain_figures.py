@@ -5,7 +5,6 @@ All are narrow and tall, so that their text stays readable on a phone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.selection import Explanation
+from estexp_jax.report.axes import draw_floor, log_axis, short
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,9 +53,13 @@ def figure_where(diagnosis: Diagnosis) -> Figure:
 
 def figure_fit(diagnosis: Diagnosis) -> Figure:
     """A test recording before and after: the channel that the nominal simulator misses most, and what is left of it."""
+    return figure_prediction(*worst_channel(diagnosis))
+
+
+def figure_prediction(prediction: Prediction, channel: int) -> Figure:
+    """One channel of a test recording under both simulators, and what is left of it."""
     from matplotlib.figure import Figure
 
-    prediction, channel = worst_channel(diagnosis)
     time, breaks = _with_breaks(prediction)
     recorded, nominal, explained = (
         np.insert(getattr(prediction, name)[:, channel].astype(float), breaks, np.nan)
@@ -173,7 +177,7 @@ def _draw_strips(figure: Figure, axes: Axes, strips: list[_Strip]) -> None:
         for left, right, error in zip(strip.edges[:-1], strip.edges[1:], strip.error, strict=True):
             colour = colours.to_rgba(100.0 * error) if np.isfinite(error) else "#eeeeee"
             axes.barh(row, right - left, left=left, height=0.8, color=colour, edgecolor="white", linewidth=0.5)
-    axes.set_yticks(range(len(strips)), [_short(s.label) for s in strips], fontsize=8, parse_math=False)
+    axes.set_yticks(range(len(strips)), [short(s.label) for s in strips], fontsize=8, parse_math=False)
     axes.set_ylim(len(strips) - 0.4, -0.6)
     axes.set_xlabel("time (s)")
     axes.set_title("Error of the nominal simulator,\ntraining recordings", fontsize=10, loc="left")
@@ -186,7 +190,7 @@ def _draw_places(axes: Axes, places: list[dict[str, Any]]) -> None:
     shares = [100.0 * p["share"] for p in places]
     bars = axes.barh(range(len(places)), shares, height=0.6, color=[_EXPLAINED] + [_RIVAL] * (len(places) - 1))
     axes.bar_label(bars, [f"{s:.0f} %" for s in shares], padding=4, fontsize=9)
-    names = [_short(p["kind"] if p["name"] is None else f"{p['kind']} {p['name']}") for p in places]
+    names = [short(p["kind"] if p["name"] is None else f"{p['kind']} {p['name']}") for p in places]
     axes.set_yticks(range(len(places)), names, fontsize=9, parse_math=False)
     axes.set_ylim(len(places) - 0.4, -0.6)
     axes.set_xlim(0.0, max(shares) * 1.15)
@@ -204,30 +208,6 @@ def _draw_rival(axes: Axes, y: float, error: float, colour: str, *, bold: bool) 
     axes.axhline(y, color="0.93", lw=0.8, zorder=0)
 
 
-def draw_floor(axes: Axes, floor: float, errors: Sequence[float]) -> None:
-    """A line at the error that noise alone gives, its name on the side where most errors are."""
-    if floor > 0.0:
-        aside, side = (3, "left") if not len(errors) or floor < np.median(errors) else (-3, "right")
-        axes.axvline(floor, color="0.5", ls=":", lw=1.2)
-        axes.annotate(
-            "noise", (floor, 1.0), xycoords=("data", "axes fraction"), xytext=(aside, -2), textcoords="offset points",
-            fontsize=8, color="0.4", va="top", ha=side,
-        )  # fmt: skip
-
-
-def log_axis(axes: Axes, errors: list[float], unit: str = "") -> None:
-    """Logarithmic, with room for numbers at the right, its labels followed by a unit."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axes.set_xscale("log")
-    low, high = axes.get_xlim()
-    high = max(high, max(errors))
-    axes.set_xlim(low, high * (high / low) ** 0.16)
-    axes.xaxis.set_major_locator(LogLocator(numticks=6))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}{unit}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-
-
 def _colour(diagnosis: Diagnosis, explanation: Explanation) -> str:
     if explanation is diagnosis.selection.chosen:
         return _EXPLAINED
@@ -238,10 +218,3 @@ def _with_breaks(prediction: Prediction) -> tuple[np.ndarray, np.ndarray]:
     """Times (rows + windows - 1,) with a NaN before each window but the first, and where those were put in."""
     breaks = np.flatnonzero(np.diff(prediction.window)) + 1
     return np.insert(prediction.time.astype(float), breaks, np.nan), breaks
-
-
-def _short(text: str, most: int = 30) -> str:
-    """Each line cut in its middle if it is long: beginnings and ends of names tell the most."""
-    half = (most - 1) // 2
-    lines = text.split("\n")
-    return "\n".join(line if len(line) <= most else f"{line[:half]}…{line[-half:]}" for line in lines)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from estexp_jax.report.explain_figures import draw_floor, log_axis
+from estexp_jax.report.axes import draw_floor, log_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""A proposed motion in words, for terminals, notebooks and `advice.md`."""
+"""A proposed motion in words, for terminals, notebooks, `advice.md` and the report."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from estexp_jax.discovery.contest import Rival
 from estexp_jax.discovery.findings import TOLD
 from estexp_jax.discovery.propose import PLAIN, SLACK, Proposed
 from estexp_jax.physics.robot import Robot
+from estexp_jax.report.pages import probability
 
 _UNITS = {
     mujoco.mjtSensor.mjSENS_JOINTVEL: "rad/s",
@@ -91,11 +92,11 @@ def _in_deviations(proposed: Proposed, readings: np.ndarray) -> np.ndarray:
 def summary(proposed: Proposed) -> str:
     """The rivals, and how far apart the motion brings each pair; several lines."""
     rivals = enumerate(proposed.contest.rivals, start=1)
-    lines = [opening(proposed), *(f"  {n}. {rival.label} ({_standing(rival)})" for n, rival in rivals)]
+    lines = [opening(proposed), *(f"  {n}. {rival.label} ({standing(rival)})" for n, rival in rivals)]
     lines += [verdict(proposed)]
     for pair in rows(proposed):
         told = f"{pair['separation']:.3g} deviations apart, by random motions {pair['random']:.3g}"
-        lines.append(f"  {pair['rival']} and {pair['other']}: {told}; most at {_moment(pair)}")
+        lines.append(f"  {pair['rival']} and {pair['other']}: {told}; most at {moment(pair)}")
     return "\n".join(lines)
 
 
@@ -109,8 +110,9 @@ def opening(proposed: Proposed) -> str:
     )
 
 
-def _standing(rival: Rival) -> str:
-    return f"probability {rival.probability:.0%}" if rival.probability >= TOLD else "refuted already"
+def standing(rival: Rival) -> str:
+    """How probable it is."""
+    return f"probability {probability(rival.probability)}" if rival.probability >= TOLD else "refuted already"
 
 
 def verdict(proposed: Proposed) -> str:
@@ -129,7 +131,8 @@ def verdict(proposed: Proposed) -> str:
     return f"The proposed motion {told}; no motion found does so plainly for {same}. {still}{_ELSE}"
 
 
-def _moment(pair: dict[str, Any]) -> str:
+def moment(pair: dict[str, Any]) -> str:
+    """When and where two rivals differ most."""
     size = f"{abs(pair['difference']):.3g} {pair['unit']}".rstrip()
     return f"{pair['time']:.2f} s, where `{pair['sensor']}` differs by {size} ({pair['deviations']:.3g} deviations)"
 
@@ -139,7 +142,7 @@ def html_table(proposed: Proposed) -> str:
     found = rows(proposed)
     head = "".join(f"<th>{escape(name)}</th>" for name in found[0])
     body = "".join("<tr>" + "".join(f"<td>{_cell(v)}</td>" for v in row.values()) + "</tr>" for row in found)
-    rivals = "".join(f"<li>{escape(r.label)} ({_standing(r)})</li>" for r in proposed.contest.rivals)
+    rivals = "".join(f"<li>{escape(r.label)} ({standing(r)})</li>" for r in proposed.contest.rivals)
     return f"<p><b>{escape(verdict(proposed))}</b></p><ol>{rivals}</ol><table><tr>{head}</tr>{body}</table>"
 
 
@@ -147,82 +150,50 @@ def _cell(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else escape(str(value))
 
 
-def advice(proposed: Proposed) -> str:
-    """`advice.md`: what is open, what to record, what to look for, how to go on."""
-    parts = [
-        f"# What to record next\n\n{verdict(proposed)}",
-        _rivals(proposed),
-        _motion(proposed),
-        _pairs(proposed),
-        _signs(proposed),
-        _next(proposed),
-    ]
-    return "\n\n".join(parts) + "\n"
-
-
-def _rivals(proposed: Proposed) -> str:
-    lines = [
-        f"{n}. `{rival.label}` ({_standing(rival)}): {rival.sentence}."
-        for n, rival in enumerate(proposed.contest.rivals, start=1)
-    ]
-    return f"## Explanations\n\n{opening(proposed)}\n\n" + "\n".join(lines)
-
-
-def _motion(proposed: Proposed) -> str:
-    config, commands = proposed.config, proposed.commands
+def motion(proposed: Proposed) -> str:
+    """What `commands.csv` holds, and within which limits."""
+    config = proposed.config
     rate = 1.0 / (proposed.time[1] - proposed.time[0])
-    told = (
-        f"`commands.csv` holds {proposed.time[-1]:.3g} s of commands at {rate:.4g} Hz. Start at home, at rest. They use"
+    return (
+        f"holds {proposed.time[-1]:.3g} s of commands at {rate:.4g} Hz. Start at home, at rest. They use"
         f" at most {config.margin:.0%} of each range of command and joint, or what the recordings used already; joints"
         f" move at most {config.speed:g} times as fast as in the recordings."
     )
-    lines = [told, "", "| actuator | lowest | highest |", "|---|---|---|"]
-    for a, name in enumerate(proposed.robot.names("actuator")):
-        lines.append(f"| `{name}` | {commands[:, a].min():.3g} | {commands[:, a].max():.3g} |")
-    if proposed.shown.excess > SLACK:
-        told = f"goes {proposed.shown.excess:.0%} beyond a limit of joint or speed under at least one explanation"
-        lines += ["", f"**Careful:** no motion found stays within the limits; this one {told}."]
-    return "## The motion\n\n" + "\n".join(lines)
 
 
-def _pairs(proposed: Proposed) -> str:
-    lines = [
-        "One deviation is a reading's noise, or an ordinary error (3 %) of one value of the model, all the time. From"
-        f" {PLAIN:g} on, two explanations are plainly apart.",
-        "",
-        "| explanations | apart | by random motions | differ most |",
-        "|---|---|---|---|",
-    ]
-    for pair in rows(proposed):
-        two = f"{pair['rival']} and {pair['other']}"
-        lines.append(f"| {two} | {pair['separation']:.3g} | {pair['random']:.3g} | at {_moment(pair)} |")
-    return "## How far apart they are, in deviations\n\n" + "\n".join(lines)
+def caution(proposed: Proposed) -> str:
+    """What is beyond a limit; empty where nothing is."""
+    if proposed.shown.excess <= SLACK:
+        return ""
+    told = f"goes {proposed.shown.excess:.0%} beyond a limit of joint or speed under at least one explanation"
+    return f"no motion found stays within the limits; this one {told}."
 
 
-def _signs(proposed: Proposed) -> str:
+def reaches(proposed: Proposed) -> list[tuple[str, str, str]]:
+    """Each actuator with its lowest and highest command."""
+    pairs = zip(proposed.robot.names("actuator"), proposed.commands.T, strict=True)
+    return [(name, f"{column.min():.3g}", f"{column.max():.3g}") for name, column in pairs]
+
+
+def signs(proposed: Proposed) -> list[dict[str, str]]:
     """What each rival alone predicts: where it is farthest from the nearest other one."""
     shown, contest = proposed.shown.readings, proposed.contest
     scaled = _in_deviations(proposed, shown)
-    lines = []
+    found = []
     for n in range(len(contest.rivals)):
         others = np.delete(np.arange(len(contest.rivals)), n)
         nearest = np.abs(scaled[others] - scaled[n]).min(axis=0)
         row, c = np.unravel_index(int(np.argmax(nearest)), nearest.shape)
         unit, values = unit_of(proposed.robot, contest.channels[c]), shown[others, row, c]
         low, high = f"{values.min():.3g}", f"{values.max():.3g}"
-        elsewhere = f"{low} {unit}".rstrip() if low == high else f"{low} to {high} {unit}".rstrip()
-        mine = f"{shown[n, row, c]:.3g} {unit}".rstrip()
-        told = f"at {proposed.time[row]:.2f} s `{contest.channels[c]}` reads {mine}, else {elsewhere}"
-        lines.append(f"- If {n + 1} (`{contest.rivals[n].label}`) is right, {told} (`rivals/{n + 1}.csv`).")
-    return "## What to look for\n\n" + "\n".join(lines)
+        elsewhere = low if low == high else f"{low} to {high}"
+        told = {"number": f"{n + 1}", "time": f"{proposed.time[row]:.2f}", "sensor": contest.channels[c]}
+        both = {"own": f"{shown[n, row, c]:.3g} {unit}".rstrip(), "others": f"{elsewhere} {unit}".rstrip()}
+        found.append({**told, **both, "label": contest.rivals[n].label})
+    return found
 
 
-def _next(proposed: Proposed) -> str:
+def again(proposed: Proposed) -> str:
+    """The command that takes the new recording in."""
     train, test = (" ".join(n for n, r in proposed.contest.recordings if r == role) for role in ("train", "test"))
-    command = f"estexp explain MODEL.xml {train} proposed.csv --test {test} --out out/again"
-    return (
-        "## Then\n\nPlay `commands.csv` on the robot, log it as before, say as `proposed.csv`, and explain again with"
-        f" that recording among those to learn from:\n\n```sh\n{command}\n```\n\n"
-        'Where a `recordings.toml` describes the logs, add `[[recording]]` with `file = "proposed.csv"` and'
-        ' `role = "train"` to it instead.'
-    )
+    return f"estexp explain MODEL.xml {train} proposed.csv --test {test} --out out/again"

@@ -11,6 +11,10 @@ import numpy as np
 from estexp_jax.physics.changes import Change
 from estexp_jax.recovery.state import RunState
 
+_WIDTH = 5.4
+"""Narrow, so that text stays readable on a phone."""
+_LETTERS = 88
+"""Letters of a caption that fit side by side over the axes."""
 _BEFORE, _DAMAGED, _TRIAL, _SIMULATED = "#1b9e77", "#d95f02", "#7570b3", "#555555"
 
 
@@ -31,46 +35,51 @@ def progress_figure(state: RunState, axis: str) -> Any:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10.0, 5.0), layout="constrained")
+    figure = Figure(figsize=(_WIDTH, 4.4), layout="constrained")
     axes = figure.add_subplot()
     ends = _draw_explorations(axes, state)
     _draw_trials(axes, state, axis, ends)
-    top = axes.get_ylim()[1]
-    for end, diagnosis in zip(ends, state.diagnoses, strict=False):
+    captions = _captions(state.diagnoses, _LETTERS // max(len(ends), 1))
+    for end, caption in zip(ends, captions, strict=False):
         axes.axvline(end, color="0.85", zorder=0)
-        axes.text(end, top, f" {_caption(diagnosis)}", va="bottom", ha="left", fontsize=7)
+        axes.annotate(
+            caption, (end, 1.0), xycoords=("data", "axes fraction"), xytext=(2, 3), textcoords="offset points",
+            va="bottom", ha="left", fontsize=7, parse_math=False,
+        )  # fmt: skip
+    axes.set_xlim(0, max(ends, default=1))
     axes.set_xlabel("generations of exploration")
     axes.set_ylabel(f"distance along {axis} (m)")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False)
+    # Below the axes: inside them it would lie on curves, and above them are the captions.
+    figure.legend(loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
 
 
 def path_figure(state: RunState, axis: str) -> Any:
-    """The root's way seen from above: before the damage, after it, and in the last trial; all to one scale.
+    """The root's way seen from above: before the damage, after it, and in the last trial; each begins at the dot.
 
     Args:
         state: the run, with its damage done.
-        axis: of the distance, for the titles.
+        axis: of the distance, for the legend.
     """
     from matplotlib.figure import Figure
 
     first, *later = state.trials
-    walks = [("before", state.before, _BEFORE), ("damaged", first, _DAMAGED)]
+    walks = [("before the damage", state.before, _BEFORE), ("damaged", first, _DAMAGED)]
     walks += [(f"trial {len(later)}", later[-1], _TRIAL)] if later else []
-    figure = Figure(figsize=(3.2 * len(walks), 3.2), layout="constrained")
-    panels = figure.subplots(1, len(walks), sharex=True, sharey=True, squeeze=False)[0]
-    for axes, (title, trial, colour) in zip(panels, walks, strict=True):
+    figure = Figure(figsize=(_WIDTH, 3.4), layout="constrained")
+    axes = figure.add_subplot()
+    for title, trial, colour in walks:
         if trial is not None:
             way = trial.position[:, :2] - trial.position[0, :2]
-            axes.plot(way[:, 0], way[:, 1], color=colour)
-            axes.plot(*way[0], "o", color="0.3", markersize=4)
-            axes.plot(*way[-1], "s", color=colour, markersize=5)
-            title += f": {trial.distance(axis):.2f} m"
-        axes.set_title(title, fontsize=9)
-        axes.set_aspect("equal", adjustable="box")
-        axes.set_xlabel("x (m)")
-    panels[0].set_ylabel("y (m)")
+            axes.plot(way[:, 0], way[:, 1], color=colour, label=f"{title}: {trial.distance(axis):.2f} m")
+            axes.plot(*way[-1], "s", color=colour, markersize=6)
+    axes.plot(0.0, 0.0, "o", color="0.3", markersize=5)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.legend(loc="outside upper center", ncols=len(walks), fontsize=9, frameon=False)
     return figure
 
 
@@ -94,9 +103,15 @@ def _draw_trials(axes: Any, state: RunState, axis: str, ends: Sequence[int]) -> 
         axes.plot(ends[0], state.trials[0].distance(axis), "o", color=_DAMAGED, label="damaged")
     distances = [trial.distance(axis) for trial in state.trials[1:]]
     if distances:
-        axes.plot(ends[1 : len(distances) + 1], distances, "s", color=_TRIAL, label="hardware trial")
+        axes.plot(ends[1 : len(distances) + 1], distances, "s", color=_TRIAL, label="hardware trial", clip_on=False)
 
 
-def _caption(diagnosis: Sequence[Change]) -> str:
-    text = "\n ".join(fill(change.sentence(), 28, subsequent_indent=" ") for change in diagnosis)
-    return text or "nothing differs"
+def _captions(diagnoses: Sequence[Sequence[Change]], letters: int) -> list[str]:
+    """Each pass's diagnosis, in lines of so many letters; what is as before is not said again."""
+    told, before = [], None
+    for number, diagnosis in enumerate(diagnoses, start=1):
+        sentences = [change.sentence() for change in diagnosis] or ["nothing differs"]
+        text = "\n".join(fill(sentence, max(letters, 8)) for sentence in sentences)
+        told.append(f"{number}" if letters < 8 else f"{number}: as before" if text == before else f"{number}:\n{text}")
+        before = text
+    return told

@@ -2,51 +2,21 @@
 
 from __future__ import annotations
 
-import base64
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from estexp_jax.physics.changes import Change
-from estexp_jax.recovery.state import RunState
+from estexp_jax.physics.registry import effect
+from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.report.film import source
+from estexp_jax.report.pages import capital, image, percent, probability, render
 from estexp_jax.report.recover_figure import path_figure, progress_figure
 from estexp_jax.report.recover_film import Film
 
-_TEMPLATE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>Recovery: {{ title }}</title>
-<style>
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
-table { border-collapse: collapse; margin: 1rem 0; } td, th { padding: .3rem .8rem; text-align: left; }
-th { border-bottom: 2px solid #888; } td { border-bottom: 1px solid #ddd; vertical-align: top; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; } img { max-width: 100%; }
-code { font-size: 85%; }
-</style></head><body>
-<h1>{{ title }}</h1>
-<p>{{ headline }}</p>
-<h2>What was wrong</h2>
-<ul>{% for line in planted %}<li>{{ line }}</li>{% else %}<li>{{ nothing }}</li>{% endfor %}</ul>
-<h2>What happened</h2>
-<img alt="distance over generations" src="{{ progress }}">
-<p>Dotted: the best controller in the simulator as diagnosed then. Triangle: the robot before the damage; circle: after
-it; squares: its trials. Captions: the diagnoses.</p>
-<table><tr><th>pass</th><th>diagnosis</th><th>probability</th><th>foretold (m)</th><th>trial (m)</th></tr>
-{% for row in rows %}<tr><td>{{ row.number }}</td>
-<td>{% for line in row.diagnosis %}{{ line }}<br>{% else %}nothing differs{% endfor %}</td>
-<td class="number">{{ row.probability }}</td><td class="number">{{ row.simulated }}</td>
-<td class="number">{{ row.hardware }}</td></tr>{% endfor %}</table>
-<h2>The ways it went</h2>
-<img alt="ways seen from above" src="{{ paths }}">
-{% if strip %}<h2>How it walks</h2>
-{% if video %}<video controls loop muted playsinline src="{{ video }}" style="max-width: 100%"></video>{% endif %}
-<img alt="the walks in pictures" src="{{ strip }}">
-<p>Orange: the parts that something has happened to. Below each picture: how far the robot has come, and when.</p>
-{% endif %}
-<h2>Settings</h2>
-<table>{% for name, value in settings %}<tr><td>{{ name }}</td><td><code>{{ value }}</code></td></tr>
-{% endfor %}</table>
-</body></html>
-"""
+_RECOVERED, _PARTLY = 0.9, 0.5
+"""Shares of what the damage cost from which on a robot has recovered, or in part."""
+_BELIED = 0.25
+"""Share of the distance before the damage by which a trial may miss what was foretold."""
 
 
 def page(
@@ -67,21 +37,48 @@ def page(
         settings: names to values, for the record.
         film: how it walks, where it could be drawn.
     """
-    import jinja2
-
-    template = jinja2.Environment(autoescape=True).from_string(_TEMPLATE)
-    return template.render(
+    passes = state.passes(axis)
+    last = passes[-1] if passes else None
+    return render(
+        "recover_page.html",
         title=title,
+        verdict=verdict(state, axis),
         headline=headline(state, axis),
+        found=None if last is None else [_claim(change) for change in last.diagnosis],
+        probability="" if last is None or last.probability is None else probability(last.probability),
+        trials=len(state.trials) - 1,  # the last trial came after the last diagnosis
+        alarm=last is not None and bool(last.alarm),
         planted=[change.sentence() for change in planted],
         nothing="nothing was planted",
-        progress=_image(progress_figure(state, axis)),
-        paths=_image(path_figure(state, axis)),
+        progress=image(progress_figure(state, axis)),
+        paths=image(path_figure(state, axis)),
         rows=table(state, axis),
+        others=[] if last is None else [_other(diagnosis, p) for diagnosis, p in last.rivals],
+        advice=advice(state, axis),
         strip="" if film is None else source(film.strip, "image/jpeg"),
         video="" if film is None or film.video is None else source(film.video, "video/mp4"),
         settings=list(settings.items()),
     )
+
+
+def verdict(state: RunState, axis: str) -> str:
+    """Whether the robot recovered."""
+    regained = _regained(state, axis)
+    if regained is None:
+        return "The robot is damaged." if state.trials else "The robot has not been damaged yet."
+    if regained == float("inf"):
+        return "The damage cost the robot nothing."
+    if regained >= _RECOVERED:
+        return "The robot walks again."
+    return "The robot walks again, in part." if regained >= _PARTLY else "The robot has not recovered."
+
+
+def _regained(state: RunState, axis: str) -> float | None:
+    """Share of the distance lost that the last trial won back; infinite where none was lost, None before a trial."""
+    if state.before is None or not state.trials[1:]:
+        return None
+    before, damaged, last = (trial.distance(axis) for trial in (state.before, state.trials[0], state.trials[-1]))
+    return (last - damaged) / (before - damaged) if before > damaged else float("inf")
 
 
 def headline(state: RunState, axis: str) -> str:
@@ -107,8 +104,38 @@ def table(state: RunState, axis: str) -> list[dict[str, Any]]:
     ]
 
 
-def _image(figure: Any) -> str:
-    """A figure as the source of an <img>."""
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=130)
-    return f"data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}"
+def advice(state: RunState, axis: str) -> list[str]:
+    """What to do next, as far as the last pass shows it."""
+    passes = state.passes(axis)
+    if not passes or state.before is None:
+        return []
+    last = passes[-1]
+    gap = abs(last.simulated - last.hardware) / max(abs(state.before.distance(axis)), 1e-9)
+    told = []
+    if last.alarm:
+        told.append(
+            "Let the search choose from more (--catalogue full), or allow the simulator more error (--model-error)."
+        )
+    if gap > _BELIED:
+        told.append(
+            f"The last trial missed what was foretold by {percent(gap, 0)} of the distance before the damage: the "
+            "simulator lacks more than the diagnosis. Recordings of the robot and `estexp explain` show what."
+        )
+    if last.rivals:
+        told.append("More passes (--passes) give the search more trials to exclude the other diagnoses by.")
+    return told + _more(last, _regained(state, axis))
+
+
+def _more(last: Pass, regained: float | None) -> list[str]:
+    if regained is None or regained >= _PARTLY or last.alarm:
+        return []
+    return ["A larger search (--generations, --population) may find a better gait for the robot as diagnosed."]
+
+
+def _claim(change: Change) -> dict[str, str]:
+    return {"sentence": capital(change.sentence()), "equation": effect(change.effect).equation}
+
+
+def _other(diagnosis: Sequence[Change], share: float) -> dict[str, str]:
+    text = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
+    return {"text": text, "probability": probability(share)}

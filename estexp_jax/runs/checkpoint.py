@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -20,7 +21,7 @@ _KINDS = "biufcSUMm"
 """NumPy's kinds of values that need no pickle."""
 # What reading a cut or otherwise damaged archive can raise.
 _DAMAGE = (OSError, EOFError, ValueError, KeyError, IndexError, TypeError, RuntimeError, MemoryError)
-_DAMAGE += (zipfile.BadZipFile, zlib.error, struct.error)
+_DAMAGE += (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, RecursionError)
 
 
 def previous_of(path: str | Path) -> Path:

@@ -121,8 +121,9 @@ def _earlier(path: Path) -> dict[str, Any] | None:
     try:
         if not path.exists() or not any(item.name != draft_of(Path(MARKER)).name for item in path.iterdir()):
             return None
-        document = json.loads((path / MARKER).read_text(encoding="utf-8"))
-    except (FileNotFoundError, ValueError):
+        # A link to a device is no file, and reading one might never end.
+        document = json.loads((path / MARKER).read_text(encoding="utf-8")) if (path / MARKER).is_file() else None
+    except (FileNotFoundError, ValueError, RecursionError):
         document = None
     except OSError as error:
         raise _unwritable(path, error) from None

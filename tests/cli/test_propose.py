@@ -33,7 +33,7 @@ def kept(explained) -> dict:
 def test_the_files_are_what_was_promised(proposed, explained):
     rivals = kept(explained)["rivals"]
     names = {str(path.relative_to(proposed)) for path in proposed.rglob("*") if path.is_file()}
-    promised = {"commands.csv", "advice.md", *(f"rivals/{n}.csv" for n in range(1, len(rivals) + 1))}
+    promised = {"commands.csv", "advice.md", "report.html", *(f"rivals/{n}.csv" for n in range(1, len(rivals) + 1))}
     assert names - {".estexp-run.json"} == promised
     commands = read_table(proposed / "commands.csv")
     assert commands.names == ("time", "ctrl.servo")

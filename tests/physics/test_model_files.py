@@ -225,6 +225,17 @@ def test_rings_of_includes_end(tmp_path: Path) -> None:
         Robot.from_xml(_write(tmp_path / "b.xml", '<mujoco><include file="a.xml"/></mujoco>'))
 
 
+@pytest.mark.parametrize("inside", ['<asset><model name="y" file="a.xml"/></asset>', '<include file="a.xml"/>'])
+def test_models_that_attach_themselves_are_refused(tmp_path: Path, inside: str) -> None:
+    """MuJoCo follows such a ring until its stack ends, and the process with it."""
+    own = '<mujoco><asset><model name="x" file="{}"/></asset></mujoco>'
+    with pytest.raises(InputError, match="attaches own.xml, which it is a part of"):
+        Robot.from_xml(_write(tmp_path / "own.xml", own.format("own.xml")))
+    _write(tmp_path / "b.xml", f"<mujoco>{inside}</mujoco>")
+    with pytest.raises(InputError, match="attaches a.xml, which it is a part of"):
+        Robot.from_xml(_write(tmp_path / "a.xml", own.format("b.xml")))
+
+
 def test_comments_and_data_are_read_as_they_are() -> None:
     text = "<a><!-- <b/> -- -->\n<c d='>'/><![CDATA[ <e/> ]]><!DOCTYPE x></a>".replace("<!DOCTYPE x>", "")
     assert [(e.tag, dict(e.attributes)) for e in elements(text, "x")] == [("a", {}), ("c", {"d": ">"})]

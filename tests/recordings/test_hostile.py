@@ -131,3 +131,34 @@ def test_names_do_what_names_do(tmp_path, monkeypatch, capsys):
     assert judged["notes"] == ["ignored columns: <b>\\x1b[31m</b>"]
     assert main(["check", "arm.xml", "\x1b[2J.csv"]) == 2
     assert "\x1b" not in capsys.readouterr().err
+
+
+def test_members_that_lead_out_or_are_links_write_nothing(tmp_path):
+    """Nothing is ever unpacked to the disk, so where a member says it belongs does not matter."""
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    good = io.BytesIO()
+    np.save(good, np.arange(3.0))
+    with zipfile.ZipFile(inner / "a.npz", "w") as archive:
+        for name in ("../out", "/tmp/estexp-out", "a/../../out", "link"):
+            info = zipfile.ZipInfo(f"{name}.npy")
+            info.external_attr = 0o120777 << 16
+            archive.writestr(info, good.getvalue())
+        archive.writestr("target.npy", b"../../etc/passwd")
+    found = read_table(inner / "a.npz")
+    assert found.column("link").tolist() == [0.0, 1.0, 2.0]
+    with pytest.raises(InputError, match="is no column"):
+        found.column("target")
+    assert [path.name for path in tmp_path.rglob("*")] == ["inner", "a.npz"]
+
+
+def test_headers_that_python_cannot_read_are_no_columns(tmp_path):
+    header = b"\x93NUMPY\x01\x00\x20\x00{'descr': '<f8', (((((((((((((\n  "
+    with pytest.raises(InputError, match="is no column"):
+        read_table(_npz(tmp_path / "a.npz", x=header)).column("x")
+
+
+def test_headers_in_the_manner_of_python_2_are_read_without_a_warning(tmp_path):
+    header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (2L,), }"
+    content = b"\x93NUMPY\x01\x00" + (len(header) + 1).to_bytes(2, "little") + header + b"\n" + bytes(16)
+    assert read_table(_npz(tmp_path / "a.npz", x=content)).column("x").tolist() == [0.0, 0.0]

@@ -2,46 +2,27 @@
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pyarrow.parquet
 import pytest
 
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.changes import Change
 from estexp_jax.physics.interface import interface_of
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.state import Row, RunState
-from estexp_jax.recovery.trial import Trial
+from estexp_jax.recovery.state import RunState
+from estexp_jax.report.recover_figure import _captions
 from estexp_jax.report.recover_files import record, write_history, write_traces
-from estexp_jax.report.recover_page import headline, page
+from estexp_jax.report.recover_page import advice, headline, page, verdict
 from estexp_jax.report.recover_run import RecoverTable, recover
-
-WEAK = Change("motor_weakness", "knee_f", {"loss": 0.48})
-
-
-def trial(distance: float) -> Trial:
-    way = np.linspace(0.0, distance, 30)
-    position = np.stack([way, 0.1 * way**2, np.full(30, 0.2)], axis=1)
-    return Trial(np.arange(30) * 0.01, np.zeros((30, 8)), np.ones((30, 8)), position)
+from tests.report.examples import LOST, WEAK, recovered, trial
 
 
 @pytest.fixture
 def state() -> RunState:
-    rows = [Row(n, p, g, 0.5 * g + n, 0.1, 1) for n, p in ((0, "exploration"), (1, "exploration")) for g in (1, 2, 3)]
-    return RunState(
-        phase="done",
-        number=1,
-        controllers=(np.zeros(68), np.ones(68)),
-        simulated=(2.0, 1.8),
-        diagnoses=((WEAK,),),
-        residuals=(0.01,),
-        probabilities=(0.9,),
-        before=trial(2.0),
-        trials=(trial(0.4), trial(1.7)),
-        history=tuple(rows),
-    )
+    return recovered()
 
 
 def test_record_has_the_keys_of_run_json(state: RunState) -> None:
@@ -78,9 +59,34 @@ def test_page_stands_alone_and_tells_the_story(state: RunState) -> None:
     html = page("<run>", [WEAK], state, "x", {"seed": 0})
     assert "http" not in html.replace("http-equiv", "")
     assert "&lt;run&gt;" in html
-    assert html.count("data:image/png;base64") == 2
+    assert html.count("data:image/svg+xml;base64") == 2
     assert "knee_f lost 48 % of its strength" in html
     assert "2.00 m before" in headline(state, "x") and "1.70 m" in headline(state, "x")
+
+
+def test_the_verdict_is_what_the_last_trial_won_back(state: RunState) -> None:
+    for distance, told in ((1.9, "walks again."), (1.3, "in part"), (0.5, "has not recovered")):
+        assert told in verdict(replace(state, trials=(trial(0.4), trial(distance))), "x")
+    assert "cost the robot nothing" in verdict(replace(state, before=trial(0.3)), "x")
+    assert verdict(replace(state, trials=(trial(0.4),)), "x") == "The robot is damaged."
+    assert "not been damaged" in verdict(RunState(), "x")
+
+
+def test_advice_follows_from_alarm_rivals_and_what_was_foretold(state: RunState) -> None:
+    assert advice(state, "x") == []
+    doubtful = replace(state, alarms=(True,), rivals=((((LOST,), 0.2),),), simulated=(2.0, 0.6))
+    told = " ".join(advice(doubtful, "x"))
+    assert "--model-error" in told and "55 %" in told and "--passes" in told
+    html = page("run", [LOST], doubtful, "x", {})
+    assert "do not trust" in html and "20 %" in html and "upper_&lt;b&gt;f" in html and "<b>f" not in html
+    lame = replace(state, trials=(trial(0.4), trial(0.5)), simulated=(2.0, 0.5))
+    assert "--generations" in " ".join(advice(lame, "x"))
+
+
+def test_captions_say_once_what_stays() -> None:
+    captions = _captions(((WEAK,), (WEAK,), ()), 17)
+    assert captions == ["1:\nthe motor knee_f\nlost 48 % of its\nstrength", "2: as before", "3:\nnothing differs"]
+    assert _captions(((WEAK,), ()), 5) == ["1", "2"]
 
 
 def test_page_of_a_run_without_passes(state: RunState) -> None:

@@ -1,0 +1,69 @@
+"""What a compiled model has to hold for a simulation to mean anything: MuJoCo itself takes NaN and infinities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import mujoco
+import numpy as np
+
+from estexp_jax.errors import InputError
+
+SHORTEST, LONGEST = 1e-6, 1.0
+"""Bounds of the step, s: a shorter one never gets anywhere, a longer one jumps over every motion."""
+_MOST_READINGS = 100_000
+_FIELDS = (
+    *("body_mass", "body_inertia", "body_pos", "body_quat", "body_ipos", "jnt_axis", "jnt_pos", "jnt_range"),
+    *("jnt_stiffness", "dof_armature", "dof_damping", "dof_frictionloss", "geom_size", "geom_pos"),
+    *("geom_friction", "qpos0", "key_qpos", "actuator_gear", "actuator_gainprm", "actuator_biasprm"),
+    *("actuator_ctrlrange", "actuator_forcerange"),
+)  # fmt: skip
+
+
+def refuse_unsound(model: mujoco.MjModel, source: str) -> None:
+    """See that a model's numbers are numbers, and its step one that can be taken.
+
+    Args:
+        model: compiled.
+        source: where it came from, for messages.
+
+    Raises:
+        InputError: they are not.
+    """
+    step = float(model.opt.timestep)
+    if not SHORTEST <= step <= LONGEST:
+        right = f"{SHORTEST:g} to {LONGEST:g} s"
+        raise InputError(f"a step of {step:g} s cannot be simulated", where=f"{source}, <option> timestep", right=right)
+    if not np.all(np.isfinite(model.opt.gravity)):
+        raise InputError(f"gravity is {model.opt.gravity}", where=f"{source}, <option> gravity", right="three numbers")
+    for field in _FIELDS:
+        if not np.all(np.abs(getattr(model, field)) < 1e30):  # as MuJoCo's own limit of what counts as a number
+            raise InputError(f"{field} holds what is no number or beyond 1e30", where=source, right="finite numbers")
+
+
+def refuse_unbounded(spec: mujoco.MjSpec, source: str) -> None:
+    """See that a description claims no more readings than a robot has, before memory is taken for them.
+
+    Raises:
+        InputError: it does.
+    """
+    claimed = sum(int(sensor.dim) for sensor in spec.sensors if sensor.type == mujoco.mjtSensor.mjSENS_USER)
+    if claimed > _MOST_READINGS:
+        right = f"at most {_MOST_READINGS:,}"
+        raise InputError(f"its user sensors claim {claimed:,} values", where=source, right=right)
+
+
+@contextmanager
+def unheard() -> Iterator[None]:
+    """MuJoCo's warnings kept from stderr and its log file while a model is read: what is wrong is told once."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(_ignore)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
+
+
+def _ignore(_: str) -> None:
+    pass

@@ -1,0 +1,92 @@
+"""What all report pages share: one file that needs nothing else, for screens, phones and paper.
+
+Figures open large on a click and tables sort by their headings, with the script of `page.js`. A content security policy
+names that script by its hash and forbids everything else that is not in the page: names from a log, which the
+templates escape anyway, can load and run nothing.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+    from matplotlib.figure import Figure
+
+_FOLDER = Path(__file__).parent
+
+
+def render(template: str, **values: Any) -> str:
+    """HTML of a page.
+
+    Args:
+        template: a file of this folder that extends `page.html`.
+        values: what it shows; texts are escaped.
+    """
+    from markupsafe import Markup
+
+    script, style = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("page.js", "page.css"))
+    shared = {"script": Markup(script), "style": Markup(style), "policy": policy(script)}
+    return _environment().get_template(template).render(**shared, **values)
+
+
+def policy(script: str) -> str:
+    """The content security policy of a page with this script and no other, and with data in it only."""
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return (
+        "default-src 'none'; img-src data:; media-src data:; style-src 'unsafe-inline'; "
+        f"script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
+    )
+
+
+@lru_cache(maxsize=1)
+def _environment() -> Environment:
+    import jinja2
+
+    return jinja2.Environment(loader=jinja2.FileSystemLoader(_FOLDER), autoescape=True, trim_blocks=True)
+
+
+def image(figure: Figure) -> str:
+    """A figure as the source of an <img>: SVG, letters drawn, so that no font is needed."""
+    import matplotlib
+
+    stream = io.BytesIO()
+    with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "estexp"}):
+        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return f"data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}"
+
+
+def finite(value: Any) -> bool:
+    """Whether there is a number."""
+    return value is not None and bool(np.isfinite(value))
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """A number with so many digits; a text as it is; a dash where there is none."""
+    if isinstance(value, str):
+        return value
+    return f"{value:.{digits}g}" if finite(value) else "–"
+
+
+def percent(value: Any, digits: int | None = None) -> str:
+    """A share in per cent, with so many digits after the point, or three in all."""
+    if not finite(value):
+        return "–"
+    return f"{100.0 * value:.3g} %" if digits is None else f"{100.0 * value:.{digits}f} %"
+
+
+def probability(value: float) -> str:
+    """Never quite certain, never quite impossible: it comes from a limited number of resamples."""
+    return "> 99 %" if value > 0.99 else "< 1 %" if value < 0.01 else percent(value, 0)
+
+
+def capital(text: str) -> str:
+    """A text that begins a line."""
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,61 @@
+"""The documentation: its examples run, what it names is there, and Sphinx builds it without a warning."""
+
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from estexp_jax.recordings.columns import UNITS
+from tests.conftest import ROOT
+
+DOCS = ROOT / "docs"
+PAGES = sorted(path.name for path in DOCS.glob("*.md"))
+WITH_EXAMPLES = ["effects.md", "engines.md", "recordings.md", "report.md"]
+
+
+def blocks(page: str) -> list[str]:
+    return re.findall(r"^```python\n(.*?)^```$", (DOCS / page).read_text(encoding="utf-8"), re.S | re.M)
+
+
+def test_every_page_with_examples_is_run():
+    assert [page for page in PAGES if blocks(page)] == WITH_EXAMPLES
+
+
+@pytest.mark.parametrize("page", WITH_EXAMPLES)
+def test_examples_run_one_after_another(page, tmp_path, monkeypatch, request):
+    monkeypatch.chdir(tmp_path)
+    if page == "report.md":
+        shutil.copytree(request.getfixturevalue("explained"), tmp_path / "explain")
+    script = "\n".join(blocks(page))
+    assert "assert " in script
+    (tmp_path / "example.py").write_text(script, encoding="utf-8")
+    spec = importlib.util.spec_from_file_location("example", tmp_path / "example.py")
+    assert spec is not None and spec.loader is not None
+    spec.loader.exec_module(importlib.util.module_from_spec(spec))
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_files_and_units_that_pages_name_exist(page):
+    text = (DOCS / page).read_text(encoding="utf-8")
+    for path in re.findall(r"`((?:estexp_jax|models|tests|experiments)/[\w/.]+)`", text):
+        assert (ROOT / path).exists(), path
+    for path in re.findall(r"`((?:engines|effects)/test_\w+\.py)`", text):
+        assert (ROOT / "tests" / "physics" / path).exists(), path
+    if page == "recordings.md":
+        assert all(f"`{unit}`" in text for unit in UNITS)
+
+
+@pytest.mark.slow
+def test_sphinx_builds_it_without_a_warning(tmp_path):
+    if any(importlib.util.find_spec(name) is None for name in ("sphinx", "furo", "myst_nb")):
+        pytest.skip("no Sphinx; pip install 'estexp_jax[docs]'")
+    shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("_api", "_build"))
+    command = [sys.executable, "-m", "sphinx", "-W", "-q", "-b", "html", str(tmp_path / "docs"), str(tmp_path / "html")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert "CoulombFriction" in "".join(
+        path.read_text(encoding="utf-8") for path in (tmp_path / "html" / "_api").glob("*coulomb*.html")
+    )
