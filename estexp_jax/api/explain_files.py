@@ -12,7 +12,7 @@ from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.export import explained_spec, explained_xml
 from estexp_jax.inference.windows import FINER
 from estexp_jax.recordings.write import write_csv
-from estexp_jax.runs import RunFolder, write_json
+from estexp_jax.runs import RunFolder, write_json, write_text
 
 EFFECTS_SCHEMA = "estexp.effects/1"
 """Format of `effects.json`."""
@@ -27,9 +27,9 @@ def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str
     write_json(folder.file("findings.json"), findings)
     left_out = diagnosis.left_out
     explained = explained_xml(diagnosis.case.robot, diagnosis.mjcf_changes, left_out, FINER)
-    folder.file("model_explained.xml").write_text(explained, encoding="utf-8")
+    write_text(folder.file("model_explained.xml"), explained)
     nominal = explained_spec(diagnosis.case.robot, ()).to_xml()
-    folder.file("nominal.xml").write_text(nominal, encoding="utf-8")
+    write_text(folder.file("nominal.xml"), nominal)
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": FINER, "changes": changes}
     write_json(folder.file("effects.json"), effects)
@@ -40,7 +40,7 @@ def write_results(folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
-    report.write_text(page(diagnosis, findings), encoding="utf-8")
+    write_text(report, page(diagnosis, findings))
     return report
 
 

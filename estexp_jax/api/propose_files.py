@@ -9,7 +9,7 @@ import numpy as np
 from estexp_jax.discovery.propose import Proposed
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.report.propose_text import advice, column_of
-from estexp_jax.runs import RunFolder
+from estexp_jax.runs import RunFolder, write_text
 
 
 def write_proposal(folder: RunFolder, proposed: Proposed) -> Path:
@@ -20,7 +20,7 @@ def write_proposal(folder: RunFolder, proposed: Proposed) -> Path:
         write_csv(folder.file(f"rivals/{n}.csv"), {"time": proposed.time, **_columns(proposed, readings)})
     write_csv(folder.file("commands.csv"), {"time": proposed.time, **columns})
     path = folder.file("advice.md")
-    path.write_text(advice(proposed), encoding="utf-8")
+    write_text(path, advice(proposed))
     return path
 
 

@@ -20,7 +20,7 @@ from estexp_jax.physics.effects.controller_fault import CommandRoute, Controller
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.write import write_csv
-from estexp_jax.runs import RunFolder, write_json
+from estexp_jax.runs import RunFolder, write_json, write_text
 
 _FINER = 5
 """The robot is simulated at this fraction of its model's step: a real one has none."""
@@ -66,7 +66,7 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
                 f"'{change.effect}' acts in a controller, and commands are replayed here", where="--effect"
             )
     nominal = explained_spec(robot, ())
-    folder.file("nominal.xml").write_text(nominal.to_xml(), encoding="utf-8")
+    write_text(folder.file("nominal.xml"), nominal.to_xml())
     real = Simulator(robot, tuple(changes), _FINER)
     time = np.arange(int(round(config.duration * config.rate))) / config.rate
     motions = (
@@ -77,7 +77,7 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
     for i, (name, commands) in enumerate(motions):
         traces = real.rollout(commands, period=1.0 / config.rate)
         write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))
-    folder.file("recordings.toml").write_text(_manifest([name for name, _ in motions]), encoding="utf-8")
+    write_text(folder.file("recordings.toml"), _manifest([name for name, _ in motions]))
     write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
     return folder.path / "recordings.toml"
 

@@ -9,6 +9,7 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.runs import open_run, save_checkpoint
 from estexp_jax.runs.folder import MARKER
+from estexp_jax.runs.lock import LOCK
 
 RECOVER = {"command": "recover", "config": {"seed": 0, "damage": "a=0.5", "passes": 4}}
 
@@ -25,7 +26,7 @@ def _run(path):
 
 
 def _contents(path):
-    return sorted(str(item.relative_to(path)) for item in path.rglob("*"))
+    return sorted(str(item.relative_to(path)) for item in path.rglob("*") if item.name != LOCK)
 
 
 def test_a_new_folder_is_made_with_its_parents(tmp_path):
@@ -64,7 +65,7 @@ def test_a_foreign_folder_is_never_touched(tmp_path, flags):
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(InputError, match="not made by estexp"):
         open_run(tmp_path, **flags, marker=RECOVER)
-    assert _contents(tmp_path) == ["thesis.tex"]
+    assert [item.name for item in tmp_path.iterdir()] == ["thesis.tex"]
 
 
 @pytest.mark.parametrize(
@@ -152,7 +153,7 @@ def test_an_unwritable_folder_is_told(tmp_path):
         open_run(tmp_path, marker=RECOVER)
 
 
-@pytest.mark.parametrize("name", ["../a", "/a", "", ".", MARKER])
+@pytest.mark.parametrize("name", ["../a", "/a", "", ".", MARKER, LOCK])
 def test_names_stay_inside(tmp_path, name):
     with pytest.raises(ValueError, match="no place inside"):
         open_run(tmp_path, marker=RECOVER).file(name)
