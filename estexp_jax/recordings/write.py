@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import os
+import socket
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -34,7 +35,7 @@ def write_csv(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
     if len(set(shapes.values())) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         raise ValueError(f"columns are not of one length: {shapes}")
     # Beside its place and renamed into it: a reader, or a run that dies, never meets half a file.
-    draft = path.with_name(f".{path.name}.part")
+    draft = path.with_name(f".{path.name}.{socket.gethostname()}-{os.getpid()}.part")
     try:
         _write(draft, arrays)
         draft.replace(path)

@@ -6,6 +6,7 @@ import io
 import json
 import math
 import os
+import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
@@ -20,8 +21,23 @@ _DRAFT = ".part"
 
 
 def draft_of(path: Path) -> Path:
-    """Where a file is written before it takes its place; left behind by a run that was killed."""
-    return path.with_name(f".{path.name}{_DRAFT}")
+    """Where this process writes a file before it takes its place; left behind by a run that was killed.
+
+    Another process, on this machine or one that shares the folder, has another draft: neither spoils the other's.
+    """
+    return path.with_name(f".{path.name}.{socket.gethostname()}-{os.getpid()}{_DRAFT}")
+
+
+def drafts_of(path: Path) -> list[Path]:
+    """The drafts of a file that processes have left behind; or are writing."""
+    if not path.parent.is_dir():
+        return []
+    return [item for item in path.parent.iterdir() if is_draft(item.name, path.name)]
+
+
+def is_draft(name: str, of: str) -> bool:
+    """Whether a file's name is that of a draft of another's."""
+    return name.startswith(f".{of}.") and name.endswith(_DRAFT)
 
 
 @contextmanager
@@ -33,7 +49,7 @@ def replacing(path: str | Path, *, previous: Path | None = None) -> Iterator[IO[
     full disk the old file stays.
 
     Args:
-        path: the file; its folder must exist. One writer at a time.
+        path: the file; its folder must exist. Of several writers, the last one's is kept.
         previous: in the same folder; where to keep the file that is replaced.
 
     Raises:

@@ -5,21 +5,20 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any, final
 
 from estexp_jax.errors import InputError, unwritable
 from estexp_jax.runs.checkpoint import previous_of
-from estexp_jax.runs.files import draft_of, plain, write_json
+from estexp_jax.runs.files import drafts_of, is_draft, plain, write_json
 from estexp_jax.runs.lock import LOCK, Hold, hold
 
 MARKER = ".estexp-run.json"
 """The file by which a run folder is known: what was run, and which files it wrote."""
 
 _FORMAT = "estexp.run/1"
-_BEGINNINGS = (LOCK, draft_of(Path(MARKER)).name)
-"""What a run leaves that was killed before its marker was there."""
 
 
 @final
@@ -114,6 +113,7 @@ def open_run(
         return _begun(RunFolder(path, wanted, _hold=held))
     if resume:
         _check_same(wanted, earlier["marker"], path)
+        _remove_drafts(path, earlier["written"])
         return RunFolder(path, wanted, resumed=True, _written=dict.fromkeys(earlier["written"]), _hold=held)
     if not force:
         right = "--force removes them and begins anew, --resume goes on with an interrupted run; or give another folder"
@@ -131,7 +131,7 @@ def _begun(folder: RunFolder) -> RunFolder:
 def _earlier(path: Path) -> dict[str, Any] | None:
     """The marker file of the run in a folder; None where there is no folder, or nothing in it."""
     try:
-        if not path.exists() or not any(item.name not in _BEGINNINGS for item in path.iterdir()):
+        if not path.exists() or all(map(_is_beginning, path.iterdir())):
             return None
         document = json.loads((path / MARKER).read_text(encoding="utf-8"))
     except (FileNotFoundError, ValueError):
@@ -142,6 +142,11 @@ def _earlier(path: Path) -> dict[str, Any] | None:
         right = f"no file of it is touched, not even with --force or --resume; {_elsewhere(path)}"
         raise InputError("the folder is not empty and was not made by estexp", where=str(path), right=right)
     return document
+
+
+def _is_beginning(item: Path) -> bool:
+    """Whether a run leaves this that was killed before its marker was there."""
+    return item.name == LOCK or is_draft(item.name, MARKER)
 
 
 def _is_ours(document: Any) -> bool:
@@ -170,11 +175,19 @@ def _remove_written(path: Path, written: list[str]) -> None:
                 continue  # below a link that somebody put there
             if target.is_dir() and not target.is_symlink():
                 shutil.rmtree(target)
-            for file in (target, draft_of(target), previous_of(target)):
+            for file in (target, *drafts_of(target), previous_of(target)):
                 file.unlink(missing_ok=True)
             _remove_empty(target.parent, path)
     except OSError as error:
         raise InputError(f"cannot be emptied: {error.strerror}", where=str(error.filename or path)) from None
+
+
+def _remove_drafts(path: Path, written: list[str]) -> None:
+    """Remove what a kill in the middle of a write has left; nobody else is at work in the folder."""
+    for name in (MARKER, *written):
+        for draft in drafts_of(path / name):
+            with suppress(OSError):
+                draft.unlink()
 
 
 def _remove_empty(folder: Path, top: Path) -> None:

@@ -48,7 +48,7 @@ def test_results_are_not_overwritten(tmp_path):
 
 def test_force_removes_what_the_run_wrote_and_nothing_else(tmp_path):
     path = _run(tmp_path / "run").path
-    (path / ".checkpoint.part").write_text("left by a kill")
+    (path / ".checkpoint.elsewhere-1.part").write_text("left by a kill")
     (path / "notes.txt").write_text("mine")
     (path / "predictions" / "mine.csv").write_text("mine")
     folder = open_run(path, force=True, marker={"command": "recover", "config": {"seed": 1}})
@@ -95,6 +95,7 @@ def test_force_does_not_follow_links(tmp_path):
 
 def test_resume_goes_on(tmp_path):
     before = _contents(_run(tmp_path / "run").path)
+    (tmp_path / "run" / "predictions" / ".a.csv.elsewhere-1.part").write_text("left by a kill")
     folder = open_run(tmp_path / "run", resume=True, marker=RECOVER)
     assert folder.resumed and _contents(folder.path) == before
     folder.file("late.json").write_text("")
