@@ -7,6 +7,7 @@ https://docs.ray.io/en/latest/ray-core/fault_tolerance/tasks.html
 from __future__ import annotations
 
 import os
+import secrets
 import socket
 from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
@@ -43,7 +44,7 @@ class RayCrew(Crew):
     """
 
     def __init__(self, address: str, workers: int | None, paths: Sequence[str]) -> None:
-        self._ray = _imported()
+        self._ray = _imported(address)
         self._most = workers or _SUBMITTED
         _connect(self._ray, address, workers, paths)
         self._task = self._ray.remote(_called).options(
@@ -118,9 +119,13 @@ def check_installed() -> None:
         raise InputError("Ray is not installed", where="--ray", right=right)
 
 
-def _imported() -> Any:
+def _imported(address: str) -> Any:
+    """Ray, after what it reads from the environment is there."""
     check_installed()
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # Ray would report to its makers
+    if address == LOCAL and not any(name.startswith("RAY_AUTH_") for name in os.environ):
+        # Only what we start may give it work; left to itself, Ray would keep a token in the home folder.
+        os.environ |= {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
     import ray
 
     return ray
@@ -138,7 +143,8 @@ def _connect(ray: Any, address: str, workers: int | None, paths: Sequence[str]) 
     try:
         ray.init(address=address, **common)
     except (ConnectionError, RuntimeError, ValueError) as error:
-        raise _nobody(address, str(error).strip().partition("\n")[0]) from None
+        what = f"{str(error).strip().partition(chr(10))[0]} (if it asks for a token: RAY_AUTH_MODE=token)"
+        raise _nobody(address, what) from None
 
 
 def _check_answers(address: str) -> None:

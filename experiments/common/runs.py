@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,34 @@ def finished(case: Case, store: Path) -> bool:
 
 def state_of(case: Case, store: Path) -> RunState:
     """The end of a finished run."""
-    return RunState.from_tree(load_checkpoint(store / case.name / _CHECKPOINT))
+    return _Kept.of(store / case.name / _CHECKPOINT).state
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What a run's checkpoint holds.
+
+    Attributes:
+        state: of the run.
+        wall_s: time that it took so far, in all processes that had it.
+        taken_up: generations behind it each time that another process went on with it.
+    """
+
+    state: RunState = RunState()
+    wall_s: float = 0.0
+    taken_up: tuple[int, ...] = ()
+
+    @classmethod
+    def of(cls, path: Path) -> _Kept:
+        saved = load_checkpoint(path)
+        return cls() if saved is None else cls(**{**saved, "state": RunState.from_tree(saved["state"])})
+
+    def save(self, path: Path) -> None:
+        save_checkpoint(path, {**vars(self), "state": self.state.to_tree()})
+
+    def again(self) -> _Kept:
+        """Another process goes on."""
+        return replace(self, taken_up=(*self.taken_up, len(self.state.history)))
 
 
 def _first(case: Case, store: Path) -> None:
@@ -77,10 +105,7 @@ def _first(case: Case, store: Path) -> None:
     marker = {"experiment": "first walk", "config": config}
     folder = open_run(_first_folder(case, store), resume=True, marker=marker, patience=math.inf)
     path = folder.file(_CHECKPOINT)
-    saved = load_checkpoint(path)
-    state = RunState() if saved is None else RunState.from_tree(saved)
-    with Beat(_beats(store), folder.path.name) as beat:
-        save_checkpoint(path, _advanced(case, state, _saver(path, case, beat), until="damage").to_tree())
+    _advanced(case, _Kept.of(path), path, Beat(_beats(store), f"first-{folder.path.name}"), until="damage")
 
 
 def _one(case: Case, store: Path) -> None:
@@ -88,26 +113,33 @@ def _one(case: Case, store: Path) -> None:
     folder = open_run(store / case.name, resume=True, marker=marker, patience=math.inf)
     if finished(case, store):
         return  # by another experiment, while we waited for the folder
-    path, begin = folder.file(_CHECKPOINT), time.monotonic()
-    saved = load_checkpoint(path) or load_checkpoint(_first_folder(case, store) / _CHECKPOINT)
-    with Beat(_beats(store), case.name) as beat:
-        state = _advanced(case, RunState.from_tree(saved), _saver(path, case, beat))
-    save_checkpoint(path, state.to_tree())
-    found = record(state, case.settings.axis, job(case).planted, case.settings.to_json())
-    cost = {"wall_s": time.monotonic() - begin, "residuals": state.residuals}
+    path = folder.file(_CHECKPOINT)
+    if path.exists():
+        kept = _Kept.of(path).again()
+    else:
+        kept = _Kept(_Kept.of(_first_folder(case, store) / _CHECKPOINT).state)
+    kept = _advanced(case, kept, path, Beat(_beats(store), case.name))
+    found = record(kept.state, case.settings.axis, job(case).planted, case.settings.to_json())
+    cost = {"wall_s": kept.wall_s, "taken_up": kept.taken_up, "residuals": kept.state.residuals}
     write_json(folder.file(_RESULT), {**case.labels(), **found, **cost, "versions": versions()})
 
 
-def _advanced(case: Case, state: RunState, save: Callable[[RunState], None], until: str = "done") -> RunState:
-    parent = os.getppid()
-    if state.phase == until:
-        return state
-    for reached in _until(run(job(case), state), until):
-        state = reached
-        save(state)
-        if os.getppid() != parent:
-            raise SystemExit("the experiment that this worker belongs to is gone")
-    return state
+def _advanced(case: Case, kept: _Kept, path: Path, beat: Beat, until: str = "done") -> _Kept:
+    """Go on to a phase; saved now and then, and at the end."""
+    parent, begin, last, before = os.getppid(), time.monotonic(), -math.inf, kept.wall_s
+    if kept.state.phase == until:
+        return kept
+    with beat:
+        for state in _until(run(job(case), kept.state), until):
+            now = time.monotonic()
+            kept = replace(kept, state=state, wall_s=before + now - begin)
+            if now - last > _EVERY or state.phase == until:
+                kept.save(path)
+                last = now
+            beat.tell(_share(state, case), f"{state.phase} {state.number} of {case.settings.passes}")
+            if os.getppid() != parent:
+                raise SystemExit("the experiment that this worker belongs to is gone")
+    return kept
 
 
 def _until(states: Iterable[RunState], phase: str) -> Iterable[RunState]:
@@ -115,18 +147,6 @@ def _until(states: Iterable[RunState], phase: str) -> Iterable[RunState]:
         yield state
         if state.phase == phase:
             return
-
-
-def _saver(path: Path, case: Case, beat: Beat) -> Callable[[RunState], None]:
-    last = [time.monotonic()]
-
-    def save(state: RunState) -> None:
-        if time.monotonic() - last[0] > _EVERY:
-            save_checkpoint(path, state.to_tree())
-            last[0] = time.monotonic()
-        beat.tell(_share(state, case), f"{state.phase} {state.number} of {case.settings.passes}")
-
-    return save
 
 
 def _share(state: RunState, case: Case) -> float:
