@@ -44,6 +44,8 @@ class RayCrew(Crew):
     """
 
     def __init__(self, address: str, workers: int | None, paths: Sequence[str]) -> None:
+        check_installed()
+        _check_answers(address)
         self._ray = _imported(address)
         self._most = workers or _SUBMITTED
         _connect(self._ray, address, workers, paths)
@@ -121,7 +123,6 @@ def check_installed() -> None:
 
 def _imported(address: str) -> Any:
     """Ray, after what it reads from the environment is there."""
-    check_installed()
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # Ray would report to its makers
     if address == LOCAL and not any(name.startswith("RAY_AUTH_") for name in os.environ):
         # Only what we start may give it work; left to itself, Ray would keep a token in the home folder.
@@ -139,7 +140,6 @@ def _connect(ray: Any, address: str, workers: int | None, paths: Sequence[str]) 
         own = {"num_cpus": workers, "object_store_memory": _STORE_BYTES, "include_dashboard": False}
         ray.init(address=LOCAL, **own, **common)
         return
-    _check_answers(address)
     try:
         ray.init(address=address, **common)
     except (ConnectionError, RuntimeError, ValueError) as error:
@@ -149,7 +149,7 @@ def _connect(ray: Any, address: str, workers: int | None, paths: Sequence[str]) 
 
 def _check_answers(address: str) -> None:
     """Whether somebody listens there: Ray itself would try for a minute, and log."""
-    if address == AUTO:
+    if address in (LOCAL, AUTO):
         return
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal():
