@@ -38,7 +38,8 @@ class Beat:
         self._path, self._last = folder / f"{name}.json", -_EVERY
 
     def __enter__(self) -> Beat:
-        self._path.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(OSError):
+            self._path.parent.mkdir(parents=True, exist_ok=True)
         return self
 
     def __exit__(

@@ -14,7 +14,7 @@ import numpy as np
 
 from experiments.kills.subjects import differences, drafts, line, unreadable
 
-_CLOCK, _LOOK = 0.02, 0.0005
+_CLOCK, _LOOK = 0.05, 0.002
 """Time between two looks at the clock, and for drafts, s: a draft of some kilobytes lives for little longer."""
 _TICK = os.sysconf("SC_CLK_TCK")
 
@@ -85,15 +85,11 @@ def _kill_at(process: subprocess.Popen[bytes], out: Path, at: float, write: bool
     return came
 
 
-def _spent(group: int) -> float:
-    """Processor time of a group of processes so far, s: it goes on however busy the machine is."""
-    ticks = 0
-    for entry in os.scandir("/proc"):
-        if entry.name.isdecimal():
-            try:
-                fields = Path(entry.path, "stat").read_text().rpartition(")")[2].split()
-            except OSError:
-                continue
-            if int(fields[2]) == group:
-                ticks += sum(map(int, fields[11:15]))
-    return ticks / _TICK
+def _spent(process: int) -> float:
+    """Processor time of a process and its children so far, s: it goes on however busy the machine is."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    except OSError:  # it has ended
+        return 0.0
+    return sum(map(int, fields[11:15])) / _TICK + sum(_spent(int(child)) for child in children)
