@@ -142,7 +142,7 @@ def _connect(ray: Any, address: str, workers: int | None, paths: Sequence[str]) 
         return
     try:
         ray.init(address=address, **common)
-    except (ConnectionError, RuntimeError, ValueError) as error:
+    except (ConnectionError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         what = f"{str(error).strip().partition(chr(10))[0]} (if it asks for a token: RAY_AUTH_MODE=token)"
         raise _nobody(address, what) from None
 

@@ -34,6 +34,12 @@ class Hold:
         self._handle = handle
         weakref.finalize(self, os.close, handle)
 
+    def __enter__(self) -> Hold:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Held to the end of the block at least; longer where somebody else in this process keeps the object."""
+
     def is_of(self, path: Path) -> bool:
         """Whether the lock file at `path` is the one that is held: somebody may have removed the folder since."""
         try:

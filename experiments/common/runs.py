@@ -41,11 +41,9 @@ def run_all(cases: Sequence[Case], options: Options) -> None:
     store = options.store
     todo = [case for case in cases if not finished(case, store)]
     first = {(case.seed, case.size, case.robot): case for case in todo}
-    held = hold(options.out)
-    with options.crew() as crew:
+    with hold(options.out), options.crew() as crew:
         do("first walks", [(_first, (case, store)) for case in first.values()], crew, _beats(store))
         do("runs", [(_one, (case, store)) for case in todo], crew, _beats(store))
-    del held
 
 
 def each(title: str, calls: Sequence[tuple[Any, ...]], options: Options) -> list[Any]:
@@ -54,11 +52,8 @@ def each(title: str, calls: Sequence[tuple[Any, ...]], options: Options) -> list
     Returns:
         What they gave, in the order of the calls.
     """
-    held = hold(options.out)
-    with options.crew() as crew:
-        results = do(title, [(function, tuple(rest)) for function, *rest in calls], crew, _beats(options.store))
-    del held
-    return results
+    with hold(options.out), options.crew() as crew:
+        return do(title, [(function, tuple(rest)) for function, *rest in calls], crew, _beats(options.store))
 
 
 def finished(case: Case, store: Path) -> bool:
@@ -68,7 +63,10 @@ def finished(case: Case, store: Path) -> bool:
 
 def state_of(case: Case, store: Path) -> RunState:
     """The end of a finished run."""
-    return _Kept.of(store / case.name / _CHECKPOINT).state
+    kept = _Kept.of(store / case.name / _CHECKPOINT)
+    if kept is None:
+        raise FileNotFoundError(f"{store / case.name} has no checkpoint")
+    return kept.state
 
 
 @dataclass(frozen=True)
@@ -86,9 +84,13 @@ class _Kept:
     taken_up: tuple[int, ...] = ()
 
     @classmethod
-    def of(cls, path: Path) -> _Kept:
+    def of(cls, path: Path) -> _Kept | None:
+        """What was saved; None where nothing was."""
         saved = load_checkpoint(path)
-        return cls() if saved is None else cls(**{**saved, "state": RunState.from_tree(saved["state"])})
+        if saved is None:
+            return None
+        saved = saved if "state" in saved else {"state": saved}  # as it was before costs were kept
+        return cls(**{**saved, "state": RunState.from_tree(saved["state"])})
 
     def save(self, path: Path) -> None:
         save_checkpoint(path, {**vars(self), "state": self.state.to_tree()})
@@ -105,7 +107,7 @@ def _first(case: Case, store: Path) -> None:
     marker = {"experiment": "first walk", "config": config}
     folder = open_run(_first_folder(case, store), resume=True, marker=marker, patience=math.inf)
     path = folder.file(_CHECKPOINT)
-    _advanced(case, _Kept.of(path), path, Beat(_beats(store), f"first-{folder.path.name}"), until="damage")
+    _advanced(case, _Kept.of(path) or _Kept(), path, Beat(_beats(store), f"first-{folder.path.name}"), until="damage")
 
 
 def _one(case: Case, store: Path) -> None:
@@ -114,10 +116,8 @@ def _one(case: Case, store: Path) -> None:
     if finished(case, store):
         return  # by another experiment, while we waited for the folder
     path = folder.file(_CHECKPOINT)
-    if path.exists():
-        kept = _Kept.of(path).again()
-    else:
-        kept = _Kept(_Kept.of(_first_folder(case, store) / _CHECKPOINT).state)
+    kept, walked = _Kept.of(path), _Kept.of(_first_folder(case, store) / _CHECKPOINT) or _Kept()
+    kept = _Kept(walked.state) if kept is None else kept.again()
     kept = _advanced(case, kept, path, Beat(_beats(store), case.name))
     found = record(kept.state, case.settings.axis, job(case).planted, case.settings.to_json())
     cost = {"wall_s": kept.wall_s, "taken_up": kept.taken_up, "residuals": kept.state.residuals}

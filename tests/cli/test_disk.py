@@ -8,6 +8,7 @@ import pytest
 from tests.cli.pendulum import EFFECT, SMALL, run
 
 RECORD = ("--effect", EFFECT, "--duration", "4", "--rate", "100", "--seed", "31")
+_SLOW = pytest.param("recover", 24_576, marks=pytest.mark.slow)
 RECOVER = "--situation 3 --seed 1 --population 8 --generations 2 --steps 30 --settle-steps 10 --passes 1".split()
 
 
@@ -59,9 +60,7 @@ def _contents(folder: Path) -> dict[str, bytes]:
     }
 
 
-@pytest.mark.parametrize(
-    ("command", "leave"), [("record", 12_288), ("propose", 8_192), ("explain", 24_576), ("recover", 24_576)]
-)
+@pytest.mark.parametrize(("command", "leave"), [("record", 12_288), ("propose", 8_192), ("explain", 24_576), _SLOW])
 def test_a_full_disk_is_told_and_it_goes_on_when_there_is_room(
     command, leave, commands, small_disk, request, tmp_path, capsys
 ):

@@ -29,9 +29,8 @@ def test_a_read_only_folder_is_told(root, read_only):
 def test_a_second_process_is_refused(root, tmp_path):
     folder = tmp_path / "tiny" / "subject"
     folder.mkdir(parents=True)
-    held = hold(folder)
-    assert "is in use by process" in _told(_run(root, tmp_path))
-    del held
+    with hold(folder):
+        assert "is in use by process" in _told(_run(root, tmp_path))
 
 
 @pytest.mark.slow
