@@ -110,6 +110,7 @@ def open_run(
     held = hold(path, patience)
     earlier = _earlier(path)
     if earlier is None:
+        _remove_drafts(path, [])
         return _begun(RunFolder(path, wanted, _hold=held))
     if resume:
         _check_same(wanted, earlier["marker"], path)

@@ -35,6 +35,12 @@ def test_a_new_folder_is_made_with_its_parents(tmp_path):
     assert json.loads((folder.path / MARKER).read_text())["marker"] == RECOVER
 
 
+def test_a_run_killed_before_its_marker_was_there_leaves_nothing(tmp_path):
+    (tmp_path / f".{MARKER}.elsewhere-1.part").write_text("{")
+    open_run(tmp_path, resume=True, marker=RECOVER)
+    assert _contents(tmp_path) == [MARKER]
+
+
 def test_an_empty_folder_will_do(tmp_path):
     assert open_run(tmp_path, marker=RECOVER).path == tmp_path
 
