@@ -89,6 +89,12 @@ def _trial(out: Path, command: str, seed: list[int], kills: int) -> None:
     print(f"differs in {found['differs'] or 'nothing'}", flush=True)
 
 
+def _new_drafts(trial: dict) -> int:
+    """Kills of a run that left a draft which the kill before had not."""
+    left = [set(kill["drafts"]) for kill in trial["kills"]]
+    return sum(bool(now - then) for then, now in zip([set(), *left[:-1]], left, strict=True))
+
+
 def summary(out: Path) -> dict:
     """Numbers of all trials that are finished."""
     import json
@@ -106,7 +112,7 @@ def summary(out: Path) -> dict:
         commands[command] = {
             "runs": len(trials),
             "kills": len(kills),
-            "in_a_write": sum(bool(kill["drafts"]) for kill in kills),
+            "in_a_write": sum(map(_new_drafts, trials)),
             "half_files": sum(len(k["unreadable"]) for k in kills) + sum(len(t["unreadable"]) for t in trials),
             "differ": sum(bool(trial["differs"]) for trial in trials),
             "failed": sum(trial["code"] != 0 or trial["traceback"] for trial in trials),

@@ -48,8 +48,8 @@ def killed(
     told = []
     for number in range(kills):
         at, write = float(random.uniform(0.0, cpu)), number % 2 == 1
-        process = _start(command, inputs, out)
-        came = _kill_at(process, out, at, write)
+        left = set(drafts(out))  # by the kill before
+        came = _kill_at(_start(command, inputs, out), out, at, write, left)
         told.append({"at_cpu_s": at, "in_a_write": write, "came": came, **_found(out)})
     process = _start(command, inputs, out)
     code = process.wait()
@@ -72,11 +72,11 @@ def _start(command: str, inputs: Path, out: Path) -> subprocess.Popen[bytes]:
     )
 
 
-def _kill_at(process: subprocess.Popen[bytes], out: Path, at: float, write: bool) -> bool:
-    """Kill the group at a processor time, or at the first draft seen after it; False where it ended before."""
+def _kill_at(process: subprocess.Popen[bytes], out: Path, at: float, write: bool, left: set[str]) -> bool:
+    """Kill the group at a processor time, or at the first new draft seen after it; False where it ended before."""
     while process.poll() is None and _spent(process.pid) < at:
         time.sleep(_CLOCK)
-    while process.poll() is None and write and not drafts(out):
+    while process.poll() is None and write and not set(drafts(out)) - left:
         time.sleep(_LOOK)
     came = process.poll() is None
     if came:
