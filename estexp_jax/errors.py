@@ -1,6 +1,8 @@
 """Errors that are the user's to mend, and how they are told."""
 
+import errno
 from collections.abc import Iterable
+from pathlib import Path
 
 
 class InputError(Exception):
@@ -51,3 +53,15 @@ def shown(value: object) -> str:
     except (ValueError, RecursionError):  # Python writes no whole number of more than some thousand digits
         text = f"a huge {type(value).__name__}"
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+def unwritable(path: Path, error: OSError) -> InputError:
+    """The message about a file or folder that the system would not write."""
+    if error.errno in _FULL:
+        right = "make room, then the same command with --resume goes on"
+    else:
+        right = "a folder that you may write in"
+    return InputError(f"cannot be written: {error.strerror or error}", where=str(path), right=right)

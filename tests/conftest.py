@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -32,3 +34,41 @@ def real_data() -> Path:
 def root() -> Path:
     """The folder of the repository."""
     return ROOT
+
+
+def _mount(*arguments: object) -> None:
+    """Mount a file system, or skip the test where that is not permitted."""
+    try:
+        done = subprocess.run(["mount", *map(str, arguments)], capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        pytest.skip("there is no mount command here")
+    if done.returncode:
+        pytest.skip(f"mounting is not permitted here: {done.stderr.strip()}")
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 1 MB."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    _mount("-t", "tmpfs", "-o", "size=1m", "tmpfs", folder)
+    yield folder
+    subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+@pytest.fixture
+def remount() -> Callable[[Path, str], None]:
+    """Make a mounted disk `ro` or `rw`."""
+    return lambda folder, how: _mount("-o", f"remount,{how}", folder)
+
+
+@pytest.fixture
+def read_only(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A folder that may not be written; the superuser needs a whole disk for that."""
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        folder = request.getfixturevalue("small_disk")
+        request.getfixturevalue("remount")(folder, "ro")
+        return folder
+    folder = tmp_path / "locked"
+    folder.mkdir(mode=0o500)
+    return folder

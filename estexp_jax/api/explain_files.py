@@ -15,7 +15,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.inference.windows import FINER
 from estexp_jax.physics.portable import ASSETS, portable
 from estexp_jax.recordings.write import write_csv
-from estexp_jax.runs import RunFolder, write_json
+from estexp_jax.runs import RunFolder, write_json, write_text
 
 EFFECTS_SCHEMA = "estexp.effects/1"
 """Format of `effects.json`."""
@@ -51,7 +51,7 @@ def write_results(
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
-    report.write_text(page(diagnosis, findings, ghosts), encoding="utf-8")
+    write_text(report, page(diagnosis, findings, ghosts))
     return report
 
 
@@ -69,7 +69,7 @@ def write_model(folder: RunFolder, name: str, model: tuple[str, Mapping[str, Pat
             pass
         except OSError as error:
             raise InputError(f"cannot be copied: {error.strerror}", where=str(source)) from None
-    folder.file(name).write_text(text, encoding="utf-8")
+    write_text(folder.file(name), text)
 
 
 def _columns(prediction: Prediction) -> dict[str, np.ndarray]:

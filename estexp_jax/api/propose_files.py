@@ -10,7 +10,7 @@ from estexp_jax.discovery.propose import Proposed
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.report.propose_advice import advice
 from estexp_jax.report.propose_text import column_of
-from estexp_jax.runs import RunFolder
+from estexp_jax.runs import RunFolder, write_text
 
 
 def write_proposal(folder: RunFolder, proposed: Proposed) -> Path:
@@ -22,9 +22,9 @@ def write_proposal(folder: RunFolder, proposed: Proposed) -> Path:
     for n, readings in enumerate(proposed.shown.readings, start=1):
         write_csv(folder.file(f"rivals/{n}.csv"), {"time": proposed.time, **_columns(proposed, readings)})
     write_csv(folder.file("commands.csv"), {"time": proposed.time, **columns})
-    folder.file("advice.md").write_text(advice(proposed), encoding="utf-8")
+    write_text(folder.file("advice.md"), advice(proposed))
     report = folder.file("report.html")
-    report.write_text(page(proposed), encoding="utf-8")
+    write_text(report, page(proposed))
     return report
 
 

@@ -22,7 +22,7 @@ from estexp_jax.physics.portable import portable
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.write import write_csv
-from estexp_jax.runs import RunFolder, write_json
+from estexp_jax.runs import RunFolder, write_json, write_text
 
 _FINER = 5
 """The robot is simulated at this fraction of its model's step: a real one has none."""
@@ -78,7 +78,7 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
     for i, (name, commands) in enumerate(motions):
         traces = real.rollout(commands, period=1.0 / config.rate)
         write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))
-    folder.file("recordings.toml").write_text(_manifest([name for name, _ in motions]), encoding="utf-8")
+    write_text(folder.file("recordings.toml"), _manifest([name for name, _ in motions]))
     write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
     return folder.path / "recordings.toml"
 

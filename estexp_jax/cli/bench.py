@@ -56,6 +56,7 @@ def run(options: Options) -> int:
     from estexp_jax.api.bench import BenchConfig, bench, quick
     from estexp_jax.report.bench_figures import bench_figure
     from estexp_jax.runs import Progress, open_run, write_json
+    from estexp_jax.runs.files import replacing
 
     names = ("feet", "population", "steps", "substeps", "repeats", "sweep", "seed")
     model = None if options.model is None else str(options.model)
@@ -70,7 +71,8 @@ def run(options: Options) -> int:
     write_json(numbers, result)
     figure = bench_figure(result)
     for ending in ("png", "svg"):
-        figure.savefig(folder.file(f"bench.{ending}"), dpi=150)
+        with replacing(folder.file(f"bench.{ending}")) as stream:
+            figure.savefig(stream, format=ending, dpi=150)
     _print(result)
     print(f"Numbers: {numbers}\nFigure: {folder.path / 'bench.png'}")
     return 0

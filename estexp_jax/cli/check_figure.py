@@ -11,6 +11,7 @@ import numpy as np
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.inspect import GAP
+from estexp_jax.runs.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,7 +46,8 @@ def draw(robot: Robot, recordings: Sequence[Recording], path: Path) -> None:
         grid[0, column].set_title(f"{recording.name} ({recording.role})", fontsize=9, parse_math=False)
         grid[-1, column].set_xlabel("time, s", fontsize=8)
     figure.suptitle(_title(len(channels) - len(rows), len(recordings) - len(shown)), fontsize=9)
-    figure.savefig(path, dpi=110)
+    with replacing(path) as stream:
+        figure.savefig(stream, format=path.suffix.removeprefix("."), dpi=110)
 
 
 def _channels(robot: Robot, recordings: Sequence[Recording]) -> list[tuple[str, int, str]]:

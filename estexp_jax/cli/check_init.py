@@ -17,6 +17,7 @@ from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.bind import check_names, column_names
 from estexp_jax.recordings.read import read_table
 from estexp_jax.recordings.table import Selection
+from estexp_jax.runs.files import write_text
 
 # Words that logs use. Those of a command are looked for first: `goal_position` is one.
 _COMMAND = {"command", "commanded", "cmd", "ctrl", "control", "goal", "target", "action", "desired", "con"}
@@ -54,10 +55,7 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
     given = {ours: str(source.column) for ours, source in parse_maps(maps).items()}
     check_names(robot, given, "--map")
     lines = [*_head(files[0], path.parent), *_columns(robot, names, given), *_recordings(logs, path.parent)]
-    try:
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", where=str(path)) from None
+    write_text(path, "\n".join(lines) + "\n")
 
 
 def _names(log: str) -> tuple[str, ...]:

@@ -28,6 +28,7 @@ class Options:
 
     Example:
         estexp experiment stuck_knee --quick
+        estexp experiment stuck_knee --ray 10.0.0.1:6379 --out /shared/experiments
     """
 
     name: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="NAME")]
@@ -38,6 +39,10 @@ class Options:
     """Go on with an interrupted experiment."""
     workers: int | None = None
     """How many runs at a time; the experiment chooses where this is not given."""
+    ray: Annotated[tuple[str, ...] | None, tyro.conf.arg(metavar="[ADDRESS]")] = None
+    """The runs as tasks of a Ray cluster, one GPU each where there are some; without an address, a Ray of its own."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Where results and checkpoints go; with --ray, a folder that all machines share. Default: the experiment's."""
 
 
 def run(options: Options) -> int:
@@ -47,10 +52,13 @@ def run(options: Options) -> int:
         Its exit code; 3 where it was ended by Ctrl-C, 1 where another signal killed it.
 
     Raises:
-        InputError: there is no such experiment; lists those that exist. Or `workers` is less than one.
+        InputError: there is no such experiment; lists those that exist. `workers` is less than one, there are several
+            addresses, or Ray is not installed.
     """
     if options.workers is not None and options.workers < 1:
         raise InputError(f"is {options.workers}", where="--workers", right="at least 1")
+    if options.ray is not None:
+        _check_ray(options.ray)
     script = find(options.name, EXPERIMENTS) / "run.py"
     return _exit_code(_wait(subprocess.Popen([sys.executable, str(script), *_arguments(options)])))
 
@@ -75,7 +83,19 @@ def find(name: str, experiments: Path) -> Path:
 
 def _arguments(options: Options) -> list[str]:
     flags = [f"--{name}" for name in ("quick", "resume") if getattr(options, name)]
-    return flags if options.workers is None else [*flags, "--workers", str(options.workers)]
+    workers = [] if options.workers is None else ["--workers", str(options.workers)]
+    ray = [] if options.ray is None else ["--ray", *options.ray]
+    out = [] if options.out is None else ["--out", str(options.out)]
+    return [*flags, *workers, *ray, *out]
+
+
+def _check_ray(addresses: tuple[str, ...]) -> None:
+    """Tell what is wrong before anything runs."""
+    from estexp_jax.runs.cluster import check_installed
+
+    if len(addresses) > 1:
+        raise InputError(f"has {len(addresses)} addresses", where="--ray", right="one, or none; NAME goes before it")
+    check_installed()
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:

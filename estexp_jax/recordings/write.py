@@ -5,10 +5,14 @@ from __future__ import annotations
 import csv
 import math
 import os
+import socket
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
+
+from estexp_jax.errors import unwritable
 
 
 def write_csv(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
@@ -22,6 +26,7 @@ def write_csv(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
 
     Raises:
         ValueError: the columns differ in length, or are not one-dimensional.
+        InputError: the disk is full, or the folder may not be written.
     """
     path = Path(path)
     arrays = {name: np.asarray(values) for name, values in columns.items()}
@@ -30,15 +35,24 @@ def write_csv(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
     if len(set(shapes.values())) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         raise ValueError(f"columns are not of one length: {shapes}")
     # Beside its place and renamed into it: a reader, or a run that dies, never meets half a file.
-    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    draft = path.with_name(f".{path.name}.{socket.gethostname()}-{os.getpid()}.part")
     try:
-        with draft.open("w", newline="", encoding="utf-8") as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(arrays)
-            writer.writerows(zip(*([_cell(v) for v in values.tolist()] for values in arrays.values()), strict=True))
+        _write(draft, arrays)
         draft.replace(path)
+    except OSError as error:
+        raise unwritable(path, error) from None
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
+
+
+def _write(draft: Path, arrays: Mapping[str, np.ndarray]) -> None:
+    with draft.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(arrays)
+        writer.writerows(zip(*([_cell(v) for v in values.tolist()] for values in arrays.values()), strict=True))
+        stream.flush()
+        os.fsync(stream.fileno())
 
 
 def _cell(value: float | int) -> str:

@@ -2,7 +2,7 @@
 
 from estexp_jax.runs.cache import count_compilations, enable_compilation_cache, quiet_xla
 from estexp_jax.runs.checkpoint import load_checkpoint, save_checkpoint
-from estexp_jax.runs.files import write_json
+from estexp_jax.runs.files import write_json, write_text
 from estexp_jax.runs.folder import RunFolder, open_run
 from estexp_jax.runs.progress import Progress
 from estexp_jax.runs.versions import versions
@@ -18,4 +18,5 @@ __all__ = [
     "save_checkpoint",
     "versions",
     "write_json",
+    "write_text",
 ]

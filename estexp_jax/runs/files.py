@@ -2,23 +2,42 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
+import socket
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
 
+from estexp_jax.errors import unwritable
+
 _DRAFT = ".part"
 
 
 def draft_of(path: Path) -> Path:
-    """Where a file is written before it takes its place; left behind by a run that was killed."""
-    return path.with_name(f".{path.name}{_DRAFT}")
+    """Where this process writes a file before it takes its place; left behind by a run that was killed.
+
+    Another process, on this machine or one that shares the folder, has another draft: neither spoils the other's.
+    """
+    return path.with_name(f".{path.name}.{socket.gethostname()}-{os.getpid()}{_DRAFT}")
+
+
+def drafts_of(path: Path) -> list[Path]:
+    """The drafts of a file that processes have left behind; or are writing."""
+    if not path.parent.is_dir():
+        return []
+    return [item for item in path.parent.iterdir() if is_draft(item.name, path.name)]
+
+
+def is_draft(name: str, of: str) -> bool:
+    """Whether a file's name is that of a draft of another's."""
+    return name.startswith(f".{of}.") and name.endswith(_DRAFT)
 
 
 @contextmanager
@@ -26,17 +45,30 @@ def replacing(path: str | Path, *, previous: Path | None = None) -> Iterator[IO[
     """A stream whose contents become the file at the end, unless an error ends it sooner.
 
     A reader, or a run that is killed at any moment, meets the old file or the new one, never half of one: the contents
-    go to a draft in the same folder, reach the disk, and only then take the file's name.
+    are gathered in memory, go to a draft in the same folder, reach the disk, and only then take the file's name. On a
+    full disk the old file stays.
 
     Args:
-        path: the file; its folder must exist. One writer at a time.
+        path: the file; its folder must exist. Of several writers, the last one's is kept.
         previous: in the same folder; where to keep the file that is replaced.
+
+    Raises:
+        InputError: the disk is full, or the folder may not be written.
     """
     path = Path(path)
+    with io.BytesIO() as stream:
+        yield stream
+        try:
+            _replace(path, stream.getbuffer(), previous)
+        except OSError as error:
+            raise unwritable(path, error) from None
+
+
+def _replace(path: Path, contents: memoryview, previous: Path | None) -> None:
     draft = draft_of(path)
     try:
         with draft.open("wb") as stream:
-            yield stream
+            stream.write(contents)
             stream.flush()
             os.fsync(stream.fileno())
         if previous is not None and path.exists():
@@ -44,7 +76,9 @@ def replacing(path: str | Path, *, previous: Path | None = None) -> Iterator[IO[
         draft.replace(path)
         _sync_folder(path.parent)
     finally:
-        draft.unlink(missing_ok=True)
+        contents.release()
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
 
 
 def _sync_folder(folder: Path) -> None:
@@ -59,6 +93,20 @@ def _sync_folder(folder: Path) -> None:
         os.close(handle)
 
 
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text (UTF-8), replacing the file at once or not at all.
+
+    Args:
+        path: the file; its folder must exist.
+        text: all of it.
+
+    Raises:
+        InputError: the disk is full, or the folder may not be written.
+    """
+    with replacing(path) as stream:
+        stream.write(text.encode())
+
+
 def write_json(path: str | Path, value: Any) -> None:
     """Write a result as JSON (UTF-8, indented), replacing the file at once or not at all.
 
@@ -68,10 +116,9 @@ def write_json(path: str | Path, value: Any) -> None:
 
     Raises:
         TypeError: something in `value` has no JSON form; names its place.
+        InputError: the disk is full, or the folder may not be written.
     """
-    text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
-    with replacing(path) as stream:
-        stream.write(f"{text}\n".encode())
+    write_text(path, f"{json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)}\n")
 
 
 def plain(value: Any, place: str = "value") -> Any:

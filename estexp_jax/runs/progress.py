@@ -134,6 +134,16 @@ class Progress:
                 self._live.advance(steps, self._stage.note)
             self.tick()
 
+    def reach(self, done: float, note: str = "") -> None:
+        """The stage is so many steps far.
+
+        Args:
+            done: from its beginning; may be less than before, where work was lost.
+            note: as for `advance`.
+        """
+        with self._lock:
+            self.advance(done - (self._stage.done if self._stage is not None else 0.0), note)
+
     def tick(self) -> None:
         """Print a plain line if it is time for one."""
         with self._lock:

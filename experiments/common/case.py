@@ -7,16 +7,17 @@ from typing import Any, Literal
 
 from estexp_jax.recovery.config import Metric, Settings
 
-Size = Literal["quick", "small", "medium", "full"]
+Size = Literal["tiny", "quick", "small", "medium", "full"]
 Method = Literal["paper", "set"]
 
 SIZES: dict[Size, dict[str, int]] = {
+    "tiny": {"population": 8, "generations": 3, "steps": 60},
     "quick": {"population": 32, "generations": 5, "steps": 150},
     "small": {"population": 48, "generations": 10, "steps": 200},
     "medium": {"population": 100, "generations": 20, "steps": 500},
     "full": {"population": 200, "generations": 40, "steps": 1000},
 }
-"""Genomes, generations of a phase and control steps of a trial; full is the paper's."""
+"""Genomes, generations of a phase and control steps of a trial; full is the paper's, tiny shows only that it runs."""
 
 FIRST_SEED = 5000
 """Reported runs have seeds from here on; whatever was tuned was tuned below 1000."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from estexp_jax.physics.changes import Change
-from estexp_jax.runs import versions, write_json
+from estexp_jax.runs import versions, write_json, write_text
+from estexp_jax.runs.files import replacing
 from experiments.common.case import Case
 from experiments.common.scoring import amount_error, same_set, text
 from experiments.common.world import quadruped
@@ -43,11 +45,17 @@ def changes(entries: Iterable[Mapping[str, Any]]) -> tuple[Change, ...]:
 
 def write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """A CSV; numbers to four decimals."""
-    columns = list(dict.fromkeys(name for r in rows for name in r))
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({k: round(v, 4) if isinstance(v, float) else v for k, v in r.items()} for r in rows)
+    columns, stream = list(dict.fromkeys(name for r in rows for name in r)), io.StringIO(newline="")
+    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({k: round(v, 4) if isinstance(v, float) else v for k, v in r.items()} for r in rows)
+    write_text(path, stream.getvalue())
+
+
+def write_figure(path: Path, figure: Any, dpi: int = 110) -> None:
+    """A picture, whole or not at all; its extension decides the format."""
+    with replacing(path) as stream:
+        figure.savefig(stream, format=path.suffix.removeprefix("."), dpi=dpi)
 
 
 def write_summary(path: Path, summary: Mapping[str, Any], **about: Any) -> None:

@@ -21,12 +21,13 @@ _DONE, _WRONG, _INTERRUPTED = 0, 2, 3
 
 def main(arguments: list[str] | None = None) -> int:
     """Do what is asked; gives the exit code."""
+    from estexp_jax.errors import InputError
     from experiments.concealed import sets
 
     options = _parsed(sys.argv[1:] if arguments is None else arguments)
     try:
         return _STEPS[options.step](options)
-    except (sets.Tampered, RuntimeError, FileNotFoundError) as error:
+    except (sets.Tampered, InputError, RuntimeError, FileNotFoundError) as error:
         print(f"concealed: {error}", file=sys.stderr)
         return _WRONG
     except KeyboardInterrupt:
@@ -41,7 +42,10 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("step", nargs="?", default="all", choices=list(_STEPS))
     parser.add_argument("--quick", action="store_true", help="a small development set instead of the sealed one")
     parser.add_argument("--resume", action="store_true", help="go on with what an earlier run left")
-    parser.add_argument("--workers", type=int, default=1, help="cases at a time")
+    parser.add_argument("--workers", type=int, default=None, help="cases at a time; default 1")
+    parser.add_argument(
+        "--ray", nargs="?", const="local", default=None, metavar="ADDRESS", help="explain on a Ray cluster"
+    )
     parser.add_argument("--out", type=Path, default=None, help="folder of the set")
     parser.add_argument("--seed", type=int, default=1, help="of a development set")
     parser.add_argument("--cases", type=int, default=QUICK, help="of a development set")
@@ -60,7 +64,7 @@ def _draw(options: argparse.Namespace) -> int:
     unknown = set(options.robots) - set(sets.DEVELOPED)
     if unknown:
         raise RuntimeError(f"no development on {', '.join(sorted(unknown))}; there are {', '.join(sets.DEVELOPED)}")
-    sets.draw(options.out, options.seed, options.cases, options.robots, workers=options.workers)
+    sets.draw(options.out, options.seed, options.cases, options.robots, workers=options.workers or 1)
     return _DONE
 
 
@@ -70,7 +74,7 @@ def _seal(options: argparse.Namespace) -> int:
     if (options.out / "commitment.json").is_file():
         return _DONE
     commit = sets.frozen_commit(ROOT)
-    sets.draw(options.out, sets.seed_of(commit), FULL, sets.SEALED, commit=commit, workers=options.workers)
+    sets.draw(options.out, sets.seed_of(commit), FULL, sets.SEALED, commit=commit, workers=options.workers or 1)
     print(f"sealed {FULL} cases of commit {commit} in {options.out}; publish its commitment.json")
     return _DONE
 
@@ -78,7 +82,7 @@ def _seal(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     from experiments.concealed.runner import Runner
 
-    left = Runner(options.out, options.workers, options.timeout).run()
+    left = Runner(options.out, options.workers, options.timeout, ray=options.ray).run()
     return _INTERRUPTED if left else _DONE
 
 

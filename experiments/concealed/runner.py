@@ -6,6 +6,7 @@ goes on where it was. A case under way at the kill is resumed from its own check
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import signal
@@ -17,6 +18,8 @@ from pathlib import Path
 from threading import Event, Lock
 from typing import Any
 
+ROOT = Path(__file__).resolve().parents[2]
+_PR_SET_PDEATHSIG = 1
 TIMEOUT = 1800.0
 """A case that takes longer (s) counts as failed."""
 
@@ -24,22 +27,45 @@ TIMEOUT = 1800.0
 class Runner:
     """Runs the cases of a set."""
 
-    def __init__(self, out: Path, workers: int, timeout: float = TIMEOUT, command: tuple[str, ...] = ()) -> None:
-        """Of the set in a folder; `command` replaces `estexp explain` (for tests)."""
-        self.out, self.workers, self.timeout = out, workers, timeout
+    def __init__(
+        self,
+        out: Path,
+        workers: int | None,
+        timeout: float = TIMEOUT,
+        command: tuple[str, ...] = (),
+        ray: str | None = None,
+    ) -> None:
+        """Of the set in a folder; `command` replaces `estexp explain` (for tests), `ray` is a cluster's address."""
+        self.out, self.workers, self.timeout, self.ray = out, workers, timeout, ray
         self.command = command or (sys.executable, "-m", "estexp_jax.cli.main", "explain")
         self.children: set[subprocess.Popen[bytes]] = set()
         self.lock, self.stopped = Lock(), Event()
+        self.dies_with_worker = False
 
     def run(self) -> int:
         """Explain what is not yet explained; gives the number of cases that are still open."""
         cases = sorted(p.name for p in (self.out / "cases").iterdir())
         todo = [c for c in cases if not (self.out / "explained" / f"{c}.json").is_file()]
         (self.out / "explained").mkdir(exist_ok=True)
+        if self.ray is None:
+            self._run_here(todo)
+        else:
+            self._run_on_ray(todo)
+        return sum(not (self.out / "explained" / f"{c}.json").is_file() for c in cases)
+
+    def _run_on_ray(self, todo: list[str]) -> None:
+        from estexp_jax.runs.fleet import do
+        from estexp_jax.runs.workers import crew_of
+
+        calls = [(explain_case, (self.out.resolve(), case, self.timeout, self.command)) for case in todo]
+        with crew_of(self.workers, self.ray, [str(ROOT)]) as crew:
+            do("cases", calls, crew, self.out / "under_way")
+
+    def _run_here(self, todo: list[str]) -> None:
         begin = time.monotonic()
         previous = signal.signal(signal.SIGTERM, self._stop)
         try:
-            with ThreadPoolExecutor(self.workers) as pool:
+            with ThreadPoolExecutor(self.workers or 1) as pool:
                 for i, case in enumerate(pool.map(self._explain, todo)):
                     if self.stopped.is_set():
                         break
@@ -50,7 +76,6 @@ class Runner:
             self._stop()
         finally:
             signal.signal(signal.SIGTERM, previous)
-        return sum(not (self.out / "explained" / f"{c}.json").is_file() for c in cases)
 
     def _stop(self, *_: Any) -> None:
         """End all children; cases not yet begun stay open."""
@@ -79,7 +104,13 @@ class Runner:
         manifest = self.out / "cases" / case / "recordings.toml"
         arguments = [*self.command, str(manifest), "--out", str(self.out / "explained" / case), *flags]
         with (self.out / "explained" / f"{case}.log").open("ab") as log:
-            child = subprocess.Popen(arguments, stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
+            child = subprocess.Popen(
+                arguments,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                preexec_fn=_die_with_worker if self.dies_with_worker else None,
+            )
             with self.lock:
                 self.children.add(child)
             try:
@@ -91,6 +122,19 @@ class Runner:
             finally:
                 with self.lock:
                     self.children.discard(child)
+
+
+def explain_case(out: Path, case: str, timeout: float, command: tuple[str, ...]) -> None:
+    """Explain one case in a worker of a cluster; a case that a lost worker had is gone on with."""
+    (out / "explained").mkdir(exist_ok=True)
+    runner = Runner(out, 1, timeout, command)
+    runner.dies_with_worker = sys.platform == "linux"
+    runner._explain(case)
+
+
+def _die_with_worker() -> None:
+    """End with the worker, however that ends: what is left would hold the case's folder against the next one."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def findings_of(out: Path, case: str) -> dict[str, Any] | None:

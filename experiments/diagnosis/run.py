@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     tasks = [task for part in asked for task in tasks_of(part, options.n, quick=options.size == "quick")]
     store = options.store.parent / "diagnoses"
     store.mkdir(parents=True, exist_ok=True)
-    each("diagnoses", [(_kept, task, store) for task in tasks if not _path(task, store).is_file()], options.workers)
+    each("diagnoses", [(_kept, task, store) for task in tasks if not _path(task, store).is_file()], options)
     everything = [t for part in PARTS for t in tasks_of(part, options.n, quick=options.size == "quick")]
     report([task for task in everything if _path(task, store).is_file()], store, options)
     publish(options, __file__)
@@ -80,4 +80,6 @@ def report(tasks: Sequence, store: Path, options) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from experiments.common.statistics import share
+from experiments.common.tables import write_figure
 
 Row = dict[str, Any]
 INSIDE = range(1, 11)
@@ -96,7 +97,7 @@ def draw(found: dict[str, Any], rows: Sequence[Row], out: Path) -> None:
     axes.set_ylabel("exact set named")
     axes.legend(fontsize=7, frameon=False, loc="upper center", bbox_to_anchor=(0.5, 1.3), ncols=2)
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(out / "right.png", dpi=110)
+    write_figure(out / "right.png", figure)
     _draw_calibration(groups, out)
 
 
@@ -118,4 +119,4 @@ def _draw_calibration(groups: list[dict[str, Any]], out: Path) -> None:
     axes.set_ylabel("share that is right, 90 % interval")
     axes.legend(fontsize=7, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(out / "calibration.png", dpi=110)
+    write_figure(out / "calibration.png", figure)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from experiments.common.statistics import signed_rank
+from experiments.common.tables import write_figure
 
 _NAMES = ("motor weaker by 10 %", "the same by 20 %", "a touch sensor by 50 %")
 
@@ -37,7 +38,7 @@ def draw(found: dict[str, Any], times: dict[str, np.ndarray], table: list[dict[s
     ranks.legend(fontsize=7, frameon=False)
     for axes in (one, many, ranks):
         axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(out / "divergence.png", dpi=110)
+    write_figure(out / "divergence.png", figure)
     return {
         "median_steps": {name: float(np.median(t)) for name, t in times.items()},
         "similar_later_in": int(np.sum(times["similar"] > times["unlike"])),

@@ -37,4 +37,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

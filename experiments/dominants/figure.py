@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
+from experiments.common.tables import write_figure
 from experiments.dominants.count import Count
 
 _KINDS = (("rolling-mean", "evolved"), ("rolling-mean", "random"), ("distance", "evolved"), ("distance", "random"))
@@ -31,7 +32,7 @@ def draw(counts: Sequence[Count], out: Path) -> dict[str, Any]:
         axes.legend(fontsize=7, frameon=False)
         axes.spines[["top", "right"]].set_visible(False)
     panels[0].set_ylabel("first estimations")
-    figure.savefig(out / "dominants.png", dpi=110)
+    write_figure(out / "dominants.png", figure)
     a, b = (_first(counts, metric, "evolved") for metric in ("rolling-mean", "distance"))
     p = stats.mannwhitneyu(a, b, alternative="greater").pvalue  # pyright: ignore
     better = {metric: _beaten(counts, metric) for metric in ("rolling-mean", "distance")}

@@ -24,9 +24,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     options = parsed("dominants", __doc__, seeds=10, quick_seeds=1, arguments=arguments)
     cases = [case for case in cases_of(options.size, options.n) if case.method == "paper"]
-    run_all(cases, options.store, options.workers)
+    run_all(cases, options)
     evolved: list[Count] = [count for case in cases for count in counted(case, options.store)]
-    drawn = each("random searches", [(random_search, case, options.store) for case in cases], options.workers)
+    drawn = each("random searches", [(random_search, case, options.store) for case in cases], options)
     counts = [*evolved, *drawn]
     write_rows(options.out / "dominants.csv", [count._asdict() for count in counts])
     write_summary(options.out / "summary.json", draw(counts, options.out), seeds=options.n, size=options.size)
@@ -35,4 +35,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

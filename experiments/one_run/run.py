@@ -19,16 +19,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from experiments.common.case import Case, seeds
     from experiments.common.options import parsed, publish
     from experiments.common.runs import run_all, state_of
-    from experiments.common.tables import row, write_rows, write_summary
+    from experiments.common.tables import row, write_figure, write_rows, write_summary
     from experiments.table1.run import ARMS
 
     options = parsed("one_run", __doc__, seeds=1, quick_seeds=1, arguments=arguments)
     cases = [Case(5, seeds(1)[0], options.size, method, metric) for method, metric in ARMS]
-    run_all(cases, options.store, options.workers)
+    run_all(cases, options)
     for case in cases:
         state, name = state_of(case, options.store), f"{case.method}-{case.metric}"
-        progress_figure(state, case.settings.axis).savefig(options.out / f"{name}.png", dpi=100)
-        path_figure(state, case.settings.axis).savefig(options.out / f"{name}-paths.png", dpi=100)
+        write_figure(options.out / f"{name}.png", progress_figure(state, case.settings.axis), dpi=100)
+        write_figure(options.out / f"{name}-paths.png", path_figure(state, case.settings.axis), dpi=100)
     write_rows(options.out / "runs.csv", [row(case, options.store) for case in cases])
     write_summary(options.out / "summary.json", {}, seed=seeds(1)[0], size=options.size)
     publish(options, __file__)
@@ -36,4 +36,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

@@ -46,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
             cases.write(plan, data, out / "cases" / plan.name, options.quick)
     if options.write:
         return _DONE
-    left = Runner(out, options.workers, options.timeout).run()
+    left = Runner(out, options.workers, options.timeout, ray=options.ray).run()
     print(f"results: {write_page(out, plans)}")
     return _INTERRUPTED if left else _DONE
 
@@ -55,7 +55,10 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="real", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="pieces of the recordings")
     parser.add_argument("--resume", action="store_true", help="go on with what an earlier run left")
-    parser.add_argument("--workers", type=int, default=1, help="cases at a time")
+    parser.add_argument("--workers", type=int, default=None, help="cases at a time; default 1")
+    parser.add_argument(
+        "--ray", nargs="?", const="local", default=None, metavar="ADDRESS", help="explain on a Ray cluster"
+    )
     parser.add_argument("--out", type=Path, default=None)
     parser.add_argument("--only", nargs="+", default=[], help="names of cases")
     parser.add_argument("--write", action="store_true", help="write the cases and stop")
@@ -72,4 +75,6 @@ each with its CSV files and a nominal.xml."""
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from experiments.common.statistics import interval
+from experiments.common.tables import write_figure
 from experiments.table1.summary import LAST, arms, of
 
 _BARS = (("before", "before", "white"), ("damaged", "damaged", "0.8"), (f"trial_{LAST}", f"trial {LAST}", "0.4"))
@@ -39,7 +40,7 @@ def draw_distances(rows: Sequence[dict[str, Any]], out: Path) -> None:
     panels[0].legend(fontsize=7, frameon=False, ncols=3, loc="upper right")
     panels[-1].set_xticks(range(1, 14))
     panels[-1].set_xlabel("situation")
-    figure.savefig(out / "distances.png", dpi=110)
+    write_figure(out / "distances.png", figure)
 
 
 def draw_confusion(tables: dict[str, Any], out: Path) -> None:
@@ -58,7 +59,7 @@ def draw_confusion(tables: dict[str, Any], out: Path) -> None:
         axes.set_title(name, fontsize=9)
         axes.set_xlabel("diagnosed at trial 4")
     panels[0].set_ylabel("planted")
-    figure.savefig(out / "confusion.png", dpi=110)
+    write_figure(out / "confusion.png", figure)
 
 
 def _share(line: dict[str, int], kind: str) -> float:

@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parsed("table1", __doc__, seeds=10, quick_seeds=1, arguments=[w for w in given if w != "--report"])
     cases = cases_of(options.size, options.n)
     if "--report" not in given:
-        run_all(cases, options.store, options.workers)
+        run_all(cases, options)
     done = [case for case in cases if finished(case, options.store)]
     whole = [arm for arm in ARMS if {c.situation for c in done if (c.method, c.metric) == arm} == set(range(1, 14))]
     report([case for case in done if (case.method, case.metric) in whole], options)
@@ -64,4 +64,6 @@ def report(cases: Sequence, options) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

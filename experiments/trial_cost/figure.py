@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.common.tables import write_figure
 from experiments.trial_cost.direct import RECOVERED
 
 
@@ -36,7 +37,7 @@ def draw(
     )
     axes.legend(fontsize=7, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(out / "trial_cost.png", dpi=110)
+    write_figure(out / "trial_cost.png", figure)
     return {name: _told([row[name] for row in rows]) for name in ("on_the_robot", "set_search", "paper")}
 
 

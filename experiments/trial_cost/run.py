@@ -28,8 +28,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     cases = [
         Case(None, seed, options.size, method, damage=damage) for seed, damage in damaged for method in ("set", "paper")
     ]
-    run_all(cases, options.store, options.workers)
-    runs = each("on the robot", [(direct, case, options.store) for case in cases[::2]], options.workers)
+    run_all(cases, options)
+    runs = each("on the robot", [(direct, case, options.store) for case in cases[::2]], options)
     rows = compared(cases, runs, options.store)
     write_rows(options.out / "trials.csv", rows)
     found = draw(runs, courses(cases, options.store), rows, options.out)
@@ -39,4 +39,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

@@ -18,17 +18,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Evolve what is missing, write them all into one file."""
     import numpy as np
 
+    from estexp_jax.runs.files import replacing
     from experiments.common.options import parsed, publish
     from experiments.common.runs import each
 
     options = parsed("walkers", __doc__, seeds=100, quick_seeds=3, arguments=arguments)
     options.store.mkdir(parents=True, exist_ok=True)
-    found = each("walkers", [(walker, seed, options.store) for seed in range(options.n)], options.workers)
+    found = each("walkers", [(walker, seed, options.store) for seed in range(options.n)], options)
     weights = np.stack([w for w, _ in found])
     distances = np.array([d for _, d in found])
-    np.savez_compressed(
-        options.out / "walkers.npz", percent=np.round(100 * weights).astype(np.int8), distance=distances
-    )
+    with replacing(options.out / "walkers.npz") as stream:
+        np.savez_compressed(stream, percent=np.round(100 * weights).astype(np.int8), distance=distances)
     print(f"{options.n} walkers, distance in {SHORT['steps']} steps: median {np.median(distances):.2f} m")
     publish(options, __file__)
     return 0
@@ -57,4 +57,6 @@ def _explored(states):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

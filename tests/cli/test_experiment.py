@@ -72,3 +72,25 @@ def test_workers_are_at_least_one(experiments, capsys):
     experiments("knee")
     assert main(["experiment", "knee", "--workers", "0"]) == 2
     assert "--workers" in capsys.readouterr().err
+
+
+def test_ray_and_the_folder_are_handed_on(experiments, tmp_path, monkeypatch):
+    experiments("knee")
+    monkeypatch.setattr("estexp_jax.runs.cluster.find_spec", lambda name: name)
+    assert main(["experiment", "knee", "--ray", "--out", "shared"]) == 0
+    assert _seen(tmp_path) == ["--ray", "--out", "shared"]
+    assert main(["experiment", "knee", "--ray", "10.0.0.1:6379"]) == 0
+    assert _seen(tmp_path) == ["--ray", "10.0.0.1:6379"]
+
+
+def test_without_ray_the_command_that_installs_it_is_told(experiments, monkeypatch, capsys):
+    experiments("knee")
+    monkeypatch.setattr("estexp_jax.runs.cluster.find_spec", lambda name: None)
+    assert main(["experiment", "knee", "--ray"]) == 2
+    assert "pip install 'estexp_jax[cluster]'" in capsys.readouterr().err
+
+
+def test_one_cluster_at_a_time(experiments, capsys):
+    experiments("knee")
+    assert main(["experiment", "knee", "--ray", "a:1", "b:2"]) == 2
+    assert "2 addresses" in capsys.readouterr().err

@@ -34,7 +34,7 @@ def test_the_files_are_what_was_promised(proposed, explained):
     rivals = kept(explained)["rivals"]
     names = {str(path.relative_to(proposed)) for path in proposed.rglob("*") if path.is_file()}
     promised = {"commands.csv", "advice.md", "report.html", *(f"rivals/{n}.csv" for n in range(1, len(rivals) + 1))}
-    assert names - {".estexp-run.json"} == promised
+    assert names - {".estexp-run.json", ".estexp-run.lock"} == promised
     commands = read_table(proposed / "commands.csv")
     assert commands.names == ("time", "ctrl.servo")
     np.testing.assert_allclose(commands.column("time"), np.arange(201) / 100)
@@ -101,7 +101,7 @@ def test_interrupted_it_leaves_no_half_and_can_be_done_again(proposed, explained
         patched.setattr(front_door, "_propose", stopped)
         assert run("propose", explained, "--out", out, *SHORT) == 3
     assert "--resume" in capsys.readouterr().err
-    assert [path.name for path in out.iterdir()] == [".estexp-run.json"]
+    assert sorted(path.name for path in out.iterdir()) == [".estexp-run.json", ".estexp-run.lock"]
     assert run("propose", explained, "--out", out, *SHORT, "--resume") == 0
     assert (out / "commands.csv").read_bytes() == (proposed / "commands.csv").read_bytes()
 

@@ -9,6 +9,7 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.runs import open_run, save_checkpoint
 from estexp_jax.runs.folder import MARKER
+from estexp_jax.runs.lock import LOCK
 
 RECOVER = {"command": "recover", "config": {"seed": 0, "damage": "a=0.5", "passes": 4}}
 
@@ -25,13 +26,19 @@ def _run(path):
 
 
 def _contents(path):
-    return sorted(str(item.relative_to(path)) for item in path.rglob("*"))
+    return sorted(str(item.relative_to(path)) for item in path.rglob("*") if item.name != LOCK)
 
 
 def test_a_new_folder_is_made_with_its_parents(tmp_path):
     folder = open_run(tmp_path / "a" / "b", marker=RECOVER)
     assert folder.path.is_dir() and not folder.resumed
     assert json.loads((folder.path / MARKER).read_text())["marker"] == RECOVER
+
+
+def test_a_run_killed_before_its_marker_was_there_leaves_nothing(tmp_path):
+    (tmp_path / f".{MARKER}.elsewhere-1.part").write_text("{")
+    open_run(tmp_path, resume=True, marker=RECOVER)
+    assert _contents(tmp_path) == [MARKER]
 
 
 def test_an_empty_folder_will_do(tmp_path):
@@ -47,7 +54,7 @@ def test_results_are_not_overwritten(tmp_path):
 
 def test_force_removes_what_the_run_wrote_and_nothing_else(tmp_path):
     path = _run(tmp_path / "run").path
-    (path / ".checkpoint.part").write_text("left by a kill")
+    (path / ".checkpoint.elsewhere-1.part").write_text("left by a kill")
     (path / "notes.txt").write_text("mine")
     (path / "predictions" / "mine.csv").write_text("mine")
     folder = open_run(path, force=True, marker={"command": "recover", "config": {"seed": 1}})
@@ -64,7 +71,7 @@ def test_a_foreign_folder_is_never_touched(tmp_path, flags):
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(InputError, match="not made by estexp"):
         open_run(tmp_path, **flags, marker=RECOVER)
-    assert _contents(tmp_path) == ["thesis.tex"]
+    assert [item.name for item in tmp_path.iterdir()] == ["thesis.tex"]
 
 
 @pytest.mark.parametrize(
@@ -94,6 +101,7 @@ def test_force_does_not_follow_links(tmp_path):
 
 def test_resume_goes_on(tmp_path):
     before = _contents(_run(tmp_path / "run").path)
+    (tmp_path / "run" / "predictions" / ".a.csv.elsewhere-1.part").write_text("left by a kill")
     folder = open_run(tmp_path / "run", resume=True, marker=RECOVER)
     assert folder.resumed and _contents(folder.path) == before
     folder.file("late.json").write_text("")
@@ -152,7 +160,7 @@ def test_an_unwritable_folder_is_told(tmp_path):
         open_run(tmp_path, marker=RECOVER)
 
 
-@pytest.mark.parametrize("name", ["../a", "/a", "", ".", MARKER])
+@pytest.mark.parametrize("name", ["../a", "/a", "", ".", MARKER, LOCK])
 def test_names_stay_inside(tmp_path, name):
     with pytest.raises(ValueError, match="no place inside"):
         open_run(tmp_path, marker=RECOVER).file(name)

@@ -46,6 +46,21 @@ def test_plain_lines_come_at_once_and_then_every_period(streams):
     assert streams["out"].getvalue() == ""
 
 
+def test_a_stage_may_fall_back(streams):
+    clock = Clock()
+    with Progress(**streams, clock=clock) as progress:
+        progress.stage("runs", total=4)
+        for done in (2.5, 1.5, 4):
+            clock.now += 10.0
+            progress.reach(done, note="on 2 machines")
+    assert [line.partition(",")[0] for line in streams["err"].getvalue().splitlines()] == [
+        "runs: 0/4",
+        "runs: 2.5/4",
+        "runs: 1.5/4",
+        "runs: 4/4",
+    ]
+
+
 def test_a_log_shows_life_where_nothing_is_reported(streams):
     with Progress(**streams, period=0.02) as progress:
         progress.stage("compiling")

@@ -6,6 +6,8 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import pytest
 
@@ -115,6 +117,39 @@ def test_a_case_under_way_at_a_kill_is_resumed(copy):
 def test_what_takes_too_long_counts_as_failed(copy):
     assert _runner(copy, "import time; time.sleep(60)", timeout=0.5).run() == 0
     assert ending_of(copy, "c000")["code"] is None  # pyright: ignore[reportOptionalSubscript]
+
+
+def test_a_case_dies_with_its_worker_on_a_cluster(copy, root):
+    # What is left of a case would keep the next worker out of its folder.
+    if sys.platform != "linux":
+        pytest.skip("only Linux ends a process with its parent")
+    worker = "import sys; from pathlib import Path; from experiments.concealed.runner import explain_case as e; e({})"
+    case = f"import os; open({str(copy / 'pid')!r}, 'w').write(str(os.getpid())); import time; time.sleep(60)"
+    call = f"Path({str(copy)!r}), 'c000', 60.0, (sys.executable, '-c', {case!r})"
+    with subprocess.Popen([sys.executable, "-c", worker.format(call)], cwd=root) as process:
+        while not (copy / "pid").exists() or not (copy / "pid").read_text():
+            assert process.poll() is None
+            time.sleep(0.02)
+        process.kill()
+    pid, end = int((copy / "pid").read_text()), time.monotonic() + 10
+    while _lives(pid) and time.monotonic() < end:
+        time.sleep(0.02)
+    assert not _lives(pid) and ending_of(copy, "c000") is None
+
+
+def _lives(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.slow
+def test_a_cluster_explains_the_same_cases(copy):
+    pytest.importorskip("ray", reason="Ray is not installed: pip install 'estexp_jax[cluster]'")
+    command = (sys.executable, "-c", EXPLAIN.format(end="sys.exit(0 if 'c001' not in str(out) else 1)"))
+    assert Runner(copy, 1, 30.0, command, ray="local").run() == 0
+    assert [ending_of(copy, f"c00{i}")["code"] for i in range(2)] == [0, 1]  # pyright: ignore[reportOptionalSubscript]
 
 
 def _runner(out, end, timeout=30.0):

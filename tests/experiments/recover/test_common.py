@@ -7,6 +7,7 @@ import pytest
 
 from estexp_jax.physics.changes import Change
 from experiments.common.case import FIRST_SEED, Case, seeds
+from experiments.common.options import Options
 from experiments.common.runs import finished, run_all, state_of
 from experiments.common.scoring import amount_error, same_set
 from experiments.common.statistics import holm, share, signed_rank
@@ -48,10 +49,12 @@ def test_statistics() -> None:
 @pytest.mark.slow
 def test_runs_are_resumed_and_not_repeated(tmp_path: Path) -> None:
     case = Case(3, FIRST_SEED, "quick", "set")
-    run_all([case], tmp_path, 1)
+    options = Options("quick", 1, None, None, tmp_path / "table", tmp_path, publish=False)
+    options.out.mkdir()
+    run_all([case], options)
     assert finished(case, tmp_path) and state_of(case, tmp_path).phase == "done"
     before = (tmp_path / case.name / "run.json").stat().st_mtime_ns
-    run_all([case], tmp_path, 1)
+    run_all([case], options)
     assert (tmp_path / case.name / "run.json").stat().st_mtime_ns == before
     line = row(case, tmp_path)
     assert line["right_4"] in (True, False) and line["situation"] == 3
