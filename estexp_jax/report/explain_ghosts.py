@@ -72,7 +72,7 @@ def postures(
     case = diagnosis.case
     recording = next(r for r in case.recordings if r.name == prediction.recording)
     whole = recording.qpos[np.searchsorted(recording.time, prediction.time[moments])]
-    known = np.isfinite(whole).all(axis=1)[:, None]
+    known = np.isfinite(whole).all(axis=1, keepdims=True)
     base = np.where(known, whole, case.robot.home())
     qpos = np.repeat(base[:, None], 3, axis=1)
     for address, channel in angles.items():

@@ -109,7 +109,7 @@ def _drawn(job: dict[str, np.ndarray], backend: str) -> np.ndarray | str:
         environment["MUJOCO_GL"] = backend
     with tempfile.TemporaryDirectory() as folder:
         given, made = Path(folder) / "job.npz", Path(folder) / "pictures.npy"
-        np.savez(given, **job)
+        np.savez(given, allow_pickle=False, **job)
         command = [sys.executable, "-P", str(_CHILD), str(given), str(made)]
         try:
             done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=_LONGEST_S)

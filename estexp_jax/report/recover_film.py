@@ -12,7 +12,7 @@ from estexp_jax.physics.changes import Change
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.cycle import Job
 from estexp_jax.recovery.state import RunState
-from estexp_jax.recovery.target import Filmed, SameTarget
+from estexp_jax.recovery.target import Filmed, SameTarget, Target
 from estexp_jax.recovery.trial import Trial, distances
 from estexp_jax.report.film import can_film, captioned, film, source, strip
 from estexp_jax.report.gl import Shot, render
@@ -83,7 +83,9 @@ def walks_of(job: Job, state: RunState) -> list[Walked]:
     """Before, damaged and recovered, as far as there are such walks and their targets show how they went."""
     if state.before is None or not state.trials:
         return []
-    told = [("before the damage", job.healthy, 0, state.before, ())]
+    told: list[tuple[str, Target | None, int, Trial, tuple[Change, ...]]] = [
+        ("before the damage", job.healthy, 0, state.before, ())
+    ]
     told.append(("damaged", job.target, 0, state.trials[0], job.planted))
     if state.trials[1:]:
         last = len(state.trials) - 1
@@ -97,11 +99,11 @@ def _dear(job: Job) -> bool:
     return isinstance(job.target, SameTarget) and job.simulator.walker.choice.engine == "mjx"
 
 
-def _motions(job: Job, walks: Sequence[Walked], rows: list[int]) -> Sequence[np.ndarray]:
+def _motions(job: Job, walks: Sequence[Walked], rows: list[int]) -> list[np.ndarray]:
     """Configurations (rows, nq) of each walk."""
     planted = [walk.target.planted for walk in walks if isinstance(walk.target, SameTarget)]
     if len(planted) == len(walks):  # all in one batch
-        return job.simulator.motions(planted, np.stack([walk.weights for walk in walks]), rows)
+        return list(job.simulator.motions(planted, np.stack([walk.weights for walk in walks]), rows))
     length = len(walks[0].trial.time)
     return [walk.target.motion(job.simulator.controller(walk.weights, length), rows) for walk in walks]
 

@@ -3,6 +3,7 @@
 import io
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -101,7 +102,7 @@ def test_strips_and_films_hold_what_they_were_given() -> None:
 @pytest.fixture(scope="module")
 def recovered():
     """A short run, ended, with a leg lost."""
-    few = {"population": 8, "generations": 1, "steps": 30, "settle_steps": 10, "passes": 1, "seed": 1}
+    few: dict[str, Any] = {"population": 8, "generations": 1, "steps": 30, "settle_steps": 10, "passes": 1, "seed": 1}
     quadruped = robot("quadruped")
     job = job_of(quadruped, Settings(situation=None, damage=("part_lost@lower_f",), **few))
     weights = np.random.default_rng(0).uniform(-1, 1, (2, job.simulator.n_weights)).astype(np.float32)

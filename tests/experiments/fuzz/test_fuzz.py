@@ -21,7 +21,9 @@ def test_bad_input_is_refused_with_one_message(kind, tmp_path):
     if kind == "mcap":
         pytest.importorskip("mcap", reason="MCAP needs the extra `mcap`: pip install 'estexp_jax[mcap]'")
     make, found = trial.makers(tmp_path)[kind], []
-    settled = settings(max_examples=SOME, database=None, suppress_health_check=list(HealthCheck), derandomize=True)
+    settled = settings(
+        max_examples=SOME, database=None, suppress_health_check=list(HealthCheck.__members__.values()), derandomize=True
+    )
 
     @settled
     @given(st.randoms(use_true_random=False))
