@@ -149,8 +149,9 @@ def _caught() -> Any:
             os.dup2(target.fileno(), number)
             stack.callback(os.close, kept)
             stack.callback(os.dup2, kept, number)
-        stack.enter_context(patch.object(sys, "stdout", open(os.devnull, "w")))  # noqa: SIM115
-        stack.enter_context(patch.object(sys, "stderr", os.fdopen(os.dup(2), "w", errors="replace")))
+        stack.enter_context(patch.object(sys, "stdout", stack.enter_context(open(os.devnull, "w"))))
+        copy = stack.enter_context(os.fdopen(os.dup(2), "w", errors="replace"))
+        stack.enter_context(patch.object(sys, "stderr", copy))
 
         def told() -> str:
             return content
