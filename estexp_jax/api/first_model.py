@@ -11,6 +11,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.description import elements
 from estexp_jax.physics.portable import ASSETS, portable
 from estexp_jax.physics.robot import Robot
+from estexp_jax.runs import write_text
 
 _SWAY = {mujoco.mjtJoint.mjJNT_HINGE: 0.1, mujoco.mjtJoint.mjJNT_SLIDE: 0.01}
 """The error, rad or m, at which a guessed servo gives all its force."""
@@ -82,7 +83,7 @@ def write_first_model(robot: Robot, folder: Path) -> Path:
                 shutil.copyfile(source, target)
             elif target.read_bytes() != source.read_bytes():
                 raise InputError("is another file", where=str(target), right="give another folder with --out")
-        path.write_text(_HEAD.format(name=Path(robot.source).name.replace("--", "- -")) + text, encoding="utf-8")
+        write_text(path, _HEAD.format(name=Path(robot.source).name.replace("--", "- -")) + text)
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", where=str(path)) from None
     return path
