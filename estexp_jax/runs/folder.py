@@ -163,9 +163,9 @@ def _elsewhere(path: Path) -> str:
 
 
 def _inside(name: str) -> bool:
-    """Whether a name is a place below the folder: relative, and never up."""
+    """Whether a name is a place below the folder: relative, never up, and one that a file can have."""
     parts = PurePosixPath(name).parts
-    return bool(parts) and not PurePosixPath(name).is_absolute() and ".." not in parts
+    return bool(parts) and not PurePosixPath(name).is_absolute() and ".." not in parts and "\0" not in name
 
 
 def _remove_written(path: Path, written: list[str]) -> None:

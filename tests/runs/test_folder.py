@@ -77,7 +77,8 @@ def test_a_foreign_folder_is_never_touched(tmp_path, flags):
 @pytest.mark.parametrize(
     "text",
     ["", "{", "[]", '{"format": "estexp.run/1", "marker": {}, "written": ["../outside"]}', '{"written": ["a"]}']
-    + ['{"format": "estexp.run/1", "marker": {}, "written": ["/a"]}', '{"format": "estexp.run/1", "marker": {}}'],
+    + ['{"format": "estexp.run/1", "marker": {}, "written": ["/a"]}', '{"format": "estexp.run/1", "marker": {}}']
+    + [r'{"format": "estexp.run/1", "marker": {}, "written": ["a\u0000b"]}'],
 )
 def test_a_marker_that_is_not_ours_protects_the_folder(tmp_path, text):
     (tmp_path / "outside").write_text("mine")
