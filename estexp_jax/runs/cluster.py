@@ -127,7 +127,7 @@ def _imported(address: str) -> Any:
     if address == LOCAL and not any(name.startswith("RAY_AUTH_") for name in os.environ):
         # Only what we start may give it work; left to itself, Ray would keep a token in the home folder.
         os.environ |= {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
-    import ray
+    import ray  # pyright: ignore[reportMissingImports]
 
     return ray
 

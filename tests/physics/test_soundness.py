@@ -44,3 +44,13 @@ def test_sound_ones_pass_and_warnings_are_heard_again():
         assert mujoco.get_mju_user_warning() is not None and "hello" in heard[-1]
     finally:
         mujoco.set_mju_user_warning(None)
+
+
+def test_a_warning_while_a_model_is_read_is_not_heard(tmp_path, recwarn):
+    twice = '<mujoco><worldbody><body><joint/><joint/><geom size="0.1"/></body></worldbody></mujoco>'
+    with pytest.warns(UserWarning, match="singular"):
+        mujoco.MjSpec.from_string(twice).compile()
+    (tmp_path / "twice.xml").write_text(twice)
+    recwarn.clear()
+    assert Robot.from_xml(tmp_path / "twice.xml").model.njnt == 2
+    assert not recwarn.list
