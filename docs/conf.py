@@ -27,6 +27,7 @@ autodoc_default_options = {"members": True, "show-inheritance": True}
 napoleon_google_docstring, napoleon_numpy_docstring = True, False
 napoleon_use_ivar = True  # attributes are told with the class, once
 nitpicky = False
+suppress_warnings = ["ref.python"]  # annotations name classes without their modules, and two are called Simulator
 
 
 def _plain(app, what, name, obj, options, lines):

@@ -12,7 +12,7 @@ from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.servo_damping import servo_damping, servos
 from estexp_jax.physics.robot import Robot
 
-_ENOUGH = 0.7
+_ENOUGH = 0.6
 """Share of the excess error on held-out windows that an explanation must remove to be called one."""
 QUIET = 2.5
 """Deviations up to which an error that nothing explains is put down to noise that lasts longer than thought."""
