@@ -22,6 +22,7 @@ from estexp_jax.recordings.excitation import missing
 from estexp_jax.recordings.inspect import judge
 from estexp_jax.recordings.read import read_table
 from estexp_jax.recordings.table import Selection
+from experiments.fuzz.folders import TOML
 from tests.recordings.forms import FORMS, write_form, write_lerobot
 
 ARM = """
@@ -294,18 +295,6 @@ def test_lerobot_data_sets(arm, tmp_path, examples):
     _assert_many(tally, examples)
 
 
-TOML = """model = "arm.xml"
-[columns]
-time = { column = "time", unit = "s" }
-"ctrl.servo" = { column = "goal", scale = 1.0, offset = 0.0 }
-"sensor.angle" = "position"
-[[recording]]
-file = "log.csv"
-role = "train"
-[recording.set]
-"actuator.servo.kp" = 2.0
-"body.body_1.mass" = 1.0
-"""
 HOSTILE = st.sampled_from(
     [
         "../../../../etc/passwd",
