@@ -35,6 +35,13 @@ def drafts_of(path: Path) -> list[Path]:
     return [item for item in path.parent.iterdir() if is_draft(item.name, path.name)]
 
 
+def remove_drafts(folder: Path) -> None:
+    """Remove what kills in the middle of a write have left of a folder's files; nobody may be writing there."""
+    for draft in folder.glob(f".*{_DRAFT}"):
+        with suppress(OSError):
+            draft.unlink()
+
+
 def is_draft(name: str, of: str) -> bool:
     """Whether a file's name is that of a draft of another's."""
     return name.startswith(f".{of}.") and name.endswith(_DRAFT)

@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, final
 
 from estexp_jax.errors import InputError
-from estexp_jax.runs.files import write_json
+from estexp_jax.runs.files import drafts_of, write_json
 from estexp_jax.runs.progress import Progress, duration
 from estexp_jax.runs.workers import Call, Crew
 
@@ -40,6 +40,8 @@ class Beat:
     def __enter__(self) -> Beat:
         with suppress(OSError):
             self._path.parent.mkdir(parents=True, exist_ok=True)
+            for draft in drafts_of(self._path):  # by a worker that was killed
+                draft.unlink(missing_ok=True)
         return self
 
     def __exit__(

@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from estexp_jax.recovery.cycle import run
 from estexp_jax.recovery.state import RunState
 from estexp_jax.report.recover_files import record
 from estexp_jax.runs import load_checkpoint, open_run, save_checkpoint, versions, write_json
+from estexp_jax.runs.files import remove_drafts
 from estexp_jax.runs.fleet import Beat, do
 from estexp_jax.runs.lock import hold
 from experiments.common.case import Case
@@ -41,7 +43,7 @@ def run_all(cases: Sequence[Case], options: Options) -> None:
     store = options.store
     todo = [case for case in cases if not finished(case, store)]
     first = {(case.seed, case.size, case.robot): case for case in todo}
-    with hold(options.out), options.crew() as crew:
+    with _alone(options), options.crew() as crew:
         do("first walks", [(_first, (case, store)) for case in first.values()], crew, _beats(store))
         do("runs", [(_one, (case, store)) for case in todo], crew, _beats(store))
 
@@ -52,8 +54,16 @@ def each(title: str, calls: Sequence[tuple[Any, ...]], options: Options) -> list
     Returns:
         What they gave, in the order of the calls.
     """
-    with hold(options.out), options.crew() as crew:
+    with _alone(options), options.crew() as crew:
         return do(title, [(function, tuple(rest)) for function, *rest in calls], crew, _beats(options.store))
+
+
+@contextmanager
+def _alone(options: Options) -> Iterator[None]:
+    """Nobody else is at work on the experiment, so what a killed one left half-written can go."""
+    with hold(options.out):
+        remove_drafts(options.out)
+        yield
 
 
 def finished(case: Case, store: Path) -> bool:

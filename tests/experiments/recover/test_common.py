@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from estexp_jax.physics.changes import Change
+from estexp_jax.runs.fleet import Beat
 from experiments.common.case import FIRST_SEED, Case, seeds
 from experiments.common.options import Options
 from experiments.common.runs import finished, run_all, state_of
@@ -44,6 +45,20 @@ def test_statistics() -> None:
     assert signed_rank([1.0, 1.0], [1.0, 1.0]) == 1.0
     low, high = share(9, 10)
     assert 0.6 < low < 0.9 < high < 1.0
+
+
+def test_what_kills_left_half_written_goes_and_nothing_else(tmp_path: Path) -> None:
+    options = Options("quick", 1, None, None, tmp_path / "table", tmp_path, publish=False)
+    options.out.mkdir()
+    (tmp_path / "under_way").mkdir()
+    left = [options.out / ".runs.csv.elsewhere-7.part", tmp_path / "under_way" / ".run.json.elsewhere-7.part"]
+    kept = [options.out / "runs.csv", options.out / "mine.part", tmp_path / "under_way" / ".other.json.elsewhere-8.part"]
+    for file in (*left, *kept):
+        file.write_text("half")
+    run_all([], options)
+    with Beat(tmp_path / "under_way", "run"):
+        pass
+    assert not any(file.exists() for file in left) and all(file.exists() for file in kept)
 
 
 @pytest.mark.slow
