@@ -8,13 +8,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from estexp_jax.api.effects import register
     from estexp_jax.api.explain import explain
     from estexp_jax.api.propose import propose
     from estexp_jax.api.recover import recover, rollout
     from estexp_jax.api.simulator import load_explained
     from estexp_jax.physics.robot import Robot
 
-__all__ = ["Robot", "explain", "load_explained", "propose", "recover", "rollout"]
+__all__ = ["Robot", "explain", "load_explained", "propose", "recover", "register", "rollout"]
 
 _DOORS = {
     "Robot": "estexp_jax.physics.robot",
@@ -22,6 +23,7 @@ _DOORS = {
     "load_explained": "estexp_jax.api.simulator",
     "propose": "estexp_jax.api.propose",
     "recover": "estexp_jax.api.recover",
+    "register": "estexp_jax.api.effects",
     "rollout": "estexp_jax.api.recover",
 }
 

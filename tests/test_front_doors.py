@@ -28,8 +28,8 @@ def test_importing_costs_nothing():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_both_jobs_have_a_notebook():
-    assert [path.stem for path in NOTEBOOKS] == ["explain", "recover"]
+def test_there_are_notebooks_of_both_jobs_and_of_an_own_effect():
+    assert [path.stem for path in NOTEBOOKS] == ["explain", "own_effect", "recover"]
 
 
 @pytest.mark.filterwarnings("ignore")  # of Jupyter's own parts
@@ -39,3 +39,6 @@ def test_a_notebook_runs_and_shows_pictures(path, tmp_path):
     NotebookClient(book, timeout=900, resources={"metadata": {"path": str(tmp_path)}}).execute()
     kinds = [kind for cell in book.cells for output in cell.get("outputs", ()) for kind in output.get("data", {})]
     assert sum(kind.startswith("image/") for kind in kinds) >= 2
+    if path.stem == "own_effect":
+        [last] = book.cells[-1]["outputs"]
+        assert "a brake at shaft resists most" in last["text"]

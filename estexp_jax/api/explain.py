@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any, final
 
 from estexp_jax.api.inputs import Inputs, read_inputs
-from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, explaining
 from estexp_jax.discovery.explain import explain as _explain
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.recordings.roles import assign_roles
@@ -113,7 +113,7 @@ def explain(
         map: `ours=theirs` for logs with other column names.
         window: length of the windows compared, s; infinite for whole recordings.
         most: largest number of effects in an explanation.
-        effects: names of the effects to consider; None: all that it can.
+        effects: names of the effects to consider; None: all that it can, and those that were registered.
         seed: of the resampling behind probabilities and intervals.
         engine: auto, lanes or mjx.
         progress: called with each step of the work.
@@ -148,12 +148,11 @@ def config_of(
         raise InputError(f"there is no engine '{engine}'", where="--engine", right=known(ENGINES))
     if most < 1:
         raise InputError(f"{most} effects explain nothing", where="--most", right="1 or more")
-    chosen = ExplainConfig.effects if effects is None else tuple(effects)
+    every = explaining()
+    chosen = every if effects is None else tuple(effects)
     for name in chosen:
-        if name not in ExplainConfig.effects:
-            raise InputError(
-                f"'{name}' is not an effect to explain with", where="--effects", right=known(ExplainConfig.effects)
-            )
+        if name not in every:
+            raise InputError(f"'{name}' is not an effect to explain with", where="--effects", right=known(every))
     return ExplainConfig(window=window, most=most, effects=chosen, seed=seed, engine=engine)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
@@ -11,7 +11,7 @@ from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import ALL
+from estexp_jax.physics.registry import ALL, own
 from estexp_jax.physics.robot import Robot
 
 
@@ -38,7 +38,12 @@ class Case:
 _ELSEWHERE = ("neuron_fault",)
 """There is no network behind a recording's commands."""
 EXPLAINING = tuple(e.name for e in ALL if e.name not in _ELSEWHERE)
-"""The effects that recordings are explained by."""
+"""The effects that recordings are explained by, beside those of the user's own."""
+
+
+def explaining() -> tuple[str, ...]:
+    """Names of the effects that recordings are explained by."""
+    return (*EXPLAINING, *(e.name for e in own()))
 
 
 @final
@@ -56,7 +61,7 @@ class ExplainConfig:
 
     window: float = 2.0
     most: int = 3
-    effects: tuple[str, ...] = EXPLAINING
+    effects: tuple[str, ...] = field(default_factory=explaining)
     seed: int = 0
     engine: str = "auto"
 

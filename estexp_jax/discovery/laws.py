@@ -30,7 +30,7 @@ from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import ALL, LAWS, VARIANTS, effect
+from estexp_jax.physics.registry import effect, every
 from estexp_jax.physics.robot import Robot
 
 _MEMORY = "unknown laws"
@@ -104,7 +104,7 @@ def unknown_law(
     places = tuple(dict.fromkeys((*starts, *plain, *named.chosen.places)))
     kept = _kept(robot, named)
     names = {name for e in kept for name, _ in e.places} | {name for name, _ in places} | set(BENT)
-    simulator = replayer([e.name for e in (*ALL, *VARIANTS, *LAWS) if e.name in names])
+    simulator = replayer([e.name for e in every() if e.name in names])
     problem = _among(unnamed.problem, simulator, places, starts)
     found, there = yield from _told(select(problem, unnamed.parameters, _MOST))
     found = replace(found, tried=(*kept, *found.tried))

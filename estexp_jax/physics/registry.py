@@ -1,4 +1,4 @@
-"""The catalogue: every effect by name, and the paper's six."""
+"""The catalogue: every effect by name, those of the user's own, and the paper's six."""
 
 from __future__ import annotations
 
@@ -151,6 +151,36 @@ LAWS: tuple[JointLaw, ...] = (
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")
 """The six edits of the paper's estimation phase, in the order of its genome."""
 
+_OWN: dict[str, Effect] = {}
+"""Effects that were registered in this process, by their names."""
+
+
+def own() -> Catalogue:
+    """The effects that were registered beside the catalogue."""
+    return tuple(_OWN.values())
+
+
+def every() -> Catalogue:
+    """All effects that have a name, in the order in which terms act."""
+    return (*ALL, *VARIANTS, *LAWS, *own())
+
+
+def add(effect: Effect) -> None:
+    """Put an effect beside the catalogue, in the place of an earlier one of the user's that has its name.
+
+    Raises:
+        InputError: the program has one of that name.
+    """
+    if effect.name in {e.name for e in (*ALL, *VARIANTS, *LAWS)}:
+        raise InputError(f"there is an effect '{effect.name}' already", right="call yours otherwise")
+    _OWN[effect.name] = effect
+
+
+def drop(effect: Effect) -> None:
+    """Take an effect of the user's own away again, if it is there."""
+    for name in [name for name, one in _OWN.items() if one is effect]:
+        del _OWN[name]
+
 
 def effect(name: str) -> Effect:
     """The effect of that name.
@@ -158,10 +188,10 @@ def effect(name: str) -> Effect:
     Raises:
         InputError: there is none; the message lists the catalogue.
     """
-    for candidate in (*ALL, *VARIANTS, *LAWS):
+    for candidate in every():
         if candidate.name == name:
             return candidate
-    raise InputError(f"there is no effect '{name}'", right=known(e.name for e in ALL))
+    raise InputError(f"there is no effect '{name}'", right=known(e.name for e in (*ALL, *own())))
 
 
 def catalogue(names: Iterable[str]) -> Catalogue:

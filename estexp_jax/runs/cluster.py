@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import secrets
 import socket
+import sys
 from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from itertools import islice
@@ -124,8 +125,10 @@ def check_installed() -> None:
 def _imported(address: str) -> Any:
     """Ray, after what it reads from the environment is there."""
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # Ray would report to its makers
-    if address == LOCAL and not any(name.startswith("RAY_AUTH_") for name in os.environ):
-        # Only what we start may give it work; left to itself, Ray would keep a token in the home folder.
+    chosen = "ray" in sys.modules or any(name.startswith("RAY_AUTH_") for name in os.environ)
+    if address == LOCAL and not chosen:
+        # Only what we start may give it work; left to itself, Ray would keep a token in the home folder. Where it is
+        # imported already it has made up its mind: its servers would ask for a token that it does not give.
         os.environ |= {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": secrets.token_hex(32)}
     import ray  # pyright: ignore[reportMissingImports]
 

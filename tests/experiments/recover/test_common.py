@@ -52,7 +52,11 @@ def test_what_kills_left_half_written_goes_and_nothing_else(tmp_path: Path) -> N
     options.out.mkdir()
     (tmp_path / "under_way").mkdir()
     left = [options.out / ".runs.csv.elsewhere-7.part", tmp_path / "under_way" / ".run.json.elsewhere-7.part"]
-    kept = [options.out / "runs.csv", options.out / "mine.part", tmp_path / "under_way" / ".other.json.elsewhere-8.part"]
+    kept = [
+        options.out / "runs.csv",
+        options.out / "mine.part",
+        tmp_path / "under_way" / ".other.json.elsewhere-8.part",
+    ]
     for file in (*left, *kept):
         file.write_text("half")
     run_all([], options)
