@@ -12,7 +12,6 @@ import numpy as np
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.export import explained_spec, explained_xml
 from estexp_jax.errors import InputError
-from estexp_jax.inference.windows import FINER
 from estexp_jax.physics.portable import ASSETS, portable
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.runs import RunFolder, write_json, write_text
@@ -39,13 +38,13 @@ def write_results(
     write_json(folder.file("findings.json"), findings)
     left_out = diagnosis.left_out
     robot = diagnosis.case.robot
-    write_model(folder, "model_explained.xml", explained_xml(robot, diagnosis.mjcf_changes, left_out, FINER))
+    write_model(folder, "model_explained.xml", explained_xml(robot, diagnosis.mjcf_changes, left_out, diagnosis.finer))
     write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
     changes = [change.to_json() for change in diagnosis.changes]
-    effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": FINER, "changes": changes}
+    effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}
     write_json(folder.file("effects.json"), effects)
     if diagnosis.contest is not None:
-        head = {"schema": RIVALS_SCHEMA, "nominal": "nominal.xml", "finer": FINER}
+        head = {"schema": RIVALS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer}
         write_json(folder.file("rivals.json"), {**head, **diagnosis.contest.to_json()})
     for prediction in diagnosis.predictions:
         name = f"predictions/{Path(prediction.recording).stem}.csv"

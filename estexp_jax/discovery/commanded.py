@@ -12,8 +12,6 @@ import numpy as np
 
 from estexp_jax.discovery.problem import Member, Problem
 from estexp_jax.inference.gaps import recommanded
-from estexp_jax.inference.windows import Cut
-from estexp_jax.physics.schedule import CommandHistory
 from estexp_jax.physics.segment import Segment
 
 _BEFORE, _BETWEEN, _AFTER = -1, 0, 1
@@ -53,10 +51,10 @@ def _lost(problem: Problem, s: Segment) -> bool:
 
 def _with_commands(problem: Problem, sides: list[np.ndarray]) -> Problem:
     recordings = tuple(recommanded(r, side) for r, side in zip(problem.recordings, sides, strict=True))
-    histories = [CommandHistory(r.time, r.ctrl) for r in recordings]
 
     def retold(segments: tuple[Segment, ...]) -> tuple[Segment, ...]:
-        return tuple(replace(s, history=histories[s.recording]) for s in segments)
+        return tuple(replace(s, history=s.history.told(recordings[s.recording].ctrl)) for s in segments)
 
-    cut = Cut(*map(retold, problem.replays.cut))
+    cut = problem.replays.cut
+    cut = cut._replace(whole=retold(cut.whole), half=retold(cut.half), fine=retold(cut.fine))
     return replace(problem, recordings=recordings, replays=replace(problem.replays, cut=cut))

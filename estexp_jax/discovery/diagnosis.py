@@ -104,6 +104,7 @@ class Diagnosis:
         mjcf_changes: what `model_explained.xml` holds; refitted without what MJCF cannot say.
         left_out: the claims that MJCF cannot say.
         predictions: one for each recording.
+        finer: part of the model's own step that the explained simulator takes.
         contest: the explanations that remain open; None: not looked at.
     """
 
@@ -115,4 +116,5 @@ class Diagnosis:
     mjcf_changes: tuple[Change, ...]
     left_out: tuple[Change, ...]
     predictions: tuple[Prediction, ...]
+    finer: int
     contest: Contest | None = None

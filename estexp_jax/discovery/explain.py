@@ -32,6 +32,7 @@ from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.possible import possible
 from estexp_jax.discovery.problem import Problem, deviations
 from estexp_jax.discovery.replays import Replays
+from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.searching import fitted, select
 from estexp_jax.discovery.selection import Selection
@@ -144,6 +145,7 @@ def explain(
     bases = [base_of(case, shown, fits[name]) for name in ("parameters_only", "nominal")]
     learned = black_box_errors(case, config, shown, bases)
     yield Progress("test recordings", 0, 1)
+    shown = resolved(case, problem, shown, fits["explained"].member)
     return diagnosis(case, config, Found(problem, shown, selection, fits, learned, bases[0][1]))
 
 

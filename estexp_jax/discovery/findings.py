@@ -92,21 +92,21 @@ def side(changes: Sequence[Change]) -> str | None:
     return effect(changes[0].effect).side if changes else None
 
 
-def alternatives(selection: Selection, shares: np.ndarray, test_error: Callable[[Fit], float]) -> list[dict[str, Any]]:
+def alternatives(
+    selection: Selection, shares: np.ndarray, test_errors: Callable[[Sequence[Fit]], Sequence[float]]
+) -> list[dict[str, Any]]:
     """Other explanations, by probability; at least the next three by held-out error.
 
     Args:
         selection: all explanations.
         shares: probability of (parameters, *tried).
-        test_error: gives the nrmse of a fit on test recordings; asked only for those that are told.
+        test_errors: gives the nrmse of fits on test recordings; asked only for those that are told.
     """
+    told = others(selection, shares, 3)
+    errors = test_errors([explanation.fitted for explanation, _ in told])
     return [
-        {
-            "effects": told_places(explanation),
-            "probability": share,
-            "test_error": test_error(explanation.fitted),
-        }
-        for explanation, share in others(selection, shares, 3)
+        {"effects": told_places(explanation), "probability": share, "test_error": error}
+        for (explanation, share), error in zip(told, errors, strict=True)
     ]
 
 

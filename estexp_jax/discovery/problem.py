@@ -185,7 +185,7 @@ class Problem:
         which = np.concatenate([windows + k * len(self.segments) for k in range(len(starts))])
         [found] = self.replays.readings([member], which, every)
         others = np.moveaxis(found.reshape(len(starts), len(windows), *simulated.shape[1:]), 0, -1)
-        change = (others - simulated[..., None]) / self._deviation(windows, simulated.shape[1])[..., None]
+        change = (others - simulated[..., None]) / self.deviation(windows, simulated.shape[1])[..., None]
         sampled = np.isfinite(self._compared(windows))[..., None]
         effect = np.where(sampled, np.clip(np.nan_to_num(change), -_FAR, _FAR), 0.0)
         basis, kept = directions(self._longest(effect).reshape(len(windows), -1, len(starts)))
@@ -218,7 +218,7 @@ class Problem:
 
     def exact(self) -> Problem:
         """The same comparison at the fine step, without correction: slow, and right for every member."""
-        return self.with_windows(Cut(*3 * [self.replays.cut.fine]), self.replays.began)
+        return self.with_windows(self.replays.cut.exact(), self.replays.began)
 
     @cached_property
     def seen(self) -> Seen:
@@ -255,7 +255,7 @@ class Problem:
         ten times the channel's range.
         """
         recorded = self._compared(windows)
-        deviation = self._deviation(windows, recorded.shape[1])
+        deviation = self.deviation(windows, recorded.shape[1])
         difference = (self.simulated(members, windows) - recorded) / deviation
         sampled = np.isfinite(recorded)
         limit = _BLOWN_UP * self._span(windows)[:, None, :] / deviation
@@ -273,24 +273,21 @@ class Problem:
 
     def error_of(self, simulated: np.ndarray, windows: np.ndarray) -> float:
         """The nrmse of any readings (windows, rows, channels) on windows; infinite if one of them is no number."""
-        shares = self._shares(simulated, windows)
+        shares = self.shares_of(simulated, windows)
         if not np.isfinite(shares[np.isfinite(self.recorded(windows))]).all():
             return float("inf")
         owner = np.array([self.segments[w].recording for w in windows])
         return nrmse([shares[owner == r].reshape(-1, shares.shape[2]) for r in np.unique(owner)])
 
-    def shares(self, member: Member, windows: np.ndarray) -> np.ndarray:
-        """Squared errors over squared ranges (windows, rows, channels) of one hypothesis, NaN without a sample."""
-        return self._shares(self.simulated([member], windows)[0], windows)
-
-    def _shares(self, simulated: np.ndarray, windows: np.ndarray) -> np.ndarray:
+    def shares_of(self, simulated: np.ndarray, windows: np.ndarray) -> np.ndarray:
+        """Squared errors over squared ranges (windows, rows, channels) of any readings, NaN without a sample."""
         return ((simulated - self.recorded(windows)) / self._span(windows)[:, None, :]) ** 2
 
     def _span(self, windows: np.ndarray) -> np.ndarray:
         each = {r: spans(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}}
         return np.nan_to_num(np.array([each[self.segments[w].recording] for w in windows]), nan=1.0)
 
-    def _deviation(self, windows: np.ndarray, rows: int) -> np.ndarray:
+    def deviation(self, windows: np.ndarray, rows: int) -> np.ndarray:
         """What counts as one (windows, rows, channels), or (windows, 1, channels) where rows are alike."""
         noise = np.nan_to_num(self.noise[[self.segments[w].recording for w in windows]], nan=1.0)[:, None, :]
         return noise if self.rough is None else np.hypot(noise, self.rough[windows, :rows])

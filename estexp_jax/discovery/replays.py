@@ -17,7 +17,7 @@ import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis, lanes
 from estexp_jax.inference.channels import Channels
-from estexp_jax.inference.windows import FINER, Cut
+from estexp_jax.inference.windows import Cut
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.segment import Segment
 
@@ -67,7 +67,7 @@ class Replays:
     def steps(self, members: Sequence[Member], windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Readings (members, windows, rows, channels), and what no steps at all would change in them."""
         fine, coarse = (self.readings(members, windows, segments) for segments in (self.cut.fine, self.cut.whole))
-        return coarse, self._limit(coarse, fine, FINER)
+        return coarse, self._limit(coarse, fine, self.cut.parts)
 
     def step_about(self, member: Member, windows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of one member: readings, what no steps at all would change in them, and how far that is in doubt.

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from estexp_jax.discovery.black_box import trained
 from estexp_jax.discovery.c_replay import simulated_with
@@ -16,6 +14,7 @@ from estexp_jax.discovery.export import explained_spec
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.shown import Shown
 from estexp_jax.discovery.uncertainty import gain_interval
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.inference.noise import noise_floor
@@ -67,27 +66,23 @@ def black_box_errors(case: Case, config: ExplainConfig, problem: Problem, bases:
 
 
 def fit_entry(
-    case: Case, config: ExplainConfig, problem: Problem, fits: Mapping[str, Fit], black_box: Mapping[str, float]
+    case: Case, config: ExplainConfig, shown: Shown, names: Sequence[str], black_box: Mapping[str, float]
 ) -> dict[str, Any]:
     """Errors of nominal, rivals and explanation on training and test recordings, and the gain on the test recordings.
-
-    The nominal simulator runs at its own step, the others at the finer one.
 
     Args:
         case: what was explained.
         config: how.
-        problem: the comparison.
-        fits: those of `RIVALS` that there are.
+        shown: the simulators beside the recordings.
+        names: those of `RIVALS` that there are.
         black_box: errors of `black_box_errors`.
     """
+    problem = shown.problem
     windows = {role: problem.windows_of(case.indices(role)) for role in ROLES}
     floors = {role: noise_floor(problem.channels, [case.recordings[i] for i in case.indices(role)]) for role in ROLES}
-    own, exact = replace(problem, step=None), problem.exact()
-    at = {name: own if name == "nominal" else exact for name in fits}
-    errors = {name: {role: at[name].error(f.member, w) for role, w in windows.items()} for name, f in fits.items()}
+    errors = {name: {role: shown.error(name, w) for role, w in windows.items()} for name in names}
     errors["black_box"] = dict(black_box)
-    shares = [at[n].shares(fits[n].member, windows["test"]) for n in ("nominal", "explained")]
-    costs = [np.nanmean(s, axis=(1, 2)) for s in shares]
+    costs = [shown.costs(name, windows["test"]) for name in ("nominal", "explained")]
     low, high = gain_interval(costs[0], costs[1], floors["test"], config.seed)
     value = gain(errors["explained"]["test"], errors["nominal"]["test"], floors["test"])
     return {

@@ -20,6 +20,7 @@ from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, fit_entry
 from estexp_jax.discovery.selection import Selection, probabilities
+from estexp_jax.discovery.shown import Shown, shown_by
 from estexp_jax.discovery.telling_laws import law_advice, law_entries
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
@@ -66,10 +67,11 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     judged, found, step = _judged(case, found)
     final, claimed = found.fits["explained"], found.claimed
     changes, shares = _at_work(final), probabilities(found.selection, config.seed)
+    shown = shown_by(found.shown, {name: f for name, f in found.fits.items() if name in RIVALS})
     body = {
         "schema": "estexp.findings/1",
         "verdict": judged,
-        **_told(case, config, found, judged, step, shares),
+        **_told(case, config, found, shown, judged, step, shares),
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": found.problem.counted[0]},
         "seed": config.seed,
@@ -83,7 +85,8 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         changes=changes,
         mjcf_changes=_at_work(found.fits["sayable"]),
         left_out=tuple(c for c in claimed if not (expressible(c) or expressible(tell.told_change(c)))),
-        predictions=_predictions(case, found.shown, found.fits["nominal"], final),
+        predictions=_predictions(case, shown),
+        finer=found.shown.replays.cut.parts,
         contest=contest_of(found.problem, found.selection, shares, changes),
     )
 
@@ -104,23 +107,32 @@ def _judged(case: Case, found: Found) -> tuple[str, Found, Change | None]:
 
 
 def _told(
-    case: Case, config: ExplainConfig, found: Found, judged: str, step: Change | None, shares: np.ndarray
+    case: Case,
+    config: ExplainConfig,
+    found: Found,
+    shown: Shown,
+    judged: str,
+    step: Change | None,
+    shares: np.ndarray,
 ) -> dict[str, Any]:
     """The entries of the findings that depend on what was found."""
     selection, wrong = found.selection, judged != "consistent"
     timestep = float(case.robot.model.opt.timestep)
     named, what = ((), [step_entry(step)]) if step else _what(case, found, judged, shares)
     places = [] if not wrong else [step_place(selection)] if step else where(case.robot, selection)
-    rivals = {name: f for name, f in found.fits.items() if name in RIVALS}
     began = found.shown.replays.began
-    errors = fit_entry(case, config, found.shown, rivals, found.learned)
+    errors = fit_entry(case, config, shown, list(shown.readings), found.learned)
     test, exact = found.shown.windows_of(case.indices("test")), found.shown.exact()
+
+    def test_errors(fits: Sequence[Fit]) -> list[float]:
+        return [exact.error_of(x, test) for x in exact.simulated([f.member for f in fits], test)] if fits else []
+
     return {
         "side": "numerics" if step else tell.side(named),
         "where": places,
         "when": never(case) if step or not wrong else when(case, found.seen, places, began, config.seed),
         "what": what,
-        "alternatives": tell.alternatives(selection, shares, lambda f: exact.error(f.member, test)),
+        "alternatives": tell.alternatives(selection, shares, test_errors),
         "fit": errors,
         "advice": tell.advice(judged, found.claimed, case.recordings, shares)
         + tell.step_advice(selection, timestep)
@@ -154,15 +166,12 @@ def _at_work(fitted: Fit) -> tuple[Change, ...]:
     return tuple(c for c in fitted.hypothesis.changes(fitted.vector) if (c.effect, c.name or "") in off)
 
 
-def _predictions(case: Case, problem: Problem, nominal: Fit, final: Fit) -> tuple[Prediction, ...]:
-    found = []
+def _predictions(case: Case, shown: Shown) -> tuple[Prediction, ...]:
+    problem, found = shown.problem, []
     for index, recording in enumerate(case.recordings):
         windows = problem.windows_of([index])
-        pair = ((replace(problem, step=None), nominal), (problem.exact(), final))
-        simulated = [comparison.simulated([f.member], windows)[0] for comparison, f in pair]
         rows = [problem.segments[w].rows for w in windows]
         logged = np.isin(problem.recordings[index].time, recording.time)
-        joined = [np.concatenate([s[k, :n] for k, n in enumerate(rows)])[logged] for s in simulated]
         number = np.repeat(np.arange(len(windows)), rows)[logged]
         recorded = problem.channels.recorded(recording)
         prediction = Prediction(
@@ -172,8 +181,8 @@ def _predictions(case: Case, problem: Problem, nominal: Fit, final: Fit) -> tupl
             number,
             problem.channels.names,
             recorded,
-            joined[0],
-            joined[1],
+            shown.joined("nominal", index)[logged],
+            shown.joined("explained", index)[logged],
         )
         found.append(prediction)
     return tuple(found)

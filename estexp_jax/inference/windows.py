@@ -15,13 +15,13 @@ from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, segment
 
 FINER = 4
-"""The finest steps are this part of the model's own."""
+"""The finest steps of fitted windows are this part of the model's own."""
 _STRIDE = 0.4
 """Longest window, s, that is fitted where a floating robot touches the ground."""
 
 
 class Cut(NamedTuple):
-    """The same windows at the model's own step, at half of it and at its part `FINER`.
+    """The same windows at the model's own step, at half of it and at its part `parts`.
 
     The finest stand for the time that a robot does not cut into steps; the others tell how far they can be trusted.
     """
@@ -29,6 +29,21 @@ class Cut(NamedTuple):
     whole: tuple[Segment, ...]
     half: tuple[Segment, ...]
     fine: tuple[Segment, ...]
+    parts: int = FINER
+
+    def finer(self, steps: Sequence[float], parts: int) -> Cut:
+        """The same with other finest steps.
+
+        Args:
+            steps: the model's own step in each recording, s.
+            parts: part of them that is the finest.
+        """
+        fine = tuple(s.stepped(steps[s.recording] / parts) for s in self.whole)
+        return self._replace(fine=fine, parts=parts)
+
+    def exact(self) -> Cut:
+        """All at the finest step."""
+        return Cut(self.fine, self.fine, self.fine, self.parts)
 
 
 def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> list[tuple[int, int]]:
@@ -98,7 +113,11 @@ def segments_of(
 
 
 def cut_of(
-    robots: Sequence[Robot], recordings: Sequence[Recording], length: float, cuts: Mapping[int, float] | None = None
+    robots: Sequence[Robot],
+    recordings: Sequence[Recording],
+    length: float,
+    cuts: Mapping[int, float] | None = None,
 ) -> Cut:
     """`segments_of` at all steps."""
-    return Cut(*(tuple(segments_of(robots, recordings, length, finer, cuts)) for finer in (1, 2, FINER)))
+    whole, half, fine = (tuple(segments_of(robots, recordings, length, finer, cuts)) for finer in (1, 2, FINER))
+    return Cut(whole, half, fine)

@@ -14,6 +14,11 @@ import numpy as np
 _ROUNDING = 1e-6
 """An interval this little (relative) longer than whole steps counts as whole."""
 
+_RESTING = 0.05
+"""Share of its greatest speed below which a robot counts as resting."""
+_SMOOTH = 0.5
+"""Change of the rise of a command from row to row, as a share of the rise, from which on it is not smooth."""
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -62,9 +67,10 @@ class CommandHistory:
     can be found by gradients.
     """
 
-    def __init__(self, time: np.ndarray, ctrl: np.ndarray) -> None:
-        """Commands `ctrl` (rows, nu) in force from `time` (rows,) on."""
-        self._time, self._ctrl = time, ctrl
+    def __init__(self, time: np.ndarray, ctrl: np.ndarray, before: np.ndarray | None = None) -> None:
+        """Commands `ctrl` (rows, nu) in force from `time` (rows,) on, `before` (nu,) until then; None: the first."""
+        self.time, self._ctrl = time, ctrl
+        self._before = ctrl[0] if before is None else before
         steps = np.diff(time)[:, None] * ctrl[:-1]
         self._integral = np.concatenate([np.zeros((1, ctrl.shape[1])), np.cumsum(steps, axis=0)])
 
@@ -73,7 +79,7 @@ class CommandHistory:
     ) -> np.ndarray:
         """Mean command (steps, nu) over [start - shift, start - shift + length].
 
-        Before the first row its command counts, after the last row that one's.
+        After the last row its command counts.
 
         Args:
             start: (steps,) s.
@@ -82,7 +88,8 @@ class CommandHistory:
             source: (nu,) whose command each motor gets; None: its own.
         """
         own = np.arange(self._ctrl.shape[1]) if source is None else source
-        held = self._ctrl[np.clip(np.searchsorted(self._time, start, side="right") - 1, 0, None)][:, own]
+        row = np.searchsorted(self.time, start, side="right") - 1
+        held = np.where(row[:, None] < 0, self._before, self._ctrl[np.clip(row, 0, None)])[:, own]
         late = np.flatnonzero(shift)
         for a in late.tolist():
             begin = start - shift[a]
@@ -90,8 +97,29 @@ class CommandHistory:
             held[:, a] = (self._area(begin + span, own[a]) - self._area(begin, own[a])) / span
         return held
 
+    def told(self, ctrl: np.ndarray) -> CommandHistory:
+        """The same with other commands (rows, nu)."""
+        return CommandHistory(self.time, ctrl, self._before)
+
     def _area(self, when: np.ndarray, actuator: int) -> np.ndarray:
-        first, last = self._time[0], self._time[-1]
-        inside = np.interp(when, self._time, self._integral[:, actuator])
-        before = np.minimum(when - first, 0.0) * self._ctrl[0, actuator]
+        first, last = self.time[0], self.time[-1]
+        inside = np.interp(when, self.time, self._integral[:, actuator])
+        before = np.minimum(when - first, 0.0) * self._before[actuator]
         return inside + before + np.maximum(when - last, 0.0) * self._ctrl[-1, actuator]
+
+
+def command_before(ctrl: np.ndarray, qvel: np.ndarray) -> np.ndarray:
+    """The command (nu,) in force until the first row, which nobody logged.
+
+    A robot that moves at the first row was cut out of a longer motion: where its commands go on smoothly from there
+    they came as smoothly. One at rest had the first row's.
+
+    Args:
+        ctrl: (rows, nu).
+        qvel: (rows, nv) estimated speeds.
+    """
+    moving = np.linalg.norm(qvel[0]) > _RESTING * np.linalg.norm(qvel, axis=1).max()
+    if len(ctrl) < 3 or not moving:
+        return ctrl[0]
+    first, second = ctrl[1] - ctrl[0], ctrl[2] - ctrl[1]
+    return np.where(np.abs(second - first) < _SMOOTH * np.abs(first), ctrl[0] - first, ctrl[0])

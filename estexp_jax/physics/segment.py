@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
 
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.schedule import CommandHistory, Schedule, schedule
+from estexp_jax.physics.schedule import CommandHistory, Schedule, command_before, schedule
 
 _MOMENT = 1e-6
 """So long before a row its command is not yet there, s."""
@@ -99,6 +99,10 @@ class Segment:
         """Number of rows."""
         return self.last - self.first + 1
 
+    def stepped(self, timestep: float) -> Segment:
+        """The same at another step, s."""
+        return replace(self, steps=schedule(self.history.time[self.first : self.last + 1], timestep))
+
     def commands(self, shift: np.ndarray, source: np.ndarray) -> np.ndarray:
         """Commands (1 + steps, nu) of a moment before the first row and of each step, as `CommandHistory.mean`."""
         start = np.concatenate([self.steps.start[:1] - _MOMENT, self.steps.start])
@@ -144,5 +148,6 @@ def segment(
     """The stretch `rows` (first, last) of `recordings[index]`."""
     recording, (first, last) = recordings[index], rows
     steps = schedule(recording.time[first : last + 1], timestep)
-    history = CommandHistory(recording.time, recording.ctrl)
+    before = None if path is None else command_before(recording.ctrl, path.qvel)
+    history = CommandHistory(recording.time, recording.ctrl, before)
     return Segment(index, first, last, steps, history, recording.enable, start, path)

@@ -57,7 +57,8 @@ def test_the_explained_model_loads_and_holds_the_friction(explained):
     model = mujoco.MjModel.from_xml_path(str(explained / "model_explained.xml"))
     found = json.loads((explained / "findings.json").read_text())["what"][0]["parameters"]["T"]["value"]
     assert model.dof_frictionloss[0] == pytest.approx(found, rel=1e-3)
-    assert model.opt.timestep == pytest.approx(0.005 / 4)
+    finer = json.loads((explained / "effects.json").read_text())["finer"]
+    assert finer in (4, 8, 16) and model.opt.timestep == pytest.approx(0.005 / finer)
 
 
 def test_the_simulator_comes_back(explained, recorded):

@@ -66,8 +66,9 @@ def test_the_explained_model_in_the_c_engine_gives_the_explained_predictions(dia
     problem = problem_of(diagnosis.case)
     index = diagnosis.case.indices("test")[0]
     prediction, recording = diagnosis.predictions[index], diagnosis.case.recordings[index]
+    step = model.opt.timestep / diagnosis.finer
     replayed = np.concatenate(
-        [in_c(model, problem.replays.cut.fine[w], recording) for w in problem.windows_of([index])]
+        [in_c(model, problem.segments[w].stepped(step), recording) for w in problem.windows_of([index])]
     )
     assert replayed == pytest.approx(prediction.explained[:, 0], abs=2e-3)
     assert np.abs(prediction.nominal[:, 0] - replayed).max() > 2e-2

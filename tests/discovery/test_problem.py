@@ -41,7 +41,9 @@ def test_residuals_are_differences_in_deviations_of_noise(setting):
 def test_the_error_is_the_root_of_mean_squared_shares(setting):
     case, problem, member = setting
     windows = problem.windows_of([0])
-    assert problem.error(member, windows) == pytest.approx(np.sqrt(np.nanmean(problem.shares(member, windows))))
+    assert problem.error(member, windows) == pytest.approx(
+        np.sqrt(np.nanmean(problem.shares_of(problem.simulated([member], windows)[0], windows)))
+    )
 
 
 def test_a_gap_counts_nothing_and_is_no_longer_compared(setting):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estexp_jax.physics.schedule import CommandHistory, schedule
+from estexp_jax.physics.schedule import CommandHistory, command_before, schedule
 
 UNEVEN = np.cumsum(np.random.default_rng(51).uniform(1e-4, 0.03, 120))
 
@@ -51,6 +51,24 @@ def test_a_late_command_is_the_mean_of_what_was_in_force_then(delay):
     for begin, length, value in list(zip(steps.start, steps.length, found[:, 1], strict=True))[::7]:
         moments = begin - delay + length * (np.arange(4000) + 0.5) / 4000
         assert value == pytest.approx(np.mean([held(UNEVEN, ctrl[:, 1], m) for m in moments]), abs=3e-3)
+
+
+def test_until_the_first_row_the_command_before_counts():
+    ctrl, before = np.array([[1.0], [2.0], [3.0]]), np.array([5.0])
+    history = CommandHistory(np.array([0.0, 0.1, 0.2]), ctrl, before)
+    moment, length = np.array([-0.01, 0.0]), np.array([0.01, 0.1])
+    assert history.mean(moment, length, np.zeros(1)).tolist() == [[5.0], [1.0]]
+    assert history.mean(moment, length, np.array([0.05]))[1] == pytest.approx(3.0)  # half of each
+    assert history.told(ctrl + 1.0).mean(moment, length, np.zeros(1)).tolist() == [[5.0], [2.0]]
+
+
+def test_what_nobody_logged_came_as_smoothly_as_what_follows_if_the_robot_moves():
+    ctrl = np.array([[0.1, 0.0, 1.0], [0.3, 0.0, 1.0], [0.52, 1.0, 1.0], [0.7, 1.0, 1.0]])
+    moving = np.array([[1.0], [1.1], [0.9], [1.0]])
+    assert command_before(ctrl, moving) == pytest.approx([-0.1, 0.0, 1.0])
+    resting = moving * [[0.01], [1.0], [1.0], [1.0]]
+    assert np.array_equal(command_before(ctrl, resting), ctrl[0])
+    assert np.array_equal(command_before(ctrl[:2], moving[:2]), ctrl[0])
 
 
 def test_the_mean_is_continuous_in_the_delay():

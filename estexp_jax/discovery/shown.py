@@ -1,0 +1,61 @@
+"""What simulators say of all windows, replayed once for every figure that is drawn from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.problem import Problem
+
+NOMINAL = "nominal"
+"""It runs at its own step; all others at the finest one."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Simulators beside recordings.
+
+    Attributes:
+        problem: the comparison as the results show it.
+        readings: of each simulator (windows, rows, channels), NaN beyond a window's end.
+    """
+
+    problem: Problem
+    readings: Mapping[str, np.ndarray]
+
+    def of(self, name: str, windows: np.ndarray) -> np.ndarray:
+        """Readings (windows, rows, channels) in some windows, as many rows as the longest of them has."""
+        return self.readings[name][windows, : max(self.problem.segments[w].rows for w in windows)]
+
+    def error(self, name: str, windows: np.ndarray) -> float:
+        """The nrmse on some windows."""
+        return self.problem.error_of(self.of(name, windows), windows)
+
+    def costs(self, name: str, windows: np.ndarray) -> np.ndarray:
+        """Mean squared errors over squared ranges (windows,)."""
+        return np.nanmean(self.problem.shares_of(self.of(name, windows), windows), axis=(1, 2))
+
+    def joined(self, name: str, recording: int) -> np.ndarray:
+        """Readings (rows, channels) of one recording, its windows one after the other."""
+        windows = self.problem.windows_of([recording])
+        parts = zip(self.of(name, windows), windows, strict=True)
+        return np.concatenate([part[: self.problem.segments[w].rows] for part, w in parts])
+
+
+def shown_by(problem: Problem, fits: Mapping[str, Fit]) -> Shown:
+    """Replay fits in all windows.
+
+    Args:
+        problem: the comparison as the results show it.
+        fits: by name; `nominal` is one.
+    """
+    own, exact = replace(problem, step=None), problem.exact()
+    windows, others = np.arange(len(problem.segments)), [name for name in fits if name != NOMINAL]
+    [nominal] = own.simulated([fits[NOMINAL].member], windows)
+    found = exact.simulated([fits[name].member for name in others], windows)
+    return Shown(problem, {NOMINAL: nominal, **dict(zip(others, found, strict=True))})
