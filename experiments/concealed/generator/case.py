@@ -65,8 +65,13 @@ class Recorded:
 
     name: str
     rows: Trace
-    steps: Trace
+    whole: Trace
     onset: float | None = None
+
+    @property
+    def steps(self) -> Trace:
+        """What happened at the nominal steps since the first row; `whole` begins somewhat earlier."""
+        return self.whole.logged()
 
 
 @dataclass(frozen=True)
@@ -252,7 +257,7 @@ def reading(
     robot: str,
 ) -> np.ndarray:
     """A sensor's reading without noise at some times, spoilt by sensor effects."""
-    time, true = recorded.steps.time, true_reading(channel, recorded.steps, layout(robot))
+    time, true = recorded.whole.time, true_reading(channel, recorded.whole, layout(robot))
     for effect, p in zip(effects, planted, strict=True):
         if CATALOGUE[p.effect].kind == "sensor" and p.joint == channel.joint and channel.kind == "position":
             effect.start = -1e9 if recorded.onset is None else recorded.onset

@@ -42,7 +42,7 @@ class Drift(Effect):
     """A reading that walks away: true + rate * t."""
 
     def read(self, time: np.ndarray, true: np.ndarray, at: np.ndarray) -> np.ndarray:
-        return np.interp(at, time, true) + self.rate * np.maximum(at - max(self.start, time[0]), 0.0)
+        return np.interp(at, time, true) + self.rate * np.maximum(at - max(self.start, 0.0), 0.0)
 
 
 class Payload(Effect):

@@ -17,6 +17,8 @@ from experiments.concealed.generator.robots import Layout, Robot, layout
 
 FINER = 10
 """Fine steps in a nominal one."""
+_EARLY = 0.1
+"""So long before the first row it is known what happened, s: sensors that are late show it."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,11 @@ class Trace:
     qpos: np.ndarray
     qvel: np.ndarray
 
+    def logged(self) -> Trace:
+        """Without what was before the first row."""
+        n = int(np.searchsorted(self.time, -1e-9))
+        return Trace(**{name: values[n:] for name, values in vars(self).items()})
+
 
 Controller = Callable[[float, list[float], list[float]], list[float]]
 """Commands from time, positions and speeds."""
@@ -63,13 +70,13 @@ class Plant:
     def run(
         self, controller: Controller, rows: np.ndarray, off: tuple[float, float] | None, warm: float
     ) -> tuple[Trace, Trace]:
-        """Move it; gives what happened at the rows and at the nominal simulator's steps.
+        """Move it; gives what happened at the rows, and at the nominal simulator's steps since shortly before them.
 
         Forces are held over a fine step; they are those of its middle, where position and speed are extrapolated to,
         else the holding would act like a little negative damping and inertia.
 
         Args:
-            controller: asked at every row, and 100 times a second before the first.
+            controller: asked at every row, and as often before the first.
             rows: times of the rows (s, from 0), whole numbers of fine steps.
             off: from when to when all motors are off.
             warm: how long it moves before the first row, s.
@@ -78,7 +85,7 @@ class Plant:
             effect.begin()
         dt, steps = self.step, round((rows[-1] + warm) / self.step)
         due = set(np.round((rows + warm) / dt).astype(int).tolist())
-        warming = round(0.01 / dt)
+        warming = round(float(np.median(np.diff(rows))) / dt)
         first, engine = round(warm / dt), self._engine()
         waiting = sorted((e for e in self.effects), key=lambda e: e.start)
         command, enable = [0.0] * len(self.motors.gain), 1.0
@@ -92,17 +99,17 @@ class Plant:
                 engine.set(*self.restarts.pop(0)[1])
             q, w = engine.state()
             is_row = k in due
-            before, on_step = command, k >= first and (k - first) % FINER == 0
+            before, on_step = command, t >= -_EARLY and (k - first) % FINER == 0
             if is_row or on_step:
                 seen = self._moment(t, 0.0, q, w, command, enable).torque
-            if is_row or (k < first and k % warming == 0):
+            if is_row or (k < first and (k - first) % warming == 0):
                 command = controller(t, q, w)
             if is_row:
                 enable = 0.0 if off and off[0] <= t < off[1] else 1.0
                 rowed.add(t, q, w, seen, command, before, enable, engine.whole())
             if on_step:
                 stepped.add(t, q, w, seen, command, before, enable, engine.whole())
-            elif k > first:
+            elif stepped.rows:
                 stepped.average(command)
             if k < steps:
                 middle = [x + 0.5 * dt * v for x, v in zip(q, w, strict=True)]

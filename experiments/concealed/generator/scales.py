@@ -44,7 +44,7 @@ def scales(name: str) -> Scales:
     moved = motion("gait" if robot.style == "gait" else "sines", 0.6 * np.array(robot.reach), 4.0, rng)
     plant = Plant(robot, model, motors, ())
     rows = clock(4.0, 200.0, 0.0, plant.step, rng)
-    _, trace = plant.run(controller(robot, motors, moved, "feedback", 0.6, rng), rows, None, 0.5)
+    trace = plant.run(controller(robot, motors, moved, "feedback", 0.6, rng), rows, None, 0.5)[1].logged()
     torque = np.zeros_like(trace.q)
     for a, j in enumerate(place.drives):
         torque[:, j] += trace.torque[:, a]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from experiments.concealed.generator.answers import answer
-from experiments.concealed.generator.case import Plan, Planted, build, make
+from experiments.concealed.generator.case import Plan, Planted, build, make, reading
 from experiments.concealed.generator.catalogue import CATALOGUE, RELATIVES, UNKNOWN, places
 from experiments.concealed.generator.effect import Queue, bristle
 from experiments.concealed.generator.equations import by_hand
@@ -21,6 +21,7 @@ from experiments.concealed.generator.motors import Motors
 from experiments.concealed.generator.plans import SHARES, counts, plans
 from experiments.concealed.generator.plant import Plant, clock
 from experiments.concealed.generator.robots import ROBOTS, layout
+from experiments.concealed.generator.sensing import channels
 
 GENERATOR = Path(__file__).parents[3] / "experiments" / "concealed" / "generator"
 
@@ -44,6 +45,20 @@ def test_without_effects_and_errors_a_robot_is_its_nominal_model(robot, hand):
     case = make(Plan("null", robot, (), 5, hand), shorter=0.2, clean=True, refit=False)
     smeared = 1.5 if robot in ("arm6", "scara") else 0.5  # jumps of the command within a coarse nominal step
     assert max(case.visible.nominal.values()) < smeared, "beyond its own step error, in noise floors"
+
+
+def test_a_late_sensor_shows_at_the_first_row_where_the_robot_was_before():
+    case = make(Plan("single", "planar", (Planted("sensor_delay", 0, 0.4),), 8), shorter=0.3, refit=False)
+    [effect], late = case.effects, case.effects[0].delay
+    assert 0.02 < late < 0.03
+    shoulder = channels(ROBOTS["planar"].model, layout("planar"))[0]
+    for recorded in case.recorded:
+        time, steps = recorded.rows.time, recorded.steps
+        shown = reading(shoulder, recorded, time, [effect], case.plan.planted, "planar")
+        ahead = np.interp(time + late, time, shown)[time < 0.2]  # what it shows a delay later is where it was
+        assert np.abs(ahead - recorded.rows.q[time < 0.2, 0]).max() < 1e-3
+        assert shown[0] == pytest.approx(steps.q[0, 0] - late * steps.w[0, 0], abs=0.5 * 60.0 * late**2)
+        assert steps.time[0] == 0.0 and recorded.whole.time[0] == pytest.approx(-0.1, abs=2e-3)
 
 
 @pytest.mark.parametrize("robot", ["planar", "cartpole"])
