@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from experiments.concealed.generator.__main__ import write_set
-from experiments.concealed.generator.case import Plan
 from experiments.concealed.generator.plans import plans
 
 DEVELOPED = ("leg", "planar", "arm6", "cartpole", "quadruped")
@@ -53,20 +52,12 @@ def draw(
         commit: of a sealed set, the commit its seed comes from.
         workers: processes that draw.
     """
-    public = {"seed": seed, "cases": n, "robots": list(robots), "commit": commit}
-    draw_plans(out, plans(seed, n, robots), public, shorter=shorter, workers=workers)
-
-
-def draw_plans(
-    out: Path, planned: Sequence[Plan], public: dict[str, Any], *, shorter: float = 1.0, workers: int = 1
-) -> None:
-    """Write the set of some plans, or what is missing of it; `public` is told beside the commitment."""
     if (out / "commitment.json").is_file():
         return
-    answers = write_set(out, planned, shorter, workers)
+    answers = write_set(out, plans(seed, n, robots), shorter, workers)
     kept = {"salt": secrets.token_hex(16), "answers": answers}
     _write(out / "answers.json", kept)
-    public = public | {"cases": len(planned)}
+    public = {"seed": seed, "cases": len(answers), "robots": list(robots), "commit": commit}
     public |= {"answers_sha256": answers_hash(kept), "recordings_sha256": recordings_hash(out / "cases")}
     _write(out / "commitment.json", public)
     shutil.rmtree(out / "drawn")

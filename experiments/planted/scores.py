@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from experiments.concealed.page import judged
+from estexp_jax.runs import write_text
 from experiments.concealed.scoring.board import share
 from experiments.concealed.scoring.judge import Row
 
@@ -19,15 +17,18 @@ _Measured = tuple[str, str, str]
 """What, how much is wanted, what was found."""
 
 
-def write_scores(out: Path) -> Path:
-    """Score what has been explained of a set; gives the path of the Markdown page beside `scores.json`."""
-    rows, _ = judged(out)
-    table = measured(rows)
-    (out / "scores.json").write_text(json.dumps([asdict(r) for r in rows], indent=1), encoding="utf-8")
-    page = out / "scores.md"
-    lines = [f"{len(rows)} cases explained.", "", "| | wanted | found |", "|---|---|---|"]
+def write_scores(out: Path, rows: Sequence[Row], whole: int) -> Path:
+    """Score what has been explained of a set; gives the path of the Markdown page.
+
+    Args:
+        out: folder of the page.
+        rows: cases that have been explained.
+        whole: cases of the set.
+    """
+    page, table = out / "scores.md", measured(rows)
+    lines = [f"{len(rows)} of {whole} cases explained.", "", "| | wanted | found |", "|---|---|---|"]
     lines += [f"| {what} | {wanted} | {found} |" for what, wanted, found in table]
-    page.write_text("\n".join([*lines, "", *_missed(rows)]), encoding="utf-8")
+    write_text(page, "\n".join([*lines, "", *_missed(rows)]))
     return page
 
 

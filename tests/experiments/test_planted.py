@@ -1,15 +1,19 @@
 """The planted set holds what it says, and its scores count what they say."""
 
+import json
+import sys
 from collections import Counter
 
 import pytest
 
+from estexp_jax.errors import InputError
 from experiments.concealed.generator.case import make
 from experiments.concealed.generator.catalogue import SINGLE, places
 from experiments.concealed.scoring.judge import Row, Size
+from experiments.planted import cases
 from experiments.planted import run as front
 from experiments.planted.planned import PARTS, planned
-from experiments.planted.scores import measured
+from experiments.planted.scores import measured, write_scores
 
 
 def test_every_effect_is_planted_five_times_wherever_it_fits() -> None:
@@ -58,6 +62,60 @@ def test_scores_count_what_they_say() -> None:
     assert told["quadruped: right place first"].startswith("0 of 1 ")
 
 
-def test_a_folder_with_results_is_not_written_over(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert front.main(["--out", str(tmp_path)]) == 2
-    assert "--resume" in capsys.readouterr().err
+def test_a_folder_with_results_is_not_written_over(tmp_path) -> None:
+    (tmp_path / "mine").touch()
+    with pytest.raises(InputError, match="--resume"):
+        front.main(["--out", str(tmp_path)])
+
+
+def test_a_part_keeps_the_ids_of_the_whole() -> None:
+    whole, two = cases.numbered(9, "all"), cases.numbered(9, "two")
+    assert len(two) == 20 and all(whole[case] == plan for case, plan in two.items())
+
+
+ANSWER = {
+    "effects": [],
+    "group": "null",
+    "robot": "leg",
+    "visibility": {"shown": 0.0},
+    "equivalents": [],
+}
+EXPLAIN = """
+import json, pathlib, sys
+manifest, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[3])
+assert manifest.parent.is_dir()
+out.mkdir()
+(out / "findings.json").write_text(json.dumps(FINDINGS))
+sys.exit(2 if manifest.parent.name == "c001" else 0)
+"""
+FINDINGS = {
+    "verdict": "parameters",
+    "what": [],
+    "where": [],
+    "fit": {
+        **{name: {"train": 0.1, "test": 0.1} for name in ("nominal", "parameters_only", "explained", "noise_floor")},
+        "placebo": {},
+        "gain": {"value": 0.5},
+    },
+    "cost": {"robot_steps": 7},
+}
+
+
+def test_a_case_becomes_a_row_and_what_is_published_is_not_done_again(tmp_path, monkeypatch) -> None:
+    command = (sys.executable, "-c", EXPLAIN.replace("FINDINGS", repr(FINDINGS)))
+    plan = planned(4, "nothing")[0]
+    for case in ("c000", "c001"):
+        (tmp_path / "cases" / case).mkdir(parents=True)
+        (tmp_path / "drawn").mkdir(exist_ok=True)
+        (tmp_path / "drawn" / f"{case}.json").write_text(json.dumps(ANSWER))
+        cases.explained(tmp_path, case, plan, 60.0, command)
+    assert [p.name for p in (tmp_path / "cases").iterdir()] == ["c001"]  # a failure can be looked at
+    entries = cases.entries_of(tmp_path, 4)
+    rows = [cases.row_of(entry) for entry in entries.values()]
+    assert [r.verdict for r in rows] == ["parameters", "none"] and rows[0].robot_steps == 7
+    monkeypatch.setattr(cases, "PUBLISHED", tmp_path / "rows.json")
+    cases.publish(entries, 4)
+    elsewhere = cases.entries_of(tmp_path / "elsewhere", 4)
+    assert elsewhere == entries and cases.entries_of(tmp_path / "elsewhere", 5) == {}
+    page = write_scores(tmp_path, rows, 490).read_text()
+    assert page.startswith("2 of 490 cases") and "0 of 2" in page

@@ -55,17 +55,23 @@ def _kept(out: Path, name: str) -> Path:
     return out / "drawn" / f"{name}.json"
 
 
-def _write(asked: tuple[Path, str, Plan, float]) -> str:
-    """Make one case and write it; the answer, written last, says that it is there."""
-    out, name, plan, shorter = asked
-    with patient():
-        case = realised(plan, shorter)
-    write_case(case, out / "cases" / name)
+def write_one(out: Path, name: str, plan: Plan, shorter: float = 1.0) -> dict:
+    """Write `out/cases/<name>/` and give the answer, which is written last and says that the case is there."""
     kept = _kept(out, name)
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    part = kept.with_suffix(".part")
-    part.write_text(json.dumps(answer(case)), encoding="utf-8")
-    part.replace(kept)
+    if not kept.is_file():
+        with patient():
+            case = realised(plan, shorter)
+        write_case(case, out / "cases" / name)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        part = kept.with_suffix(".part")
+        part.write_text(json.dumps(answer(case)), encoding="utf-8")
+        part.replace(kept)
+    return json.loads(kept.read_text(encoding="utf-8"))
+
+
+def _write(asked: tuple[Path, str, Plan, float]) -> str:
+    out, name, plan, shorter = asked
+    write_one(out, name, plan, shorter)
     return name
 
 
