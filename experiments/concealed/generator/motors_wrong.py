@@ -36,7 +36,8 @@ class Fade(Effect):
 
     def motor(self, m: Moment) -> None:
         share = m.torque[self.at] / self.reference
-        self.heat += m.dt / self.tau * (share * share - self.heat)
+        if m.t >= 0.0:  # cold where the log begins
+            self.heat += m.dt / self.tau * (share * share - self.heat)
         m.torque[self.at] *= 1.0 - self.loss * min(self.heat, 1.0)
 
 
@@ -61,7 +62,7 @@ class Lag(Effect):
         for a in self.sites():
             x = self.state.get(a, m.command[a])
             self.state[a] = m.command[a] + (x - m.command[a]) * exp(-m.dt / self.tau)
-            m.command[a] = self.state[a]
+            m.command[a] = 0.5 * (x + self.state[a])  # held over the step
 
 
 class SecondLag(Effect):
@@ -76,7 +77,7 @@ class SecondLag(Effect):
         keep = exp(-m.dt / self.tau)
         first = u + (states[0] - u) * keep
         self.states = [first, first + (states[1] - first) * keep]
-        m.command[self.at] = self.states[1]
+        m.command[self.at] = 0.5 * (states[1] + self.states[1])
 
 
 class DeadBand(Effect):

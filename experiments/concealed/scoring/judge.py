@@ -113,6 +113,8 @@ def judge(case: str, answer: Mapping[str, Any], findings: Mapping[str, Any] | No
         ]
         exact = [[_matches(c, e, answer, set()) for e in effects] for c in claims]
         what |= _names(exact, right, effects, verdict) | _places(findings["where"], effects, answer)
+        if what["name_equivalent"] and not what["name_first"]:  # what says the same may sit elsewhere
+            what |= {"place_first": True, "place_three": True}
         what["detected"] = alarm or any(any(r) for r in right)
         what["sizes"] = tuple(
             s

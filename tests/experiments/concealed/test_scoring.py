@@ -83,7 +83,7 @@ def test_a_name_that_says_the_same_counts_apart():
     claim = ("viscous_friction", "joint", "knee", {})
     told = answer(("back_emf", "actuator", "knee_servo", {}), equivalents=[["viscous_friction"]])
     row = judge("c0", told, findings("missing_physics", claim))
-    assert not row.name_first and row.name_equivalent and not row.wrong_name
+    assert not row.name_first and row.name_equivalent and not row.wrong_name and row.place_first
 
 
 def test_all_motors_and_the_environment_have_no_joint():
