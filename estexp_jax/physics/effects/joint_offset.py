@@ -32,7 +32,7 @@ class JointOffset(Edit):
         return ((-most, most),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"the zero of the joint {site} lies {values['offset']:+.3g} rad from where the model has it"
+        return f"the joint {site} shows {values['offset']:+.3g} rad where the model has it at zero"
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         places = robot.model.jnt_qposadr[np.array(robot.scalar_joints, dtype=int)]

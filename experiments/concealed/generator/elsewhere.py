@@ -64,13 +64,13 @@ class ComShift(Effect):
 
 
 class ZeroOffset(Effect):
-    """The body is mounted at another angle than the model says."""
+    """The body is mounted at another angle than the model says: where the model has zero, the joint shows `offset`."""
 
     def edit(self, model: mujoco.MjModel) -> None:
         b = model.body(self.layout.body[self.at]).id
         axis = model.jnt_axis[model.joint(self.layout.joints[self.at]).id]
         turn, result = np.zeros(4), np.zeros(4)
-        mujoco.mju_axisAngle2Quat(turn, axis, self.offset)
+        mujoco.mju_axisAngle2Quat(turn, axis, -self.offset)
         mujoco.mju_mulQuat(result, model.body_quat[b], turn)
         model.body_quat[b] = result
 
