@@ -71,8 +71,13 @@ class Explanation:
 
         return Picture(figure_ranking(self.diagnosis))
 
-    def write(self, out: str | Path, *, force: bool = False) -> Path:
+    def write(self, out: str | Path, *, force: bool = False, pictures: bool = True) -> Path:
         """Write all results into a folder, as the command does; gives the report's path.
+
+        Args:
+            out: the folder.
+            force: remove what an earlier run wrote there.
+            pictures: show the robots in the report, where something here can draw them.
 
         Raises:
             InputError: the folder holds results and `force` is not set.
@@ -80,7 +85,7 @@ class Explanation:
         from estexp_jax.api.explain_files import write_results
         from estexp_jax.runs import open_run
 
-        return write_results(open_run(out, force=force), self.diagnosis, self.findings)
+        return write_results(open_run(out, force=force), self.diagnosis, self.findings, pictures=pictures)[0]
 
     def __repr__(self) -> str:
         return self.summary()

@@ -23,18 +23,28 @@ RIVALS_SCHEMA = "estexp.rivals/1"
 
 
 def write_results(
-    folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None = None
-) -> Path:
-    """Write findings, report, both models, effects, rivals and predictions; gives the report's path.
+    folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any], *, pictures: bool
+) -> tuple[Path, str]:
+    """Write findings, report, both models, effects, rivals and predictions.
 
     Args:
         folder: where to.
         diagnosis: what was found.
         findings: complete, as in `findings.json`.
-        ghosts: the robots in one scene, for the report.
-    """
-    from estexp_jax.report.explain_page import page
+        pictures: whether the report shows the robots in one scene.
 
+    Returns:
+        The report's path, and why it has no such picture though one was wanted, or nothing.
+    """
+    from estexp_jax.report.explain_ghosts import ghosts_of
+    from estexp_jax.report.explain_page import page
+    from estexp_jax.report.gl import NoGlError
+
+    ghosts, missing = None, ""
+    try:
+        ghosts = ghosts_of(diagnosis) if pictures else None
+    except NoGlError as error:
+        missing = str(error)
     write_json(folder.file("findings.json"), findings)
     left_out = diagnosis.left_out
     robot = diagnosis.case.robot
@@ -51,7 +61,7 @@ def write_results(
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
     write_text(report, page(diagnosis, findings, ghosts))
-    return report
+    return report, missing
 
 
 def write_model(folder: RunFolder, name: str, model: tuple[str, Mapping[str, Path]]) -> None:

@@ -73,24 +73,14 @@ def run(options: Options) -> int:
     marker = {"command": "explain", "config": {**files, **chosen}}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     explanation = _explained(inputs, config, folder)
-    ghosts = _ghosts(explanation) if options.pictures else None
-    report = write_results(folder, explanation.diagnosis, explanation.findings, ghosts)
+    report, missing = write_results(folder, explanation.diagnosis, explanation.findings, pictures=options.pictures)
+    if missing:
+        print(f"No picture of the robots: {missing}")
     print(explanation.summary())
     for change in explanation.diagnosis.left_out:
         print(f"MJCF has no place for {change.place}: model_explained.xml is fitted without it; load_explained has it.")
     print(f"Report: {report}")
     return 0
-
-
-def _ghosts(explanation: Explanation) -> bytes | None:
-    from estexp_jax.report.explain_ghosts import ghosts_of
-    from estexp_jax.report.gl import NoGlError
-
-    try:
-        return ghosts_of(explanation.diagnosis)
-    except NoGlError as error:
-        print(f"No picture of the robots: {error}")
-        return None
 
 
 def _window(text: str) -> float:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from estexp_jax.discovery.diagnosis import Diagnosis
+from estexp_jax.inference.windows import FINER
 from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where
 from estexp_jax.report.explain_rivals import NAMES, figure_rivals
 from estexp_jax.report.explain_text import VERDICTS
@@ -42,6 +43,7 @@ def page(diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None
         when=_when(findings["when"]) if findings["what"] else "",
         errors=_errors(findings["fit"]),
         gain=_gain(findings["fit"], told=findings["verdict"] != "consistent"),
+        steps=_steps(diagnosis),
         alternatives=_alternatives(findings),
         advice=findings["advice"],
         data=[{**entry, "hz": number(entry["hz"])} for entry in findings["data"]],
@@ -118,6 +120,15 @@ def _proof(fit: Mapping[str, Any]) -> str:
     gain = fit["gain"]["value"]
     gone = f": {percent(gain, 0)} of what exceeds noise is gone" if finite(gain) else ""
     return f"{told}; the explained simulator's is {after}, that of noise alone {floor}{gone}."
+
+
+def _steps(diagnosis: Diagnosis) -> str:
+    """At which steps the simulators ran."""
+    own = 1e3 * float(diagnosis.case.robot.model.opt.timestep)
+    finest = {finer: f"{number(own / finer)} ms" for finer in (diagnosis.finer, FINER)}
+    black_box = f", the black-box correction {finest[FINER]}" if len(finest) > 1 else ""
+    told = f"The nominal simulator takes steps of {number(own)} ms, the others of {finest[diagnosis.finer]}{black_box}"
+    return f"{told}: so fine that noise hides what they cost, or as fine as pays."
 
 
 def _gain(fit: Mapping[str, Any], *, told: bool) -> str:
