@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.location import element, where
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.searching import select
+from estexp_jax.discovery.searching import one_more, select
 from estexp_jax.discovery.selection import Explanation, Selection, worth
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import QUIET, verdict
@@ -40,13 +40,15 @@ _BESIDE = ("viscous_friction", "coulomb_friction", "quadratic_drag", "joint_stif
 """Named effects that may act at the same joint beside a law's terms: the library need not have them again."""
 _PLAINLY = 0.3
 """Names that leave something of the mismatch give way only to what brings the squared error under this share."""
+_PROMISE = 0.6
+"""... and they are not even looked for where no single term beside the names brings it under this share."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
 _BEST = 3
 """So many named explanations, the best ones, stay alternatives, and the best one of each place."""
 
 
-_Result = tuple[Selection, Problem]
+_T = TypeVar("_T")
 
 
 @final
@@ -106,6 +108,10 @@ def unknown_law(
     names = {name for e in kept for name, _ in e.places} | {name for name, _ in places} | set(BENT)
     simulator = replayer([e.name for e in every() if e.name in names])
     problem = _among(unnamed.problem, simulator, places, starts)
+    if verdict(robot, named, named.chosen.claims) == "missing_physics":
+        before, after = yield from _told(one_more(problem, unnamed.parameters, named.chosen.fitted))
+        if after.held_out.sum() > _PROMISE * before.held_out.sum():
+            return None
     found, there = yield from _told(select(problem, unnamed.parameters, _MOST))
     found = replace(found, tried=(*kept, *found.tried))
     if not believed(robot, found, named, there):
@@ -127,7 +133,7 @@ def fewest_terms(found: Selection) -> Explanation:
     return min(enough, key=lambda e: (len(e.places), e.error), default=chosen)
 
 
-def _told(steps: Generator[Progress, None, _Result]) -> Generator[Progress, None, _Result]:
+def _told(steps: Generator[Progress, None, _T]) -> Generator[Progress, None, _T]:
     """A search whose stages say what it is for."""
     while True:
         try:

@@ -89,6 +89,23 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
 
 
+def one_more(
+    problem: Problem, parameters: Hypothesis, base: Fit
+) -> Generator[Progress, None, tuple[Explanation, Explanation]]:
+    """A fit, and the best explanation that has one effect more, judged alike.
+
+    Args:
+        problem: the comparison, of whose step and starts nothing need be known.
+        parameters: the hypothesis that only values of the model are off.
+        base: the fit.
+    """
+    search, there, stage = _Search(parameters, folds_of(problem)), about(problem, base), "one effect more"
+    found = _Found(there, as_fitted(there, [base], search.folds)[0], ())
+    grown = yield from _grown(search, found, base, stage)
+    (before, *judged), _ = yield from _compared(search, there, [base, *grown], stage)
+    return before, min(judged, key=lambda e: e.error, default=before)
+
+
 def fitted(
     problem: Problem, tasks: Sequence[Task], stage: str, iterations: int = 8
 ) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
