@@ -16,6 +16,7 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
+from estexp_jax.discovery.frozen import frozen
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claimable,
@@ -37,6 +38,7 @@ from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.searching import fitted, select
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.discovery.telling import Found, diagnosis
+from estexp_jax.discovery.verdict import verdict
 from estexp_jax.inference.apart import excluded, kept_apart
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
@@ -136,6 +138,8 @@ def explain(
     whole = commanded(whole, nominal.member)
     selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
+    if not began and verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
+        selection = _frozen(problem, parameters, selection)
     if needed(case.robot, selection):
         selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
         whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
@@ -162,6 +166,14 @@ def _late(
         return selection, problem, {}
     again = dated(short_windows(case, problem), [better[0].chosen.fitted])
     return *better, again or began
+
+
+def _frozen(problem: Problem, parameters: Hypothesis, selection: Selection) -> Selection:
+    """The selection, with a sensor that is plainly stuck as what was chosen, if there is one."""
+    found = frozen(problem, parameters, selection)
+    if found is None:
+        return selection
+    return replace(selection, tried=(*selection.tried, found), chosen=found, seen=True)
 
 
 def _unnamed(

@@ -79,6 +79,8 @@ def is_law(place: Place) -> bool:
 def needed(robot: Robot, selection: Selection) -> bool:
     """Whether nothing named explains the mismatch, or what does leaves more than noise may."""
     judged = verdict(robot, selection, selection.chosen.claims)
+    if selection.seen:
+        return False
     return judged == "unexplained" or (judged == "missing_physics" and selection.chosen.error > QUIET)
 
 

@@ -76,6 +76,7 @@ class Selection:
         parameters: values of the model refitted, nothing claimed.
         tried: those with claims, in the order tried.
         chosen: `parameters`, or the last of `tried` that was worth its price.
+        seen: whether the chosen one is plain in the recordings themselves, however it predicts.
     """
 
     nominal: Explanation
@@ -83,6 +84,7 @@ class Selection:
     parameters: Explanation
     tried: tuple[Explanation, ...]
     chosen: Explanation
+    seen: bool = False
 
 
 def folds_of(problem: Problem) -> list[Fold]:

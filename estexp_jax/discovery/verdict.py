@@ -26,6 +26,8 @@ def verdict(robot: Robot, selection: Selection, changes: tuple[Change, ...]) -> 
         selection: what was tried and chosen, judged on held-out windows of training recordings.
         changes: the chosen claims with their fitted values.
     """
+    if selection.seen:
+        return "missing_physics"
     # A robot does not step; but where it was simulated itself, at the same step, there is nothing to correct.
     as_it_is, chosen = min(selection.nominal, selection.corrected, key=lambda e: e.error), selection.chosen
     if as_it_is.error <= NOISE:

@@ -1,0 +1,45 @@
+"""A sensor that shows one value while everything says that its joint moves.
+
+What the joint really did then is not known, nor, where no servo holds it, where it is when a window starts. So
+nothing predicts the other sensors well, and no comparison of predictions would ever name what anyone sees.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from estexp_jax.discovery.cross_validation import as_fitted
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.hypotheses import Hypothesis, claiming
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.selection import Explanation, Selection, folds_of
+
+_MOVES = 20.0
+"""Deviations of its noise by which a reading must be simulated to move in half of the windows."""
+
+
+def frozen(problem: Problem, parameters: Hypothesis, selection: Selection) -> Explanation | None:
+    """The explanation by a sensor that is stuck and should move; None where there is none.
+
+    Only for what nothing else explains: a joint that is jammed does not move either, but then the other sensors agree.
+
+    Args:
+        problem: the comparison.
+        parameters: the hypothesis that only values of the model are off.
+        selection: what was tried.
+    """
+    robot, names = problem.replayer.robot, problem.channels.names
+    [simulated] = problem.simulated([selection.nominal.fitted.member], problem.fitted)
+    moved = np.nanstd(simulated, axis=1) / problem.deviation(problem.fitted, 1)[:, 0]
+    for place in problem.places:  # a sensor that moves has no such place
+        if place[0] != "sensor_stuck" or place[1] not in names:
+            continue
+        if np.median(np.nan_to_num(moved[:, names.index(place[1])], nan=np.inf)) < _MOVES:
+            continue
+        hypothesis = claiming(robot, parameters, [place])
+        vector = hypothesis.start()
+        column = int(robot.model.sensor_adr[robot.index("sensor", place[1])])
+        value = [f.effect == "sensor_stuck" for f in hypothesis.free]
+        vector[value] = problem.seen.reading[column]
+        return as_fitted(problem, [Fit(hypothesis, vector, np.inf)], folds_of(problem))[0]
+    return None
