@@ -30,16 +30,17 @@ def frozen(problem: Problem, parameters: Hypothesis, selection: Selection) -> Ex
     """
     robot, names = problem.replayer.robot, problem.channels.names
     [simulated] = problem.simulated([selection.nominal.fitted.member], problem.fitted)
-    moved = np.nanstd(simulated, axis=1) / problem.deviation(problem.fitted, 1)[:, 0]
+    known = np.isfinite(simulated)
+    spread = np.ma.masked_array(simulated, ~known).std(axis=1).filled(np.inf)  # of what blew up, or has no sample
+    moved = spread / problem.deviation(problem.fitted, 1)[:, 0]
     for place in problem.places:  # a sensor that moves has no such place
         if place[0] != "sensor_stuck" or place[1] not in names:
             continue
-        if np.median(np.nan_to_num(moved[:, names.index(place[1])], nan=np.inf)) < _MOVES:
+        shown = problem.seen.reading[int(robot.model.sensor_adr[robot.index("sensor", place[1])])]
+        if not np.isfinite(shown) or np.median(moved[:, names.index(place[1])]) < _MOVES:
             continue
         hypothesis = claiming(robot, parameters, [place])
         vector = hypothesis.start()
-        column = int(robot.model.sensor_adr[robot.index("sensor", place[1])])
-        value = [f.effect == "sensor_stuck" for f in hypothesis.free]
-        vector[value] = problem.seen.reading[column]
+        vector[[f.effect == "sensor_stuck" for f in hypothesis.free]] = shown
         return as_fitted(problem, [Fit(hypothesis, vector, np.inf)], folds_of(problem))[0]
     return None
