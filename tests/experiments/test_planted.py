@@ -7,6 +7,7 @@ from collections import Counter
 import pytest
 
 from estexp_jax.errors import InputError
+from experiments.concealed import runner
 from experiments.concealed.generator.case import make
 from experiments.concealed.generator.catalogue import SINGLE, places
 from experiments.concealed.scoring.judge import Row, Size
@@ -103,6 +104,7 @@ FINDINGS = {
 
 def test_a_case_becomes_a_row_and_what_is_published_is_not_done_again(tmp_path, monkeypatch) -> None:
     command = (sys.executable, "-c", EXPLAIN.replace("FINDINGS", repr(FINDINGS)))
+    monkeypatch.setattr(runner, "_die_with_worker", None)  # it forks, which JAX, if another test loaded it, warns of
     plan = planned(4, "nothing")[0]
     for case in ("c000", "c001"):
         (tmp_path / "cases" / case).mkdir(parents=True)

@@ -37,10 +37,8 @@ class _Drag(Term):
 
 
 @pytest.fixture(autouse=True)
-def _clean():
-    yield
-    for e in registry.own():
-        registry.drop(e)
+def _none_yet(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "_OWN", {})
 
 
 def _spoilt(**members: Any) -> Effect:
