@@ -8,7 +8,7 @@ from typing import TypeVar
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
 from estexp_jax.physics import registry
-from estexp_jax.physics.effect_laws import faults
+from estexp_jax.physics.effect_checks import faults
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.robot import Robot
 

@@ -27,7 +27,7 @@ def library(q: np.ndarray, w: np.ndarray, tau: np.ndarray) -> np.ndarray:
     )
 
 
-def sparse(terms: np.ndarray, force: np.ndarray, rounds: int = 10) -> np.ndarray:
+def stlsq(terms: np.ndarray, force: np.ndarray, rounds: int = 10) -> np.ndarray:
     """Coefficients (terms,) by sequentially thresholded least squares."""
     size, kept = np.maximum(terms.std(axis=0), 1e-9), np.ones(terms.shape[1], bool)
     size[0] = 1.0
@@ -76,7 +76,7 @@ def run(model: mujoco.MjModel, logs: list[Log]) -> dict[str, Any] | None:
         return None
     parts = [residual_forces(model, log) for log in logs if log.role == "train"]
     q, w, tau, missing = (np.concatenate(column) for column in zip(*parts, strict=True))
-    found = np.stack([sparse(library(q[:, v], w[:, v], tau[:, v]), missing[:, v]) for v in range(model.nv)])
+    found = np.stack([stlsq(library(q[:, v], w[:, v], tau[:, v]), missing[:, v]) for v in range(model.nv)])
 
     def push(qpos: np.ndarray, qvel: np.ndarray, motors: np.ndarray) -> np.ndarray:
         return np.sum(library(qpos, qvel, motors) * found, axis=-1)

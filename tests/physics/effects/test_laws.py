@@ -6,7 +6,7 @@ import pytest
 
 from estexp_jax.physics.changes import Change, encode, parse_change
 from estexp_jax.physics.controllers import HIDDEN, decode, n_weights
-from estexp_jax.physics.effect_laws import faults, middle
+from estexp_jax.physics.effect_checks import faults, middle
 from estexp_jax.physics.effects.base import (
     CommandShift,
     Distortion,
