@@ -79,7 +79,7 @@ class Simulator:
         if not effects:
             effects = catalogue(["viscous_friction"])  # a catalogue needs one; it stays neutral
         values = stack([encode(self.robot, effects, self.changes)])
-        replay = replayer(self.robot, effects, [self.robot], widths=(1,)).replay(values, [stretch], np.array([0]))
+        replay = replayer(self.robot, effects, [self.robot], width=1).replay(values, [stretch], np.array([0]))
         return Traces(time, replay.sensors[0], replay.qpos[0], replay.qvel[0])
 
 

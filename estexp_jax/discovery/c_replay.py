@@ -110,7 +110,7 @@ def _replay(
     """Replay windows, each with its robot, all by the same law."""
     known: Switched = {}
     lanes = [
-        _Lane(m, s, Drive(*(x[i] for x in drive)), acceleration, known)
+        _Lane(m, s, Drive(*(x[..., i] for x in drive)), acceleration, known)
         for i, (m, s) in enumerate(zip(models, segments, strict=True))
     ]
     going = lanes

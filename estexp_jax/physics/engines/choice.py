@@ -97,7 +97,7 @@ def replayer(
     per_recording: Sequence[Robot],
     *,
     engine: str = "auto",
-    widths: tuple[int, ...] | None = None,
+    width: int | None = None,
     block: int | None = None,
 ) -> Replayer:
     """A replayer for recordings of a robot.
@@ -107,7 +107,7 @@ def replayer(
         catalogue: the effects that hypotheses draw on.
         per_recording: the nominal robot with each recording's known settings.
         engine: auto, lanes or mjx.
-        widths: lanes in a chunk, narrow ones first; None: what suits the engine.
+        width: lanes in a chunk; None: what suits the engine.
         block: physics steps in a call; None: what suits the engine.
 
     Raises:
@@ -117,12 +117,12 @@ def replayer(
     differs = differing(nominal, per_recording)
     choice = chosen(engine, nominal, differs.fields)
     if choice.engine == "lanes":
-        fast = LanesReplayer(nominal, differs, widths or LANES_REPLAY[0], block or LANES_REPLAY[1], choice)
+        fast = LanesReplayer(nominal, differs, width or LANES_REPLAY[0], block or LANES_REPLAY[1], choice)
         found = replay_agreement(fast, per_recording[0], _STATES)
         if found.agrees:
             return fast
         choice = _distrusted(engine, found, robot)
-    return MjxReplayer(nominal, differs, widths or MJX_REPLAY[0], block or MJX_REPLAY[1], choice)
+    return MjxReplayer(nominal, differs, width or MJX_REPLAY[0], block or MJX_REPLAY[1], choice)
 
 
 def _distrusted(engine: str, found: Agreement, robot: Robot) -> Choice:

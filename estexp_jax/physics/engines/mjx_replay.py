@@ -15,11 +15,11 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.mjx_model import stepped, switched
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now
-from estexp_jax.physics.engines.replay_inputs import Drive
+from estexp_jax.physics.engines.replay_inputs import Drive, Roll
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
 from estexp_jax.physics.engines.shown import shown_torques
 
-MJX_REPLAY = ((64,), 256)
+MJX_REPLAY = 64, 256
 """Lanes in a chunk, and physics steps in a call."""
 
 
@@ -31,14 +31,21 @@ class MjxReplayer(Replayer):
     def _prepared(self, values: Values, overrides: tuple) -> Any:
         return values, overrides
 
+    def _rested(self, prepared: Any, roll: Roll) -> Hidden:
+        return _rested(self, *prepared, Roll(*map(_lanes_first, roll)))
+
+    def _rolled(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
+        return _rolled(self, *prepared, hidden, Roll(*map(_lanes_first, roll)))
+
     def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        seen = []
+        seen, drive = [], Drive(*map(_lanes_first, drive))
         for first in range(0, drive.length.shape[1], self.block):
             part = Drive(*(x[:, first : first + self.block] for x in drive))
             state, out = _block(self, *prepared, state, part)
             seen.append(out)
         sensors, qpos, qvel = (
-            np.concatenate([np.asarray(x) for x in kind], axis=1) for kind in zip(*seen, strict=True)
+            np.moveaxis(np.concatenate([np.asarray(x) for x in kind], axis=1), 0, -1)
+            for kind in zip(*seen, strict=True)
         )
         return sensors, qpos, qvel
 
@@ -78,3 +85,32 @@ def _step(self: MjxReplayer, model: mjx.Model, values: Values, state: State, dri
         torque = s.factor * does.hidden[s.effect][s.state][s.row]
         after = after.replace(sensordata=after.sensordata.at[s.column].add(torque))
     return after, does.hidden
+
+
+@partial(jax.jit, static_argnums=0)
+def _rested(self: MjxReplayer, values: Values, overrides: tuple, roll: Roll) -> Hidden:
+    def one(values: Values, overrides: tuple, roll: Roll) -> Hidden:
+        return self.on_mjx.rested(self.model(values, overrides), values, Now(*roll))
+
+    return jax.vmap(one)(values, overrides, roll)
+
+
+@partial(jax.jit, static_argnums=0)
+def _rolled(self: MjxReplayer, values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
+    """Hidden variables after the rows of a roll, along which the robot moved as recorded."""
+
+    def one(values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
+        model = self.model(values, overrides)
+
+        def step(hidden: Hidden, now: Roll) -> tuple[Hidden, None]:
+            switched_model = switched(model, now.enable)
+            after = self.on_mjx.acted(switched_model, values, hidden, Now(*now)).hidden
+            return jax.tree.map(partial(jnp.where, now.length > 0.0), after, hidden), None
+
+        return jax.lax.scan(step, hidden, roll)[0]
+
+    return jax.vmap(one)(values, overrides, hidden, roll)
+
+
+def _lanes_first(x: Any) -> np.ndarray:
+    return np.moveaxis(x, -1, 0)

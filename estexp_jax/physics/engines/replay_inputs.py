@@ -5,7 +5,7 @@ A lane is one hypothesis on one segment of a recording.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,15 +22,15 @@ _LAG = 0.04
 
 
 class Drive(NamedTuple):
-    """Physics steps of lanes: (lanes, steps, ...)."""
+    """Physics steps of lanes: (steps, ..., lanes)."""
 
-    length: Any  # (lanes, steps)
+    length: Any  # (steps, lanes)
     ctrl: Any
     enable: Any
 
 
 class Roll(NamedTuple):
-    """Rows before lanes' starts: (lanes, rows, ...)."""
+    """Rows before lanes' starts: (rows, ..., lanes)."""
 
     qpos: Any
     qvel: Any
@@ -48,16 +48,24 @@ def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[
     shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
     sources = _sources(robot, catalogue, values)
     nu, punctual = robot.model.nu, _punctual(shifts, sources)
-    length = np.zeros((len(segments), n_steps), np.float32)
-    ctrl = np.zeros((len(segments), n_steps, nu), np.float32)
-    enable = np.ones((len(segments), n_steps, nu), np.float32)
-    for i, s in enumerate(segments):
-        k = s.steps.n_steps + 1
-        length[i, 1:k] = s.steps.length
-        ctrl[i, :k] = s.logged if punctual[i] else s.commands(shifts[i], sources[i])
-        enable[i, :k] = s.switched_on
-        ctrl[i, k:], enable[i, k:] = ctrl[i, k - 1], enable[i, k - 1]
+    length = np.zeros((n_steps, len(segments)), np.float32)
+    ctrl, enable = (np.empty((n_steps, nu, len(segments)), np.float32) for _ in range(2))
+    for i, there in alike(segments, punctual):
+        s, k = segments[i], segments[i].steps.n_steps + 1
+        length[1:k, there] = s.steps.length[:, None]
+        commands = s.logged if punctual[i] else s.commands(shifts[i], sources[i])
+        for whole, own in ((ctrl, commands), (enable, s.switched_on)):
+            whole[:k, :, there], whole[k:, :, there] = own[..., None], own[-1][:, None]
     return Drive(length, ctrl, enable)
+
+
+def alike(segments: Sequence[Segment], punctual: np.ndarray) -> Iterator[tuple[int, slice]]:
+    """Neighbouring lanes that get the same commands: the first one, and all of them."""
+    first = 0
+    for i, s in enumerate(segments):
+        if i + 1 == len(segments) or segments[i + 1] is not s or not (punctual[i] and punctual[i + 1]):
+            yield first, slice(first, i + 1)
+            first = i + 1
 
 
 def starts(
@@ -110,20 +118,21 @@ def _commanded(robot: Robot, s: Segment) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_rows: int) -> Roll:
-    """Rows before each segment (lanes, n_rows + 1, ...), its own first row last; the first ones repeat."""
+    """Rows before each segment (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
     shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
     sources = _sources(robot, catalogue, values)
     punctual, n = _punctual(shifts, sources), n_rows + 1
-    pasts = [
-        s.logged_past if p else s.past(n, *late)
-        for s, p, *late in zip(segments, punctual, shifts, sources, strict=True)
-    ]
-    found = Roll(*(np.empty((len(pasts), n, *x.shape[1:]), np.float32) for x in pasts[0]))
-    for i, past in enumerate(pasts):
+    model, length = robot.model, np.zeros((n, len(segments)), np.float32)
+    qpos, qvel, ctrl, enable = (
+        np.empty((n, width, len(segments)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
+    )
+    found = Roll(qpos, qvel, ctrl, enable, length)
+    for i, there in alike(segments, punctual):
+        past = segments[i].logged_past if punctual[i] else segments[i].past(n, shifts[i], sources[i])
         k = min(n, len(past.length))
-        for whole, own in zip(found, past, strict=True):
-            whole[i, n - k :], whole[i, : n - k] = own[-k:], own[-k]
-        found.length[i, : n - k] = 0.0
+        for whole, own in zip(found[:-1], past[:-1], strict=True):
+            whole[n - k :, :, there], whole[: n - k, :, there] = own[-k:, :, None], own[-k][:, None]
+        length[n - k :, there] = past.length[-k:, None]
     return found
 
 
@@ -142,7 +151,7 @@ def _punctual(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
 
 
 def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:
-    """Replace, in place, the readings (lanes, steps, nsensordata) of sensors that are late by older ones.
+    """Replace, in place, the readings (steps, nsensordata, lanes) of sensors that are late by older ones.
 
     What a late sensor shows at first was true before the start; there it counts as it was recorded.
     """
@@ -150,12 +159,12 @@ def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: V
     for i, column in np.argwhere(late > 0.0).tolist():
         s, n = segments[i], segments[i].steps.n_steps
         time = np.append(s.steps.start, s.steps.start[-1] + s.steps.length[-1])
-        read = np.interp(time - late[i, column], time, sensors[i, : n + 1, column])
+        read = np.interp(time - late[i, column], time, sensors[: n + 1, column, i])
         for sensed, place, _ in s.start.sensed:
             if sensed == column and s.path is not None:
                 before = time - late[i, column] < time[0]
                 read[before] = s.path.at(time[before], s.path.qpos, place)
-        sensors[i, : n + 1, column] = read
+        sensors[: n + 1, column, i] = read
 
 
 def _shifts(

@@ -10,21 +10,20 @@ import abc
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import mujoco
 import numpy as np
 from mujoco import mjx
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Values
+from estexp_jax.physics.effects.base import CommandLaw, Term
 from estexp_jax.physics.engines.batching import Choice, cores
-from estexp_jax.physics.engines.mjx_model import MjxModel, fields_of, mjx_model, switched
-from estexp_jax.physics.engines.mjx_terms import Hidden, Now, stateful
-from estexp_jax.physics.engines.replay_inputs import Drive, Roll, changed, drive_of, read_late, rolls, starts
+from estexp_jax.physics.engines.mjx_model import MjxModel, fields_of, mjx_model
+from estexp_jax.physics.engines.mjx_terms import Hidden, stateful
+from estexp_jax.physics.engines.replay_inputs import Drive, Roll, alike, changed, drive_of, read_late, rolls, starts
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
@@ -36,7 +35,7 @@ _Array = Any
 
 
 class State(NamedTuple):
-    """Lanes between two blocks; every array has the lanes as first axis."""
+    """Lanes between two blocks: arrays (lanes, ...), and hidden variables as an engine keeps them."""
 
     qpos: _Array
     qvel: _Array
@@ -81,14 +80,14 @@ class Replayer(abc.ABC):
     Attributes:
         on_mjx: the nominal robot and the catalogue of effects.
         differing: what differs from recording to recording.
-        widths: lanes in a chunk, narrow ones for few lanes, so that no core idles and little is filled up.
+        width: lanes in a chunk.
         block: physics steps in a call.
         choice: which engine it is, and why.
     """
 
     on_mjx: MjxModel
     differing: Differing
-    widths: tuple[int, ...]
+    width: int
     block: int
     choice: Choice
 
@@ -97,13 +96,16 @@ class Replayer(abc.ABC):
         """What does not change from block to block; `overrides` are the lanes' `differing`."""
 
     @abc.abstractmethod
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sensors, qpos and qvel (lanes, steps, ...) at the beginning of each step; whole blocks of steps."""
+    def _rested(self, prepared: Any, roll: Roll) -> Hidden:
+        """Hidden variables of robots that have been where they are, a row of a roll, for long."""
 
-    @property
-    def fewest(self) -> list[int]:
-        """For each width, a number of lanes that are replayed in chunks of that width."""
-        return [1, *(w * cores() + 1 for w in self.widths[:-1])]
+    @abc.abstractmethod
+    def _rolled(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
+        """Hidden variables after the rows of a roll, along which robots moved as recorded."""
+
+    @abc.abstractmethod
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Sensors, qpos and qvel (steps, ..., lanes) at the beginning of each step; whole blocks of steps."""
 
     @property
     def robot(self) -> Robot:
@@ -131,13 +133,12 @@ class Replayer(abc.ABC):
             which: (lanes,) index of each lane's segment.
         """
         which = np.asarray(which)
-        width = next((w for w in self.widths if len(which) <= w * cores()), self.widths[-1])
         remembers = changed(self.robot, stateful(self.catalogue), values)
-        order = np.lexsort([remembers, [segments[w].steps.n_steps for w in which]])
-        chunks = [order[i : i + width] for i in range(0, len(order), width)]
+        order = np.lexsort([which, self._at_work(values, which), [segments[w].steps.n_steps for w in which]])
+        chunks = [order[i : i + self.width] for i in range(0, len(order), self.width)]
 
         def run(lanes: np.ndarray) -> Replay:
-            chosen = np.resize(lanes, width)  # the last chunk repeats its lanes
+            chosen = np.resize(lanes, self.width)  # the last chunk repeats its lanes
             part = {name: np.asarray(v, np.float32)[chosen] for name, v in values.items()}
             here = [segments[w] for w in which[chosen]]
             return self._chunk(part, here, len(lanes), remembers=bool(remembers[lanes].any()))
@@ -162,6 +163,7 @@ class Replayer(abc.ABC):
         drive = drive_of(self.robot, self.catalogue, values, segments, blocks * self.block)
         recording = [s.recording for s in segments]
         overrides = tuple(o[recording] for o in self.differing.values)
+        prepared = self._prepared(values, overrides)
         state = State(
             *starts(self.robot, self.catalogue, values, segments),
             np.zeros((len(segments), model.na), np.float32),
@@ -170,29 +172,35 @@ class Replayer(abc.ABC):
             {},
         )
         if stateful(self.catalogue):
-            state = state._replace(hidden=self._hidden(values, overrides, segments, remembers=remembers))
-        whole = [x[:, 1:] for x in self._advanced(self._prepared(values, overrides), state, drive)]
+            state = state._replace(hidden=self._hidden(prepared, values, segments, remembers=remembers))
+        whole = [x[1:] for x in self._advanced(prepared, state, drive)]
         read_late(self.robot, self.catalogue, whole[0], values, segments)
         rows = max(s.rows for s in segments[:n])
-        return Replay(
-            *(np.stack([_rows(x[i], s.steps.sample, rows) for i, s in enumerate(segments[:n])]) for x in whole)
-        )
+        return Replay(*(_rows(x, segments[:n], rows) for x in whole))
 
-    def _hidden(self, values: Values, overrides: tuple, segments: list[Segment], *, remembers: bool) -> Hidden:
-        """Hidden variables (lanes, n_sites) at the lanes' starts: rolled along each recording's rows before them."""
+    def _hidden(self, prepared: Any, values: Values, segments: list[Segment], *, remembers: bool) -> Hidden:
+        """Hidden variables at the lanes' starts: rolled along each recording's rows before them."""
         n_rows = max(s.first if s.path is not None else 0 for s in segments) if remembers else 0
         blocks = -(-n_rows // _ROLL)
         before = rolls(self.robot, self.catalogue, values, segments, blocks * _ROLL)
-        hidden = _rested(self, values, overrides, jax.tree.map(lambda x: x[:, 0], before))
+        hidden = self._rested(prepared, Roll(*(x[0] for x in before)))
         for b in range(blocks):
-            part = jax.tree.map(lambda x, b=b: x[:, b * _ROLL : (b + 1) * _ROLL], before)
-            hidden = _rolled(self, values, overrides, hidden, part)
+            hidden = self._rolled(prepared, hidden, Roll(*(x[b * _ROLL : (b + 1) * _ROLL] for x in before)))
         return hidden
 
+    def _at_work(self, values: Values, which: np.ndarray) -> np.ndarray:
+        """Numbers (lanes,), alike for lanes that have the same terms and command laws at work."""
+        acting = [e for e in self.catalogue if isinstance(e, Term | CommandLaw)]
+        each = np.array([np.zeros(len(which), bool), *(changed(self.robot, [e], values) for e in acting)])
+        return np.unique(each, axis=1, return_inverse=True)[1]
 
-def _rows(x: np.ndarray, sample: np.ndarray, rows: int) -> np.ndarray:
-    found = np.full((rows, x.shape[1]), np.nan, np.float32)
-    found[: len(sample)] = x[sample]
+
+def _rows(x: np.ndarray, segments: Sequence[Segment], rows: int) -> np.ndarray:
+    """Columns (lanes, rows, columns) at the rows of segments, of those (steps, columns, lanes) at all steps."""
+    found = np.full((len(segments), rows, x.shape[1]), np.nan, np.float32)
+    for i, there in alike(segments, np.ones(len(segments), bool)):
+        sample = segments[i].steps.sample
+        found[there, : len(sample)] = np.moveaxis(x[sample, :, there], -1, 0)
     return found
 
 
@@ -218,28 +226,3 @@ def is_acceleration(robot: Robot) -> np.ndarray:
     """Which values of `sensordata` (nsensordata,) show forces or accelerations: of the step before."""
     acceleration = robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
     return np.repeat(acceleration, robot.model.sensor_dim)
-
-
-@partial(jax.jit, static_argnums=0)
-def _rested(self: Replayer, values: Values, overrides: tuple, roll: Roll) -> Hidden:
-    def one(values: Values, overrides: tuple, roll: Roll) -> Hidden:
-        return self.on_mjx.rested(self.model(values, overrides), values, Now(*roll))
-
-    return jax.vmap(one)(values, overrides, roll)
-
-
-@partial(jax.jit, static_argnums=0)
-def _rolled(self: Replayer, values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
-    """Hidden variables after the rows of a roll, along which the robot moved as recorded."""
-
-    def one(values: Values, overrides: tuple, hidden: Hidden, roll: Roll) -> Hidden:
-        model = self.model(values, overrides)
-
-        def step(hidden: Hidden, now: Roll) -> tuple[Hidden, None]:
-            switched_model = switched(model, now.enable)
-            after = self.on_mjx.acted(switched_model, values, hidden, Now(*now)).hidden
-            return jax.tree.map(partial(jnp.where, now.length > 0.0), after, hidden), None
-
-        return jax.lax.scan(step, hidden, roll)[0]
-
-    return jax.vmap(one)(values, overrides, hidden, roll)

@@ -17,7 +17,7 @@ from tests.physics.effects.twins import TWINS, XML, Twin, simulated
 ACTING = tuple(e for e in ALL if isinstance(e, Term | CommandLaw | BodyPull))
 PERIOD, ROWS = 0.01, 80
 ROBOT = Robot.from_string(XML, "twin.xml")
-REPLAYER = replayer(ROBOT, ACTING, [ROBOT], widths=(len(TWINS) + 1,), block=320)
+REPLAYER = replayer(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320)
 
 
 def commands() -> np.ndarray:

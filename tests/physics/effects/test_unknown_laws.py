@@ -164,7 +164,7 @@ def test_engines_agree_on_laws(name: str, p: tuple[float, ...]) -> None:
     effects = catalogue([name])
     values = stack([encode(subject, effects, [change]), encode(subject, effects, [])])
     found = [
-        replayer(subject, effects, [subject], engine=engine, widths=(2,)).replay(values, [stretch], np.zeros(2, int))
+        replayer(subject, effects, [subject], engine=engine, width=2).replay(values, [stretch], np.zeros(2, int))
         for engine in ("lanes", "mjx")
     ]
     np.testing.assert_allclose(found[0].qpos, found[1].qpos, atol=2e-5)

@@ -40,7 +40,7 @@ def test_engines_agree_and_a_wrong_one_does_not(engine: str) -> None:
 def test_a_replayer_is_tried_as_the_first_recording_knew_the_robot() -> None:
     one = robot("cartpole")
     heavy = apply_settings(one, {"body.pole.mass": 0.5, "option.timestep": 0.002})
-    replays = replayer(one, catalogue(["body_mass"]), [heavy, one], widths=(8,), block=4, engine="lanes")
+    replays = replayer(one, catalogue(["body_mass"]), [heavy, one], width=8, block=4, engine="lanes")
     found = replay_agreement(replays, heavy, 20)
     assert found.agrees and found.states == 20 and found.physics_steps == 1
     assert not replay_agreement(replays, one, 20).agrees

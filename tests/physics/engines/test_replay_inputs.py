@@ -19,7 +19,7 @@ EFFECTS = catalogue(
     ["hysteresis", "motor_fade", "joint_compliance", "backlash", "actuator_lag", "tied_outputs"]
     + ["sensor_delay", "sensor_stuck"]
 )
-REPLAYER = replayer(ROBOT, EFFECTS, [ROBOT], widths=(4,), block=200)
+REPLAYER = replayer(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
 PERIOD, ROWS, MIDDLE = 0.005, 160, 100
 
 

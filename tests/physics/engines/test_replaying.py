@@ -76,7 +76,7 @@ def subject(integrator: str = "Euler") -> Replayer:
 @cache
 def _subject(integrator: str, engine: str) -> Replayer:
     each = robots(integrator)
-    return replayer(each[0], EFFECTS, each, widths=(6,), block=64, engine=engine)
+    return replayer(each[0], EFFECTS, each, width=6, block=64, engine=engine)
 
 
 def recording(index: int, rows: int = 80) -> Recording:

@@ -22,11 +22,11 @@ from estexp_jax.physics.engines.lanes.step import TOLERANCE, LaneState, Stepper
 from estexp_jax.physics.engines.lanes.terms import Acting
 from estexp_jax.physics.engines.lanes.xla import compiled, lowered
 from estexp_jax.physics.engines.mjx_terms import Hidden
-from estexp_jax.physics.engines.replay_inputs import Drive
+from estexp_jax.physics.engines.replay_inputs import Drive, Roll
 from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
 from estexp_jax.physics.engines.shown import shown_torques
 
-LANES_REPLAY = ((40, 104), 64)
+LANES_REPLAY = 72, 64
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
 
 
@@ -36,7 +36,7 @@ class LanesReplayer(Replayer):
     """A replayer in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
-    _programs: dict[tuple[str, int], Any] = field(default_factory=dict, init=False)
+    _programs: dict[str, Any] = field(default_factory=dict, init=False)
 
     @cached_property
     def lanes(self) -> LanesModel:
@@ -44,47 +44,73 @@ class LanesReplayer(Replayer):
         return lanes_model(self.on_mjx, self.differing.fields)
 
     def _prepared(self, values: Values, overrides: tuple) -> Any:
-        prepare, _ = self._compiled("prepare", lambda: self._preparing(values, overrides), values)
-        return prepare(values, overrides)
+        def compile_it() -> tuple[Any, bool]:
+            return lowered(jax.vmap(self._edited, out_axes=-1), values, overrides).compile(), True
 
-    def _preparing(self, values: Values, overrides: tuple) -> tuple[Any, bool]:
-        return lowered(jax.vmap(self._edited, out_axes=-1), values, overrides).compile(), True
-
-    def _compiled(self, name: str, compile_it: Callable[[], tuple[Any, bool]], values: Any) -> tuple[Any, bool]:
-        """A program for the lanes of a chunk like this one, compiled the first time."""
-        key = name, len(jax.tree.leaves(values)[0])
-        with self._lock:
-            if key not in self._programs:
-                self._programs[key] = compile_it()
-        return self._programs[key]
+        return self._program("prepare", compile_it)(values, overrides)
 
     def _edited(self, values: Values, overrides: tuple) -> Any:
         model = self.model(values, overrides)
         return {name: field_of(model, name) for name in self.lanes.written}, values
 
+    def _rested(self, prepared: Any, roll: Roll) -> Hidden:
+        def compile_it() -> tuple[Any, bool]:
+            return lowered(self._resting, prepared, roll).compile(), True
+
+        return self._program("rest", compile_it)(prepared, roll)
+
+    def _rolled(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
+        def compile_it() -> tuple[Any, bool]:
+            return compiled(lowered(self._rolling, prepared, hidden, roll), self.width)
+
+        return self._program("roll", compile_it)(prepared, hidden, roll)
+
     def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        carried, driven = jax.tree.map(_lanes_last, state), Drive(*map(_lanes_last, drive))
-        first, width = Drive(*(x[: self.block] for x in driven)), len(drive.length)
+        qpos, qvel, act, warmstart, felt = map(_lanes_last, state[:-1])
+        carried = State(qpos, qvel, act, warmstart, felt, state.hidden)
+        first = Drive(*(x[: self.block] for x in drive))
 
         def compile_it() -> tuple[Any, bool]:
-            return compiled(lowered(self._blocked, prepared, carried, first), width)
+            return compiled(lowered(self._blocked, prepared, carried, first), self.width)
 
-        advance, _ = self._compiled("block", compile_it, state)
-        seen = []
-        for begin in range(0, len(driven.length), self.block):
-            carried, out = advance(prepared, carried, Drive(*(x[begin : begin + self.block] for x in driven)))
+        advance, seen = self._program("block", compile_it), []
+        for begin in range(0, len(drive.length), self.block):
+            carried, out = advance(prepared, carried, Drive(*(x[begin : begin + self.block] for x in drive)))
             seen.append(out)
-        sensors, qpos, qvel = (
-            np.moveaxis(np.concatenate([np.asarray(x) for x in kind]), -1, 0) for kind in zip(*seen, strict=True)
-        )
+        sensors, qpos, qvel = (np.concatenate([np.asarray(x) for x in kind]) for kind in zip(*seen, strict=True))
         return sensors, qpos, qvel
 
-    def _blocked(self, prepared: Any, state: State, drive: Drive) -> Any:
+    def _program(self, name: str, compile_it: Callable[[], tuple[Any, bool]]) -> Any:
+        """A program, compiled the first time."""
+        with self._lock:
+            if name not in self._programs:
+                self._programs[name], _ = compile_it()
+        return self._programs[name]
+
+    def _resting(self, prepared: Any, roll: Roll) -> Hidden:
+        _, acting = self._acting(prepared, roll.qpos.dtype)
+        return acting.rest(packed(self.lanes.plan, roll.qpos, roll.qvel, roll.qvel), roll.ctrl)
+
+    def _rolling(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
+        _, acting = self._acting(prepared, roll.qpos.dtype)
+
+        def step(hidden: Hidden, now: Roll) -> tuple[Hidden, None]:
+            there = packed(self.lanes.plan, now.qpos, now.qvel, now.qvel)
+            _, _, after = acting.act(there, now.ctrl, now.enable, now.length, hidden)
+            return jax.tree.map(partial(jnp.where, now.length > 0.0), after, hidden), None
+
+        return jax.lax.scan(step, hidden, roll)[0]
+
+    def _acting(self, prepared: Any, dtype: Any) -> tuple[Numbers, Acting]:
         (fields, values), plan = prepared, self.lanes.plan
-        numbers = Numbers(plan.model, fields, state.qpos.dtype)
+        numbers = Numbers(plan.model, fields, dtype)
+        return numbers, Acting(self.robot, self.catalogue, plan, numbers, values)
+
+    def _blocked(self, prepared: Any, state: State, drive: Drive) -> Any:
+        (_, values), plan = prepared, self.lanes.plan
+        numbers, acting = self._acting(prepared, state.qpos.dtype)
         stepper = Stepper(plan, numbers, TOLERANCE[np.dtype(state.qpos.dtype)])
         reader = Reader(plan, numbers, stepper.inertias)
-        acting = Acting(self.robot, self.catalogue, plan, numbers, values)
         before = jnp.asarray(is_acceleration(self.robot))[:, None]
         shown = shown_torques(self.robot, self.catalogue)
 

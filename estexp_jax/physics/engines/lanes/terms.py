@@ -1,6 +1,7 @@
 """Terms and command laws at work in one step, in lanes.
 
-The laws are elementwise over their sites; here each site is a row of an array (n_sites, N).
+The laws are elementwise over their sites; here each site is a row of an array (n_sites, N). Those that no robot of a
+chunk has are skipped.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
+from jax.extend.core import jaxpr_as_fun
 
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, JointForce, JointMoment, Term
+from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, Effect, JointForce, JointMoment, Term
 from estexp_jax.physics.effects.sites import driven_actuators
 from estexp_jax.physics.engines.lanes.algebra import Scalar
 from estexp_jax.physics.engines.lanes.forces import Drive
@@ -58,6 +60,7 @@ class Acting:
         self._terms = [e for e in catalogue if isinstance(e, Term) and e.sites(robot)]
         self._laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
         self._pulls = [e for e in catalogue if isinstance(e, BodyPull) and e.sites(robot)]
+        self._at_work = {e.name: self._is_changed(e) for e in (*self._laws, *self._terms)}
 
     @property
     def acts(self) -> bool:
@@ -81,21 +84,65 @@ class Acting:
         for law in self._laws:
             ids = law.actuators(self._robot)
             idle = jnp.stack([self._idle(int(a), position, speed) for a in ids])
-            told = jnp.stack([rows[a] for a in ids])
-            there, after = law.act(self._parameters(law.name), told, idle, dt, hidden.get(law.name, ()))
+            told, before = jnp.stack([rows[a] for a in ids]), hidden.get(law.name, ())
+            there, after = self._ruled(law, told, idle, dt, before)
             hidden |= {law.name: after} if law.n_states else {}
             for i, a in enumerate(ids):
                 rows[a] = there[i]
         sums = _Sums()
         for term in self._terms:
-            dofs = term.dofs(self._robot)
-            moment = self._moment(term, dofs, sums, (position, speed, rows, enable, dt))
-            does, after = term.act(self._parameters(term.name), moment, hidden.get(term.name, ()))
+            does, after = self._acted(term, sums, (position, speed, rows, enable, dt), hidden.get(term.name, ()))
             hidden |= {term.name: after} if term.n_states else {}
-            self._gather(term, dofs, does, sums)
+            self._gather(term, does, sums)
         on = self._slots([enable[a] for a in range(enable.shape[0])])
         share = self._slots([sums.share.get(a, jnp.ones_like(row)) for a, row in enumerate(rows)])
         return Drive(self._slots(rows), on, share if sums.share else None), self._added(state, sums), hidden
+
+    def rest(self, state: LaneState, commands: Any) -> Hidden:
+        """Hidden variables of robots that have been where they are, under commands (nu, N), for long."""
+        rows = [self._limited(a, commands[a]) for a in range(commands.shape[0])]
+        position, speed = self._coordinates(state)
+        hidden: Hidden = {}
+        for e in (*self._laws, *self._terms):
+            p = self._parameters(e.name)
+            if e.n_states and isinstance(e, CommandLaw):
+                hidden[e.name] = e.initial(p, jnp.stack([rows[a] for a in e.actuators(self._robot)]))
+            elif e.n_states:
+                hidden[e.name] = e.initial(p, *_stacked(e.dofs(self._robot), position, speed))
+        return hidden
+
+    def _is_changed(self, e: Effect) -> jax.Array:
+        """Whether it is at work in any robot."""
+        values = self._values[e.name]
+        return jnp.any(values != jnp.array([p.neutral for p in e.parameters], values.dtype)[:, None])
+
+    def _ruled(self, law: CommandLaw, told: Any, idle: Any, dt: Any, before: Arrays) -> tuple[Any, Arrays]:
+        """What a law makes of commands (n_actuators, N), and its hidden variables after the step."""
+
+        def act() -> tuple[Any, Arrays]:
+            return law.act(self._parameters(law.name), told, idle, dt, before)
+
+        return jax.lax.cond(self._at_work[law.name], act, lambda: (told, before))
+
+    def _acted(self, term: Term, sums: _Sums, now: tuple, before: Arrays) -> tuple[JointForce, Arrays]:
+        """What a term does, and its hidden variables after the step."""
+
+        def act() -> tuple[dict[str, Any], Arrays]:
+            moment = self._moment(term, term.dofs(self._robot), sums, now)
+            does, after = term.act(self._parameters(term.name), moment, before)
+            return {name: x for name, x in does._asdict().items() if not isinstance(x, float)}, after
+
+        program, shapes = jax.make_jaxpr(act, return_shape=True)()
+
+        def run() -> tuple[dict[str, Any], Arrays]:
+            return jax.tree.unflatten(jax.tree.structure(shapes), jaxpr_as_fun(program)())
+
+        def skip() -> tuple[dict[str, Any], Arrays]:
+            nothing = JointForce()._asdict()
+            return {name: jnp.full(x.shape, nothing[name], x.dtype) for name, x in shapes[0].items()}, before
+
+        does, after = jax.lax.cond(self._at_work[term.name], run, skip)
+        return JointForce(**does), after
 
     def _parameters(self, name: str) -> Arrays:
         values = self._values[name]
@@ -145,7 +192,7 @@ class Acting:
             motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)
         there = drives(self._robot, dofs, motors)
         at = [[int(a) for a, t in zip(*pair, strict=True) if t] for pair in zip(there.motors, there.there, strict=True)]
-        q, w = (jnp.stack([table[int(d)] for d in dofs]) for table in (position, speed))
+        q, w = _stacked(dofs, position, speed)
 
         def torque_at(q: Any, w: Any) -> Any:
             return jnp.stack(
@@ -211,8 +258,8 @@ class Acting:
             total = jnp.clip(total, *(self._number("jnt_actfrcrange", joint, i) for i in range(2)))
         return total
 
-    def _gather(self, term: Term, dofs: np.ndarray, does: JointForce, sums: _Sums) -> None:
-        addresses = [int(d) for d in dofs]
+    def _gather(self, term: Term, does: JointForce, sums: _Sums) -> None:
+        addresses = [int(d) for d in term.dofs(self._robot)]
         for what in ("force", "damping", "friction", "inertia"):
             sums.add(what, addresses, getattr(does, what))
         if isinstance(does.motor, float):
@@ -240,6 +287,11 @@ class Acting:
             *(per_dof.get(what, [0] * len(self._plan.dofs)) for what in ("force", "damping", "friction", "inertia")),
             pull=pulls,
         )
+
+
+def _stacked(dofs: np.ndarray, *tables: dict[int, Any]) -> tuple[Any, ...]:
+    """Rows (n_sites, N) of tables by velocity address."""
+    return tuple(jnp.stack([table[int(d)] for d in dofs]) for table in tables)
 
 
 def _row(x: jax.Array, i: int) -> jax.Array:
