@@ -104,3 +104,11 @@ def _sound(x: np.ndarray) -> bool:
 
 def test_every_acting_effect_has_a_twin() -> None:
     assert {text.partition("@")[0] for text in TWINS} == {e.name for e in ACTING}
+
+
+@pytest.mark.parametrize("text", ["nominal", *TWINS])
+def test_it_does_the_same_whatever_others_have(text: str) -> None:
+    """What no robot of a chunk has is skipped; here nothing is, in a chunk of all, and all but one law alone."""
+    changes = [] if text == "nominal" else [parse_change(text, ROBOT)]
+    alone = REPLAYER.replay(stack([encode(ROBOT, ACTING, changes)]), [part(0.0025)], np.zeros(1, int))
+    np.testing.assert_allclose(alone.qpos[0], ours(0.0025)[text], atol=1e-5)
