@@ -12,6 +12,7 @@ from estexp_jax.api.inputs import Inputs, read_inputs
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, explaining
 from estexp_jax.discovery.explain import explain as _explain
 from estexp_jax.discovery.fitting import Progress as Step
+from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.recordings.roles import assign_roles
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.report.picture import Picture
@@ -70,6 +71,19 @@ class Explanation:
         from estexp_jax.report.explain_figures import figure_ranking
 
         return Picture(figure_ranking(self.diagnosis))
+
+    def plot_laws(self) -> list[Picture]:
+        """Each unknown law's force over position and speed, beside what its joint lacks; [] where none was found."""
+        from estexp_jax.report.law_figure import figure_law
+
+        robot = self.diagnosis.case.robot
+        return [Picture(figure_law(law, joint_unit(robot, law.joint))) for law in self.diagnosis.laws]
+
+    def latex(self) -> list[str]:
+        """The equation of each entry of `what`, in LaTeX's mathematics."""
+        from estexp_jax.report.latex import latex
+
+        return [latex(entry["equation"]) for entry in self.findings["what"]]
 
     def write(self, out: str | Path, *, force: bool = False, pictures: bool = True) -> Path:
         """Write all results into a folder, as the command does; gives the report's path.

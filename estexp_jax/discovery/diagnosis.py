@@ -8,6 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.discovery.contest import Contest
+from estexp_jax.discovery.likely_laws import LawForces
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.recording import Recording
@@ -106,6 +107,7 @@ class Diagnosis:
         predictions: one for each recording.
         finer: part of the model's own step that the explained simulator takes.
         contest: the explanations that remain open; None: not looked at.
+        laws: what unknown laws do where the training recordings show their joints.
     """
 
     case: Case
@@ -118,3 +120,4 @@ class Diagnosis:
     predictions: tuple[Prediction, ...]
     finer: int
     contest: Contest | None = None
+    laws: tuple[LawForces, ...] = ()

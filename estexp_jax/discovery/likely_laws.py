@@ -15,9 +15,10 @@ import numpy as np
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.starts import Vectors
+from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import JointMoment
 from estexp_jax.physics.effects.laws.base import JointLaw, Reach
-from estexp_jax.physics.registry import LAWS
+from estexp_jax.physics.registry import LAWS, effect
 from estexp_jax.physics.robot import Robot
 
 _SAMPLES, _COLUMNS = 2000, 64
@@ -68,6 +69,40 @@ def likely(robot: Robot, seen: Sequence[ForceResidual], joint: str, n: int) -> d
     found = {law.name: _beside(robot, law, joint, samples) for law in LAWS}
     ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
     return {(name, joint): [b.values for b in found[name]] for name in ranked[:n]}
+
+
+class LawForces(NamedTuple):
+    """What a law does where recordings show its joint, and what the joint lacks without it.
+
+    Attributes:
+        joint: its name.
+        q, w: (samples,) position and speed, rad or m and rad/s or m/s.
+        lacking: (samples,) force that the joint lacks, N m or N; jolts cut off.
+        given: (samples,) what the law gives.
+    """
+
+    joint: str
+    q: np.ndarray
+    w: np.ndarray
+    lacking: np.ndarray
+    given: np.ndarray
+
+
+def law_forces(robot: Robot, seen: Sequence[ForceResidual], joint: str, terms: Sequence[Change]) -> LawForces:
+    """The terms of a law along the training recordings.
+
+    Args:
+        robot: the nominal robot.
+        seen: what its joints lack without the law, in each training recording.
+        joint: the joint's name.
+        terms: of the law, with their values.
+    """
+    samples, given = _samples(robot, seen, robot.index("joint", joint)), np.zeros(1)
+    for term in terms:
+        law = effect(term.effect)
+        assert isinstance(law, JointLaw)
+        given = given + _force(law, tuple(np.array([term.values[p.name]]) for p in law.parameters), samples)[:, 0]
+    return LawForces(joint, samples.q, samples.w, samples.force, given)
 
 
 def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Samples:

@@ -11,10 +11,11 @@ import numpy as np
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.contest import contest_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
-from estexp_jax.discovery.export import expressible
+from estexp_jax.discovery.export import explained_spec, expressible
 from estexp_jax.discovery.fitting import Fit
-from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.laws import is_law
+from estexp_jax.discovery.likely_laws import LawForces, law_forces
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.problem import Problem
@@ -88,7 +89,20 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         predictions=_predictions(case, shown),
         finer=found.shown.replays.cut.parts,
         contest=contest_of(found.problem, found.selection, shares, changes),
+        laws=_laws(case, found),
     )
+
+
+def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
+    """What unknown laws do along the training recordings, beside what their joints lack without them."""
+    terms = [c for c in found.claimed if is_law((c.effect, c.name or ""))]
+    if not terms:
+        return ()
+    others = [c for c in _at_work(found.fits["explained"]) if c not in terms and expressible(c)]
+    known = {id(robot): explained_spec(robot, others).compile() for robot in case.robots}
+    seen = force_residuals(found.shown, [known[id(robot)] for robot in case.robots], case.indices("train"))
+    joints = dict.fromkeys(str(c.name) for c in terms)
+    return tuple(law_forces(case.robot, seen, j, [c for c in terms if c.name == j]) for j in joints)
 
 
 def _judged(case: Case, found: Found) -> tuple[str, Found, Change | None]:

@@ -15,7 +15,7 @@ from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
-_COVERED = (0.005, 0.995)
+COVERED = (0.005, 0.995)
 """Quantiles of positions and speeds between which data cover a law."""
 
 
@@ -48,12 +48,17 @@ def equation(robot: Robot, terms: Sequence[Change]) -> str:
 
 def covered(robot: Robot, seen: Sequence[ForceResidual], joint: str) -> str:
     """`|w| < 4.1 rad/s and -0.8 < q < 1.2 rad`: where recordings show what a joint does."""
-    model, index = robot.model, robot.index("joint", joint)
-    unit = "m" if int(model.jnt_type[index]) == int(mujoco.mjtJoint.mjJNT_SLIDE) else "rad"
+    model, index, unit = robot.model, robot.index("joint", joint), joint_unit(robot, joint)
     q = np.concatenate([r.qpos[:, model.jnt_qposadr[index]] for r in seen])
     w = np.concatenate([np.abs(r.qvel[:, model.jnt_dofadr[index]]) for r in seen])
-    (low, high), fast = np.quantile(q, _COVERED), np.quantile(w, _COVERED[1])
+    (low, high), fast = np.quantile(q, COVERED), np.quantile(w, COVERED[1])
     return f"|w| < {fast:.3g} {unit}/s and {low:.3g} < q < {high:.3g} {unit}"
+
+
+def joint_unit(robot: Robot, joint: str) -> str:
+    """Unit of a joint's position: rad or m."""
+    slides = int(robot.model.jnt_type[robot.index("joint", joint)]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    return "m" if slides else "rad"
 
 
 def law_advice(what: Sequence[Mapping[str, Any]]) -> list[str]:

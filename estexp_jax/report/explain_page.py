@@ -7,11 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from estexp_jax.discovery.diagnosis import Diagnosis
+from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.inference.windows import FINER
+from estexp_jax.physics.effects.laws.base import UNKNOWN
 from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where
 from estexp_jax.report.explain_rivals import NAMES, figure_rivals
 from estexp_jax.report.explain_text import VERDICTS
 from estexp_jax.report.film import source
+from estexp_jax.report.latex import latex
+from estexp_jax.report.law_figure import figure_law
 from estexp_jax.report.pages import capital, finite, image, number, percent, probability, render
 
 _NOTHING = {
@@ -36,7 +40,7 @@ def page(diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None
         verdict=findings["verdict"],
         headline=headline(findings),
         proof=_agreement(findings["fit"]) if findings["verdict"] == "consistent" else _proof(findings["fit"]),
-        claims=[_claim(entry) for entry in findings["what"]],
+        claims=[_claim(entry, diagnosis) for entry in findings["what"]],
         nothing=_NOTHING[findings["verdict"]],
         left_out=[capital(f"{c.sentence()} ({c.place})") for c in diagnosis.left_out] if findings["what"] else [],
         places=[_place(entry) for entry in findings["where"]],
@@ -67,7 +71,8 @@ def headline(findings: Mapping[str, Any]) -> str:
     return f"{text.removesuffix('.')}: {first['sentence']}{more}."
 
 
-def _claim(entry: Mapping[str, Any]) -> dict[str, Any]:
+def _claim(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
+    laws = [law for law in diagnosis.laws if entry["effect"] == UNKNOWN and law.joint == entry["name"]]
     numbers = [
         {"name": name, "unit": p["unit"], **{key: number(p[key]) for key in ("value", "low", "high")}}
         for name, p in entry["parameters"].items()
@@ -75,6 +80,8 @@ def _claim(entry: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "sentence": capital(entry["sentence"]),
         "equation": entry["equation"],
+        "latex": latex(entry["equation"]),
+        "law": image(figure_law(laws[0], joint_unit(diagnosis.case.robot, laws[0].joint))) if laws else "",
         "parameters": numbers,
         "place": capital(f"{entry['effect'].replace('_', ' ')}, {_named(entry)}"),
         "probability": probability(entry["probability"]),

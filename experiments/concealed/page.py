@@ -9,6 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from experiments.concealed.rivals.logs import gain
 from experiments.concealed.runner import ending_of, findings_of
 from experiments.concealed.scoring.board import board
 from experiments.concealed.scoring.judge import Row, judge
@@ -88,19 +91,24 @@ def absorbed(rows: Sequence[Row], answers: Mapping[str, Any], rivals: Mapping[st
 
 
 def beside(rows: Sequence[Row], rivals: Mapping[str, Any]) -> dict[str, Any]:
-    """Median held-out gain of each rival and of the explanation, on the visible cases where the rival ran."""
-    import numpy as np
+    """Median held-out gain of each rival and of the explanation, on the visible cases where the rival ran.
 
-    found: dict[str, Any] = {}
-    for name in sorted({n for r in rivals.values() for n in r}):
-        pairs = [
-            (rivals[r.case][name]["gain"], r.gain)
-            for r in rows
-            if r.visible and r.gain is not None and rivals.get(r.case, {}).get(name, {}).get("gain") is not None
-        ]
-        if pairs:
-            rival, own = np.median(pairs, axis=0).tolist()
-            found[name] = {"cases": len(pairs), "gain": rival, "explained": own}
+    Refitted parameters, the placebo and the black box (a small network trained on the residual force) come with every
+    explanation; the others run by themselves.
+    """
+    pairs: dict[str, list[tuple[float, float]]] = {}
+    for r in rows:
+        theirs = {name: told.get("gain") for name, told in rivals.get(r.case, {}).items()}
+        if r.floor is not None:
+            told = {n: e for n, e in r.errors.items() if n != "explained"}
+            theirs |= {name: gain(error, r.errors["nominal"], r.floor) for name, error in told.items()}
+        for name, theirs_here in theirs.items():
+            if r.visible and r.gain is not None and theirs_here is not None:
+                pairs.setdefault(name, []).append((theirs_here, r.gain))
+    found = {}
+    for name, each in sorted(pairs.items()):
+        rival, own = np.median(each, axis=0).tolist()
+        found[name] = {"cases": len(each), "gain": rival, "explained": own}
     return found
 
 

@@ -68,6 +68,14 @@ def test_a_law_in_no_catalogue_is_found_with_its_values(notched):
     assert (findings["where"][0]["kind"], findings["where"][0]["name"]) == ("joint", "shaft")
 
 
+def test_the_law_is_shown_along_the_recordings_beside_what_the_joint_lacks(notched):
+    [law] = notched.laws
+    assert law.joint == "shaft" and law.q.shape == law.w.shape == law.lacking.shape == law.given.shape
+    true = detent(0.0, law.q, law.w)
+    assert np.abs(law.given - true).max() < 0.05 * np.abs(true).max()
+    assert np.corrcoef(law.lacking, true)[0, 1] > 0.8, "what is missing without the law, not beside it"
+
+
 def test_the_simulator_keeps_the_law_and_the_model_says_that_it_lacks_it(notched):
     [law] = [c for c in notched.changes if c.effect == "law_detent"]
     assert Change.from_json(json.loads(json.dumps(law.to_json()))) == law

@@ -9,6 +9,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from estexp_jax.discovery.likely_laws import LawForces
 from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where, ranked, worst_channel
 from estexp_jax.report.explain_page import headline, page
 from estexp_jax.report.explain_rivals import figure_rivals
@@ -57,6 +58,15 @@ def test_it_needs_nothing_else_and_its_figures_are_drawings(verdict):
     outside = re.sub(r'src="data:[^"]*"', "", html)
     assert not re.search(r"https?:|@import|url\(|<script .|<link", outside)
     assert outside.count("<script>") == 1
+
+
+def test_an_unknown_law_is_drawn_beside_its_equation():
+    d, way = diagnosis(), np.linspace(-1.0, 1.0, 300)
+    laws = (LawForces(LONG, way, np.cos(9.0 * way), way**3 + 0.01, way**3),)
+    d = replace(d, laws=laws, findings=d.findings | {"what": [d.findings["what"][0] | {"effect": "unknown_law"}]})
+    reader = Reader()
+    reader.feed(page(d, d.findings))
+    assert len(reader.addresses) == 5 and r"\tau = -T \operatorname{sign}(\omega)" in reader.text
 
 
 def test_it_tells_the_finding_in_full():

@@ -1,0 +1,49 @@
+"""An unknown law drawn: what it gives and what the joint lacks without it, where the recordings show the joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from estexp_jax.discovery.likely_laws import LawForces
+from estexp_jax.discovery.telling_laws import COVERED
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_LACKING, _GIVEN = "#a0a0a0", "#1b6ca8"
+_BINS = 60
+
+
+def figure_law(law: LawForces, unit: str = "rad") -> Figure:
+    """Force over position and over speed, each above the density of the samples; between dotted lines it is covered.
+
+    Args:
+        law: what it gives where the joint was seen.
+        unit: of the joint's position, rad or m.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.4, 4.2), layout="constrained")
+    panels = figure.subplots(2, 2, sharex="col", sharey="row", gridspec_kw={"height_ratios": [4, 1]})
+    for (above, below), x, label in zip(panels.T, (law.q, law.w), (f"q ({unit})", f"w ({unit}/s)"), strict=True):
+        above.plot(x, law.lacking, ".", color=_LACKING, ms=2.0, alpha=0.5, label="lacking", rasterized=True)
+        above.plot(x, law.given, ".", color=_GIVEN, ms=2.0, label="law", rasterized=True)
+        above.spines[["top", "right"]].set_visible(False)
+        _draw_density(below, x)
+        for edge in np.quantile(x, COVERED):
+            above.axvline(edge, color="0.5", ls=":", lw=1.0)
+        below.set_xlabel(label)
+    panels[0, 0].set_ylabel("force (N m)" if unit == "rad" else "force (N)")
+    figure.suptitle(law.joint, fontsize=10, x=0.02, ha="left", parse_math=False)
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=2, frameon=False, fontsize=9, markerscale=4)
+    return figure
+
+
+def _draw_density(axes: Axes, x: np.ndarray) -> None:
+    axes.hist(x, bins=_BINS, color="0.8")
+    axes.set_yticks([])
+    axes.spines[["top", "right", "left"]].set_visible(False)
