@@ -28,6 +28,7 @@ from estexp_jax.discovery.hypotheses import (
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.laws import Unnamed, needed, unknown_law
+from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.possible import possible
@@ -135,7 +136,7 @@ def explain(
     settings = {name for r in case.recordings for name in r.settings}
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
-    whole = commanded(whole, nominal.member)
+    whole = _with_waves(case, commanded(whole, nominal.member))
     selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if not began and verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
@@ -151,6 +152,16 @@ def explain(
     yield Progress("test recordings", 0, 1)
     shown = resolved(case, problem, shown, fits["explained"].member)
     return diagnosis(case, config, Found(problem, shown, selection, fits, learned, bases[0][1]))
+
+
+def _with_waves(case: Case, whole: Problem) -> Problem:
+    """The comparison with what missing forces suggest of cogging, where it is known how the robot moved."""
+    train = case.indices("train")
+    known = {s.recording for s in whole.segments if s.path is not None}
+    if not any(name == COGGING for name, _ in whole.places) or not known >= set(train):
+        return whole
+    seen = force_residuals(whole, [robot.model for robot in case.robots], train)
+    return replace(whole, likely=likely_waves(case.robot, seen))
 
 
 def _late(

@@ -184,7 +184,7 @@ def _among(problem: Problem, simulator: Replayer, places: Sequence[Place], start
     """The comparison among other claims, by a simulator that knows them."""
     memory = problem.memory.setdefault(_MEMORY, {})
     replays = replace(problem.replays, replayer=simulator)
-    return replace(problem, replays=replays, places=tuple(places), likely=starts, memory=memory)
+    return replace(problem, replays=replays, places=tuple(places), likely={**problem.likely, **starts}, memory=memory)
 
 
 def _kept(robot: Robot, selection: Selection) -> list[Explanation]:
