@@ -38,6 +38,7 @@ from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.searching import fitted, select
 from estexp_jax.discovery.selection import Selection
+from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.inference.apart import excluded, kept_apart
@@ -46,7 +47,7 @@ from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import cut_of, fitting_window
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.registry import catalogue, effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
 
@@ -161,7 +162,10 @@ def _with_waves(case: Case, whole: Problem) -> Problem:
     if not any(name == COGGING for name, _ in whole.places) or not known >= set(train):
         return whole
     seen = force_residuals(whole, [robot.model for robot in case.robots], train)
-    return replace(whole, likely=likely_waves(case.robot, seen))
+    waves = likely_waves(case.robot, seen)
+    return replace(
+        whole, likely={p: [*w, *starts(case.robot, effect(COGGING), p[1], whole.seen)] for p, w in waves.items()}
+    )
 
 
 def _late(

@@ -75,8 +75,7 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             low, high = _range(robot, site, seen)
             return [(s * bounds[0][1], q) for s, q in product(SHARES, (low, 0.5 * (low + high), high))]
         case "cogging":
-            spacings = np.concatenate([np.arange(2.0, 16.0, 1.5), np.arange(16.0, 50.0, 3.0)])
-            return [(0.05 * bounds[0][1], n, p) for n, p in product(spacings.tolist(), (-2.1, 0.0, 2.1))]
+            return [(0.05 * bounds[0][1], n, p) for n, p in product(np.arange(2.0, 16.0, 1.5), (-2.1, 0.0, 2.1))]
         case "joint_limit":
             low, high = _range(robot, site, seen)
             inside = [share * (high - low) for share in (0.05, 0.15, 0.3)]

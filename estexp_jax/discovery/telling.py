@@ -20,7 +20,7 @@ from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, fit_entry
-from estexp_jax.discovery.selection import Selection, probabilities
+from estexp_jax.discovery.selection import Selection, probabilities, worth
 from estexp_jax.discovery.shown import Shown, shown_by
 from estexp_jax.discovery.telling_laws import law_advice, law_entries
 from estexp_jax.discovery.uncertainty import parameter_intervals
@@ -65,7 +65,7 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         config: how.
         found: everything.
     """
-    judged, found, step = _judged(case, found)
+    judged, found, step = judged_by(case, found)
     final, claimed = found.fits["explained"], found.claimed
     changes, shares = _at_work(final), probabilities(found.selection, config.seed)
     shown = shown_by(found.shown, {name: f for name, f in found.fits.items() if name in RIVALS})
@@ -105,18 +105,21 @@ def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
     return tuple(law_forces(case.robot, seen, j, [c for c in terms if c.name == j]) for j in joints)
 
 
-def _judged(case: Case, found: Found) -> tuple[str, Found, Change | None]:
+def judged_by(case: Case, found: Found) -> tuple[str, Found, Change | None]:
     """The verdict, the fits that go with it, and the time step where that is to blame."""
-    judged, nominal = verdict(case.robot, found.selection, found.claimed), found.fits["nominal"]
+    selection, nominal = found.selection, found.fits["nominal"]
+    judged = verdict(case.robot, selection, found.claimed)
     if judged == "parameters" and found.shown.replays.began:  # no value of the model changes meanwhile
         return "missing_physics", found, None
-    if judged == "consistent":  # then nothing is changed, not even what a refit would bend
+    as_it_is = min(selection.nominal, selection.corrected, key=lambda e: e.error)
+    # Then nothing is changed, nor is anything bent that would predict no better.
+    if judged == "consistent" or (judged == "unexplained" and not worth(selection.chosen, as_it_is)):
         fits = dict.fromkeys(("nominal", "explained", "sayable"), nominal)
         return judged, replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]}), None
     if judged != "parameters" or found.claimed:
         return judged, found, None
     error = found.shown.error(nominal.member, found.shown.trained)
-    step = step_to_blame(found.selection, error, float(case.robot.model.opt.timestep))
+    step = step_to_blame(selection, error, float(case.robot.model.opt.timestep))
     return (judged if step is None else "missing_physics"), found, step
 
 

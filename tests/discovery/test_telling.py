@@ -1,0 +1,39 @@
+"""What is told where nothing explains a mismatch."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery.diagnosis import Case
+from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.telling import Found, judged_by
+from tests.discovery.planted import nominal
+
+UNUSED: Any = None
+
+
+def fit(number: float) -> Fit:
+    return Fit(Hypothesis((), ()), np.zeros(0), number)
+
+
+def explanation(error: float) -> Explanation:
+    """With errors that differ from window to window."""
+    share = np.array([0.5, 0.8, 1.0, 1.1, 1.3, 1.3])
+    return Explanation(fit(error**2), error**2 * share / share.sum())
+
+
+@pytest.mark.parametrize(("bent", "kept"), [(9.9, False), (6.0, True)])
+def test_where_nothing_explains_values_stay_as_they_are_unless_bending_them_pays(bent: float, kept: bool) -> None:
+    robot = nominal("one")
+    as_it_is, own = explanation(10.0), explanation(bent)
+    selection = Selection(as_it_is, as_it_is, own, (), own)
+    fits = {name: fit(float(i)) for i, name in enumerate(("nominal", "explained", "sayable", "parameters_only"))}
+    found = Found(UNUSED, UNUSED, selection, fits, {}, ())
+    judged, after, step = judged_by(Case(robot, (), ()), found)
+    assert judged == "unexplained" and step is None
+    assert after.fits["parameters_only"] is fits["parameters_only"]
+    shown = "explained" if kept else "nominal"
+    assert after.fits["explained"] is fits[shown] and after.fits["sayable"] is fits["sayable" if kept else "nominal"]
