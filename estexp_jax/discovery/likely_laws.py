@@ -77,6 +77,7 @@ class LawForces(NamedTuple):
     Attributes:
         joint: its name.
         q, w: (samples,) position and speed, rad or m and rad/s or m/s.
+        motor: (samples,) torque of its motors, N m or N.
         lacking: (samples,) force that the joint lacks, N m or N; jolts cut off.
         given: (samples,) what the law gives.
     """
@@ -84,6 +85,7 @@ class LawForces(NamedTuple):
     joint: str
     q: np.ndarray
     w: np.ndarray
+    motor: np.ndarray
     lacking: np.ndarray
     given: np.ndarray
 
@@ -102,7 +104,7 @@ def law_forces(robot: Robot, seen: Sequence[ForceResidual], joint: str, terms: S
         law = effect(term.effect)
         assert isinstance(law, JointLaw)
         given = given + _force(law, tuple(np.array([term.values[p.name]]) for p in law.parameters), samples)[:, 0]
-    return LawForces(joint, samples.q, samples.w, samples.force, given)
+    return LawForces(joint, samples.q, samples.w, samples.motor, samples.force, given)
 
 
 def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Samples:

@@ -3,17 +3,19 @@
 import json
 import sys
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 
 from estexp_jax.errors import InputError
+from experiments.common.case_sets import row_of
 from experiments.concealed import runner
 from experiments.concealed.generator.case import make
 from experiments.concealed.generator.catalogue import SINGLE, places
 from experiments.concealed.scoring.judge import Row, Size
-from experiments.planted import cases
 from experiments.planted import run as front
 from experiments.planted.planned import PARTS, planned
+from experiments.planted.planted import PLANTED
 from experiments.planted.scores import measured, write_scores
 
 
@@ -70,7 +72,7 @@ def test_a_folder_with_results_is_not_written_over(tmp_path) -> None:
 
 
 def test_a_part_keeps_the_ids_of_the_whole() -> None:
-    whole, two = cases.numbered(9, "all"), cases.numbered(9, "two")
+    whole, two = PLANTED.numbered(9, "all"), PLANTED.numbered(9, "two")
     assert len(two) == 20 and all(whole[case] == plan for case, plan in two.items())
 
 
@@ -105,19 +107,19 @@ FINDINGS = {
 def test_a_case_becomes_a_row_and_what_is_published_is_not_done_again(tmp_path, monkeypatch) -> None:
     command = (sys.executable, "-c", EXPLAIN.replace("FINDINGS", repr(FINDINGS)))
     monkeypatch.setattr(runner, "_die_with_worker", None)  # it forks, which JAX, if another test loaded it, warns of
+    some = replace(PLANTED, published=tmp_path / "rows.json", command=lambda _: command)
     plan = planned(4, "nothing")[0]
     for case in ("c000", "c001"):
         (tmp_path / "cases" / case).mkdir(parents=True)
         (tmp_path / "drawn").mkdir(exist_ok=True)
         (tmp_path / "drawn" / f"{case}.json").write_text(json.dumps(ANSWER))
-        cases.explained(tmp_path, case, plan, 60.0, command)
+        some.explained(tmp_path, case, plan, 60.0)
     assert [p.name for p in (tmp_path / "cases").iterdir()] == ["c001"]  # a failure can be looked at
-    entries = cases.entries_of(tmp_path, 4)
-    rows = [cases.row_of(entry) for entry in entries.values()]
+    entries = some.entries(tmp_path, 4)
+    rows = [row_of(entry) for entry in entries.values()]
     assert [r.verdict for r in rows] == ["parameters", "none"] and rows[0].robot_steps == 7
-    monkeypatch.setattr(cases, "PUBLISHED", tmp_path / "rows.json")
-    cases.publish(entries, 4)
-    elsewhere = cases.entries_of(tmp_path / "elsewhere", 4)
-    assert elsewhere == entries and cases.entries_of(tmp_path / "elsewhere", 5) == {}
+    some.publish(entries, 4)
+    elsewhere = some.entries(tmp_path / "elsewhere", 4)
+    assert elsewhere == entries and some.entries(tmp_path / "elsewhere", 5) == {}
     page = write_scores(tmp_path, rows, 490).read_text()
     assert page.startswith("2 of 490 cases") and "0 of 2" in page

@@ -62,7 +62,7 @@ def test_it_needs_nothing_else_and_its_figures_are_drawings(verdict):
 
 def test_an_unknown_law_is_drawn_beside_its_equation():
     d, way = diagnosis(), np.linspace(-1.0, 1.0, 300)
-    laws = (LawForces(LONG, way, np.cos(9.0 * way), way**3 + 0.01, way**3),)
+    laws = (LawForces(LONG, way, np.cos(9.0 * way), 0.0 * way, way**3 + 0.01, way**3),)
     d = replace(d, laws=laws, findings=d.findings | {"what": [d.findings["what"][0] | {"effect": "unknown_law"}]})
     reader = Reader()
     reader.feed(page(d, d.findings))

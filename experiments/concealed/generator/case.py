@@ -49,6 +49,7 @@ class Plan:
         seed: of everything random in it.
         by_hand: whether the equations written by hand move it.
         plain: parameters are off by 1 %, encoders have 14 bits, noise has no memory, no row is lost.
+        tests: amplitudes of the test recordings, as shares of the full one.
     """
 
     group: str
@@ -57,6 +58,7 @@ class Plan:
     seed: int
     by_hand: bool = False
     plain: bool = False
+    tests: tuple[float, ...] = TEST
 
 
 @dataclass(frozen=True)
@@ -170,12 +172,17 @@ def _recordings(
     rng: np.random.Generator,
 ) -> list[Recorded]:
     seconds = robot.seconds * shorter * (1.5 if rate == 50.0 else 1.0)
-    kinds = ["gait"] * 4 if robot.style == "gait" else rng.permutation(KINDS)[:3].tolist() + ["sines"]
+    sizes = (*TRAIN, *plan.tests)
+    kinds = (
+        ["gait"] * len(sizes)
+        if robot.style == "gait"
+        else [*rng.permutation(KINDS)[:3].tolist(), *["sines"] * len(plan.tests)]
+    )
     if robot.style in ("torque", "mixed"):
         kinds[0] = "open"
     off = any(p.effect == "back_emf" for p in plan.planted) or rng.random() < 0.2
     found = []
-    for i, (size, kind) in enumerate(zip(TRAIN + TEST, kinds, strict=True)):
+    for i, (size, kind) in enumerate(zip(sizes, kinds, strict=True)):
         train = i < len(TRAIN)
         onset = float(rng.uniform(0.35, 0.65) * seconds) if plan.group == "onset" and train else None
         for effect in effects:

@@ -6,10 +6,11 @@ import numpy as np
 
 from experiments.concealed.generator.known import KNOWN
 from experiments.concealed.generator.odd import ODD
+from experiments.concealed.generator.own import OWN
 from experiments.concealed.generator.robots import ROBOTS, Layout, layout
 from experiments.concealed.generator.scales import scales
 
-CATALOGUE = {k.law or k.name: k for k in (*KNOWN, *ODD)}
+CATALOGUE = {k.law or k.name: k for k in (*KNOWN, *ODD, *OWN)}
 """All kinds by their own names."""
 
 
@@ -24,7 +25,8 @@ UNKNOWN = (
     "sagging_supply",
     "drifting_sensor",
 )
-SINGLE = tuple(name for name in CATALOGUE if name not in RELATIVES + UNKNOWN)
+OTHERS = tuple(k.law for k in OWN if k.law)
+SINGLE = tuple(name for name in CATALOGUE if name not in RELATIVES + UNKNOWN + OTHERS)
 ABSORBABLE = (
     "load_dependent_friction",
     "stribeck_friction",

@@ -26,6 +26,11 @@ def rebuilt(answer: dict[str, Any]) -> Case:
 
 def error(answer: dict[str, Any], model: mujoco.MjModel, logs: list[Log]) -> float:
     """nrmse of the oracle on the test recordings."""
+    return float(np.sqrt(np.mean(np.square(errors(answer, model, logs)))))
+
+
+def errors(answer: dict[str, Any], model: mujoco.MjModel, logs: list[Log]) -> list[float]:
+    """nrmse of the oracle on each of the test recordings."""
     case, place = rebuilt(answer), layout(answer["robot"])
     robot, parts = ROBOTS[answer["robot"]], []
     tests = [r for r in case.recorded if r.name.startswith("test")]
@@ -43,6 +48,6 @@ def error(answer: dict[str, Any], model: mujoco.MjModel, logs: list[Log]) -> flo
         truth = np.stack(seen, axis=1)
         at = np.abs(log.time[:, None] - rows.time[None, :]).argmin(axis=1)
         kept = np.concatenate([w.rows[1:] for w in windows(model, log)])
-        errors = (truth[at] - log.sensor)[kept]
-        parts.append(np.mean(errors**2, axis=0) / np.ptp(log.sensor, axis=0) ** 2)
-    return float(np.sqrt(np.mean(parts)))
+        off = (truth[at] - log.sensor)[kept]
+        parts.append(float(np.sqrt(np.mean(np.mean(off**2, axis=0) / np.ptp(log.sensor, axis=0) ** 2))))
+    return parts

@@ -1,0 +1,56 @@
+"""Which effects are left out of the catalogue where they act, and which laws were never in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from estexp_jax.discovery.starts import RUNGS
+from experiments.concealed.generator.case import Plan, Planted
+from experiments.concealed.generator.catalogue import CATALOGUE, OTHERS, SINGLE, places
+
+ROBOTS, SEEDS = ("leg", "planar"), 5
+LEFT = tuple(name for name in SINGLE if CATALOGUE[name].kind in ("joint", "actuator"))
+"""Effects that are left out one by one."""
+_WEAKEST, _PLAINEST = 0.15, 0.7
+_TESTS = (0.6, 0.9)
+"""Amplitudes of the test recordings: the training recordings' own, and beyond."""
+
+
+def planned(seed: int, part: str = "all") -> list[Plan]:
+    """The plans of a set, in an order that tells nothing; a part of them if it is named.
+
+    Args:
+        seed: decides everything.
+        part: all, left_out or own.
+    """
+    found: list[Plan] = []
+    for k, (name, laws) in enumerate(_LAWS.items()):
+        own = list(_drawn(name, laws, np.random.default_rng([seed, 17, k])))
+        found += own if part in ("all", name) else []
+    order = np.random.default_rng([seed, 18]).permutation(len(found))
+    return [found[i] for i in order]
+
+
+def left_out(plan: Plan) -> tuple[str, ...]:
+    """What the catalogue lacks for a case: the effect, what it contains and what contains it."""
+    [planted] = plan.planted
+    if planted.effect in OTHERS:
+        return ()
+    near = {a for a, b in RUNGS.items() if b == planted.effect} | {RUNGS.get(planted.effect, planted.effect)}
+    return tuple(sorted({planted.effect, *near}))
+
+
+def _drawn(part: str, laws: tuple[str, ...], rng: np.random.Generator) -> Iterator[Plan]:
+    for robot in ROBOTS:
+        for law in laws:
+            for _ in range(SEEDS if places(law, robot) else 0):
+                strength = float(np.exp(rng.uniform(np.log(_WEAKEST), np.log(_PLAINEST))))
+                planted = Planted(law, int(rng.choice(places(law, robot))), strength)
+                seed = int(rng.integers(2**62))
+                yield Plan(part, robot, (planted,), seed, plain=True, tests=_TESTS)
+
+
+_LAWS = {"left_out": LEFT, "own": OTHERS}
+PARTS = ("all", *_LAWS)
