@@ -1,4 +1,4 @@
-"""`python -m experiments.unnamed.explaining --without A B -- MANIFEST --out DIR`: explain with a smaller catalogue.
+"""`python -m experiments.unnamed.explaining --without A,B MANIFEST --out DIR`: explain with a smaller catalogue.
 
 Beside the usual results it leaves `unnamed.json`: errors on each test recording, and each law's force where the
 training recordings show its joint.
@@ -20,13 +20,13 @@ from estexp_jax.runs import write_json
 def main(arguments: list[str] | None = None) -> int:
     """Explain one case; always anew."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--without", nargs="*", default=[])
+    parser.add_argument("--without", default="", help="names, with commas between them")
     parser.add_argument("manifest", type=Path)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--resume", action="store_true", help="means --force here")
     parser.add_argument("--force", action="store_true")
     options = parser.parse_args(arguments)
-    names = [name for name in explaining() if name not in options.without]
+    names = [name for name in explaining() if name not in options.without.split(",")]
     found = ee.explain(options.manifest, effects=names, progress=lambda step: print(step.stage, flush=True))
     found.write(options.out, force=True, pictures=False)
     tests = [p for p in found.diagnosis.predictions if p.role == "test"]

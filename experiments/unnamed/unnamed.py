@@ -25,8 +25,7 @@ _POINTS = 400
 
 
 def _command(plan: Plan) -> tuple[str, ...]:
-    without = left_out(plan)
-    return (sys.executable, "-m", "experiments.unnamed.explaining", *(["--without", *without, "--"] if without else []))
+    return (sys.executable, "-m", "experiments.unnamed.explaining", "--without", ",".join(left_out(plan)))
 
 
 def _more(out: Path, case: str, answer: dict[str, Any]) -> dict[str, Any]:
