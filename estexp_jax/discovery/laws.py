@@ -101,7 +101,7 @@ def unknown_law(
     starts: dict[Place, Vectors] = {}
     for joint in joints:
         yield Progress("unknown laws, forces", joints.index(joint), len(joints), joint)
-        starts |= likely(robot, unnamed.seen, joint, _TERMS)
+        starts |= likely(robot, unnamed.seen, joint, _TERMS, {name for name, _ in unnamed.problem.places})
     if not starts:
         return None
     plain = [p for p in unnamed.problem.places if p[0] in _BESIDE and p[1] in joints]

@@ -6,7 +6,7 @@ without what wrong values of the model would explain. A look only: what the term
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -56,7 +56,9 @@ class _Beside(NamedTuple):
     values: tuple[float, ...]
 
 
-def likely(robot: Robot, seen: Sequence[ForceResidual], joint: str, n: int) -> dict[Place, Vectors]:
+def likely(
+    robot: Robot, seen: Sequence[ForceResidual], joint: str, n: int, named: Collection[str] = ()
+) -> dict[Place, Vectors]:
     """The terms at a joint that take out most of the force that it lacks, with values to start from.
 
     Args:
@@ -64,9 +66,10 @@ def likely(robot: Robot, seen: Sequence[ForceResidual], joint: str, n: int) -> d
         seen: what its joints lack, in each training recording.
         joint: the joint's name.
         n: how many terms are wanted.
+        named: effects of the catalogue that may be claimed: terms that say the same do not count.
     """
     samples = _samples(robot, seen, robot.index("joint", joint))
-    found = {law.name: _beside(robot, law, joint, samples) for law in LAWS}
+    found = {law.name: _beside(robot, law, joint, samples) for law in LAWS if law.stands_for not in named}
     ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
     return {(name, joint): [b.values for b in found[name]] for name in ranked[:n]}
 

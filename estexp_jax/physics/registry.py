@@ -30,6 +30,14 @@ from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.effects.laws.of_friction import LawFrictionWave, LawTightSpot, LawTwoWayFriction
 from estexp_jax.physics.effects.laws.of_motors import LawSlowMotor, LawSoftMotor
 from estexp_jax.physics.effects.laws.of_others import LawFling, LawSquareFling, LawStir, LawTie, LawTow, LawWhirl
+from estexp_jax.physics.effects.laws.of_plain import (
+    LawDamping,
+    LawDrag,
+    LawDryFriction,
+    LawPush,
+    LawSpring,
+    LawWave,
+)
 from estexp_jax.physics.effects.laws.of_position import (
     LawBump,
     LawCube,
@@ -145,6 +153,12 @@ LAWS: tuple[JointLaw, ...] = (
     LawCreep(),
     LawSoftMotor(),
     LawSlowMotor(),
+    LawDamping(),
+    LawDrag(),
+    LawDryFriction(),
+    LawPush(),
+    LawSpring(),
+    LawWave(),
 )
 """Terms of unknown laws: nobody claims one by name; a few of them at one joint are told as its `unknown_law`."""
 

@@ -10,6 +10,7 @@ import pytest
 
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.simulator import load_explained
+from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
@@ -149,11 +150,17 @@ def moving(force) -> ForceResidual:
     ],
 )
 def test_missing_forces_suggest_the_law_that_made_them(force, name, values):
-    found = likely(nominal("two"), [moving(force)], "elbow", 6)
+    found = likely(nominal("two"), [moving(force)], "elbow", 6, EXPLAINING)
     first = next(iter(found))
     assert first == (name, "elbow")
     assert found[first][0][: len(values)] == pytest.approx(values, rel=0.35)
     assert len(found) == 6
+
+
+def test_terms_that_a_named_effect_says_count_only_without_it():
+    there = moving(lambda t, q, w: -0.3 * np.abs(w[:, 1]) * w[:, 1])
+    assert next(iter(likely(nominal("two"), [there], "elbow", 6))) == ("law_drag", "elbow")
+    assert ("law_drag", "elbow") not in likely(nominal("two"), [there], "elbow", 40, ["quadratic_drag"])
 
 
 def test_joints_that_lack_most_force_are_suspects():

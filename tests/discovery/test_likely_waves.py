@@ -14,9 +14,9 @@ def seen(robot: Robot, force, rows: int = 1600) -> ForceResidual:
     rng, time = np.random.default_rng(31), np.arange(rows) / 200.0
     q = 0.9 * np.sin(2.1 * time) + 0.4 * np.sin(5.3 * time + 1.0)
     w = np.gradient(q, time)
-    one = [x[:, None] for x in (q, w, np.zeros(rows), 0.3 * np.cos(3.0 * time))]
+    qpos, qvel, ctrl, motor = (x[:, None] for x in (q, w, np.zeros(rows), 0.3 * np.cos(3.0 * time)))
     noise = rng.normal(scale=0.05, size=rows)
-    return ForceResidual(time, *one, (force(q, w) + noise)[:, None])
+    return ForceResidual(time, qpos, qvel, ctrl, motor, (force(q, w) + noise)[:, None])
 
 
 @pytest.mark.parametrize("n", [5.3, 21.0, 44.0])

@@ -60,7 +60,8 @@ def test_a_force_is_compared_with_the_true_one_named_effects_beside_it_included(
 
 def test_forces_are_those_of_the_generator() -> None:
     assert set(FORCES) <= set(CATALOGUE)
-    assert FORCES["tightening_cable"]({"k": 2.0, "q0": 0.5}, np.array([0.0, 1.5]), None, None) == pytest.approx([0, -2])
+    q = np.array([0.0, 1.5])
+    assert FORCES["tightening_cable"]({"k": 2.0, "q0": 0.5}, q, q, q) == pytest.approx([0.0, -2.0])
 
 
 def test_what_a_force_depends_on_is_seen() -> None:

@@ -65,6 +65,12 @@ EXPECTED = {
     "law_tie": ((0.3, 2.0, 0.1), -0.3 * (Q2 - 0.1)),
     "law_soft_motor": ((0.4,), (1.0 / np.sqrt(1.0 + 0.4 * M**2) - 1.0) * M),
     "law_slow_motor": ((0.2,), -0.2 * np.abs(W) * M),
+    "law_damping": ((0.2,), -0.2 * W),
+    "law_drag": ((0.2,), -0.2 * np.abs(W) * W),
+    "law_dry_friction": ((0.2,), -0.2 * np.sign(W)),
+    "law_push": ((0.2,), 0.2 + 0.0 * W),
+    "law_spring": ((0.7, 0.3), -0.7 * (Q - 0.3)),
+    "law_wave": ((0.2, 7.0, 0.4), 0.2 * np.sin(7.0 * Q + 0.4)),
 }
 
 
@@ -72,6 +78,7 @@ def test_the_library_is_one_of_its_own() -> None:
     names = [e.name for e in (*ALL, *VARIANTS, *LAWS)]
     assert len(set(names)) == len(names)
     assert {law.name for law in LAWS} == {*EXPECTED, "law_rhythm", "law_creep"}
+    assert {law.stands_for for law in LAWS} - {""} <= {e.name for e in ALL}
 
 
 @pytest.mark.parametrize("name", EXPECTED)

@@ -48,12 +48,14 @@ class JointLaw(Term):
     Class attributes:
         resembles: what it is like, in words.
         symbols: what its formula's letters mean, beside q, w and tau.
+        stands_for: an effect of the catalogue that says the same: beside it the term does not count.
     """
 
     kind: ClassVar[str] = "joint"
     source: ClassVar[str] = "Brunton, Proctor and Kutz, PNAS 113 (2016)"
     resembles: ClassVar[str]
     symbols: ClassVar[str] = ""
+    stands_for: ClassVar[str] = ""
 
     @abc.abstractmethod
     def most(self, robot: Robot, joint: int) -> float:

@@ -1,0 +1,167 @@
+"""The plainest terms. The catalogue has effects that say the same, so they count only where these are left out."""
+
+from collections.abc import Mapping
+from itertools import product
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.physics import scales
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.laws.base import (
+    PHASES,
+    ROUND,
+    WAVES,
+    JointLaw,
+    Reach,
+    amplitude,
+    away,
+    half_span,
+    signed,
+    torque,
+)
+from estexp_jax.physics.robot import Robot
+
+Bounds = tuple[tuple[float, float], ...]
+_DENSEST = 60.0
+"""Largest spatial frequency, 1/rad or 1/m."""
+
+
+class _Shapeless(JointLaw):
+    """A term with no parameter but its amplitude."""
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return ()
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [()]
+
+
+@final
+class LawDamping(_Shapeless):
+    """tau = -c w."""
+
+    name: ClassVar[str] = "law_damping"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s/rad", signed=False),)
+    equation: ClassVar[str] = "tau = -c w"
+    resembles: ClassVar[str] = "a resistance in proportion to speed"
+    stands_for: ClassVar[str] = "viscous_friction"
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["c"], "w")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(damping=p[0]), state
+
+
+@final
+class LawDrag(_Shapeless):
+    """tau = -c |w| w."""
+
+    name: ClassVar[str] = "law_drag"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s2/rad2", signed=False),)
+    equation: ClassVar[str] = "tau = -c |w| w"
+    resembles: ClassVar[str] = "a resistance that grows with the square of speed, as fluid drag does"
+    stands_for: ClassVar[str] = "quadratic_drag"
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["c"], "|w| w")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(damping=p[0] * jnp.abs(moment.w)), state
+
+
+@final
+class LawDryFriction(_Shapeless):
+    """tau = -T sign(w)."""
+
+    name: ClassVar[str] = "law_dry_friction"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("T", "N m", signed=False),)
+    equation: ClassVar[str] = "tau = -T sign(w)"
+    resembles: ClassVar[str] = "a resistance that is the same at all speeds"
+    stands_for: ClassVar[str] = "coulomb_friction"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["T"], "sign(w)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0]), state
+
+
+@final
+class LawPush(_Shapeless):
+    """tau = T."""
+
+    name: ClassVar[str] = "law_push"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("T", "N m"),)
+    equation: ClassVar[str] = "tau = T"
+    resembles: ClassVar[str] = "a push that is always the same"
+    stands_for: ClassVar[str] = "torque_offset"
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["T"], "")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] + jnp.zeros_like(moment.q)), state
+
+
+@final
+class LawSpring(JointLaw):
+    """tau = -k (q - q0), of either sign."""
+
+    name: ClassVar[str] = "law_spring"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
+    equation: ClassVar[str] = "tau = -k (q - q0)"
+    resembles: ClassVar[str] = "a spring"
+    stands_for: ClassVar[str] = "joint_stiffness"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 10.0 * torque(robot, joint) / half_span(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (scales.joint_span(robot, joint),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(q,) for q in (reach.low, *reach.places(3), reach.high)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["k"], away("q", values["q0"]))
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * (moment.q - p[1])), state
+
+
+@final
+class LawWave(JointLaw):
+    """tau = A sin(n q + phase)."""
+
+    name: ClassVar[str] = "law_wave"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("A", "N m", signed=False),
+        Parameter("n", "1/rad", neutral=1.0),
+        Parameter("phase", "rad", signed=True),
+    )
+    equation: ClassVar[str] = "tau = A sin(n q + phase)"
+    resembles: ClassVar[str] = "a force that comes again and again along the way, as the poles of a motor pass"
+    stands_for: ClassVar[str] = "cogging"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (0.1, _DENSEST), ROUND
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        dense = np.arange(1.0, _DENSEST, 0.5 / reach.span).tolist()
+        return [(n, phase) for n, phase in product((*WAVES, *dense), PHASES)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["A"], f"sin({values['n']:.4g} q {signed(values['phase'], '')})")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * jnp.sin(p[1] * moment.q + p[2])), state
