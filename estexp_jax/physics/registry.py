@@ -51,7 +51,7 @@ from estexp_jax.physics.effects.laws.of_speed import (
     LawPlaceDamping,
     LawSmoothFriction,
 )
-from estexp_jax.physics.effects.laws.of_time import LawCreep, LawRhythm
+from estexp_jax.physics.effects.laws.of_time import LawCreep, LawRhythm, LawThinning
 from estexp_jax.physics.effects.laws.one_sided import LawLowerSpring, LawUpperSpring
 from estexp_jax.physics.effects.load_bristles import LoadBristles
 from estexp_jax.physics.effects.load_dependent_friction import LoadDependentFriction
@@ -151,6 +151,7 @@ LAWS: tuple[JointLaw, ...] = (
     LawTie(),
     LawRhythm(),
     LawCreep(),
+    LawThinning(),
     LawSoftMotor(),
     LawSlowMotor(),
     LawDamping(),

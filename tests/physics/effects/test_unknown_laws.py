@@ -77,7 +77,7 @@ EXPECTED = {
 def test_the_library_is_one_of_its_own() -> None:
     names = [e.name for e in (*ALL, *VARIANTS, *LAWS)]
     assert len(set(names)) == len(names)
-    assert {law.name for law in LAWS} == {*EXPECTED, "law_rhythm", "law_creep"}
+    assert {law.name for law in LAWS} == {*EXPECTED, "law_rhythm", "law_creep", "law_thinning"}
     assert {law.stands_for for law in LAWS} - {""} <= {e.name for e in ALL}
 
 
@@ -110,11 +110,16 @@ def test_what_creeps_pushes_back_like_a_spring_and_then_lets_go() -> None:
     assert forces[549] == pytest.approx(forces[49] * np.exp(-1.0), rel=1e-2)
 
 
-@pytest.mark.parametrize("name", ["law_rhythm", "law_creep"])
+def test_what_thins_resists_less_the_longer_it_moves() -> None:
+    assert force("law_thinning", 0.4, 2.0, 1.0, state=(0.0,)) == pytest.approx(-0.4 * W, rel=1e-4, abs=1e-6)
+    assert force("law_thinning", 0.4, 2.0, 1.0, state=(1.5,)) == pytest.approx(-0.1 * W, rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["law_rhythm", "law_creep", "law_thinning"])
 def test_what_is_remembered_is_what_the_steps_lead_to(name: str) -> None:
     law = effect(name)
     assert isinstance(law, JointLaw)
-    values = {"law_rhythm": (0.4, 1.5, 0.3), "law_creep": (5.0, 0.5)}[name]
+    values = {"law_rhythm": (0.4, 1.5, 0.3), "law_creep": (5.0, 0.5), "law_thinning": (0.4, 2.0, 0.5)}[name]
     time, speed = 0.01 * np.arange(40), np.sin(np.arange(40) / 5.0)
     [told] = law.remembered(values, time, speed)
     one, p = jnp.ones(1), tuple(jnp.full(1, x) for x in values)

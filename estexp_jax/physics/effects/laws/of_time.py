@@ -95,3 +95,46 @@ class LawCreep(JointLaw):
         left = jnp.exp(-moment.dt / T)
         after = force * left + k * T * (1.0 - left) * moment.w
         return JointForce(force=-after), (after,)
+
+
+@final
+class LawThinning(JointLaw):
+    """tau = -c w / (1 + a H), dH/dt = (w^2 - H) / T: a resistance that gives way as motion warms it, like grease.
+
+    Source: Carvalho Bittencourt and Axelsson, IEEE/ASME Transactions on Mechatronics 19 (2014).
+    """
+
+    name: ClassVar[str] = "law_thinning"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("c", "N m s/rad", signed=False),
+        Parameter("a", "s2/rad2"),
+        Parameter("T", "s", neutral=1.0),
+    )
+    equation: ClassVar[str] = "tau = -c w / (1 + a H), dH/dt = (w^2 - H) / T"
+    resembles: ClassVar[str] = "a damper that thins as it warms"
+    n_states: ClassVar[int] = 1
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (0.0, 1e3), (0.05, 20.0)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(share / reach.speed**2, T) for share in (1.0, 4.0, 16.0) for T in (0.3, 1.0, 3.0)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        thinner = f"(1 + {values['a']:.3g} H)"
+        return f"{signed(-values['c'], f'w / {thinner}')} with dH/dt = (w^2 - H)/{values['T']:.3g}"
+
+    def remembered(self, p: tuple[float, ...], time: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, ...]:
+        T, heat = p[2], np.zeros(len(time))
+        for i, dt in enumerate(np.diff(time)):
+            heat[i + 1] = speed[i] ** 2 + (heat[i] - speed[i] ** 2) * np.exp(-dt / T)
+        return (heat,)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        c, a, T = p
+        (heat,) = state
+        power = jnp.square(moment.w)
+        return JointForce(damping=c / (1.0 + a * heat)), (power + (heat - power) * jnp.exp(-moment.dt / T),)
