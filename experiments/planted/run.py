@@ -1,7 +1,7 @@
 """`estexp experiment planted`: every effect planted and recovered.
 
 estexp experiment planted --quick                    two effects at once, 20 cases
-estexp experiment planted --workers 2 [--resume]     the whole set, some 450 cases
+estexp experiment planted --workers 2 [--resume]     the whole set, 490 cases
 python experiments/planted/run.py run|score --part single --out DIR [--publish]
 """
 

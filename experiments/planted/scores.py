@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from estexp_jax.runs import write_text
-from experiments.concealed.scoring.board import share
+from experiments.concealed.scoring.board import told_share
 from experiments.concealed.scoring.judge import Row
 
 _Measured = tuple[str, str, str]
@@ -42,23 +41,23 @@ def measured(rows: Sequence[Row]) -> list[_Measured]:
     weak = [r for r in single if not r.visible]
     return [
         ("effects too weak to be seen", "stated", f"{len(weak)} of {len(single)}"),
-        ("right place first", "95 %", _share(seen, lambda r: r.place_first)),
-        ("right name first", "", _share(seen, lambda r: r.name_first)),
-        ("right name first, or one that says the same", "90 %", _share(seen, lambda r: r.name_equivalent)),
+        ("right place first", "95 %", told_share(seen, lambda r: r.place_first)),
+        ("right name first", "", told_share(seen, lambda r: r.name_first)),
+        ("right name first, or one that says the same", "90 %", told_share(seen, lambda r: r.name_equivalent)),
         ("error of parameters, median and 90 %", "5 %, 15 %", _errors(seen)),
         ("true value within its 90 % interval", "80 to 97 %", _covered(seen)),
         ("held-out excess error removed, median", "90 %", _gain(seen)),
         ("better than parameters only", "95 %", _better(seen, "parameters_only")),
         ("better than the placebo", "95 %", _better(seen, "placebo")),
-        ("too weak ones: right name first", "", _share(weak, lambda r: r.name_equivalent)),
-        ("alarms where nothing is missing", "2 of 100", _share(quiet, lambda r: r.alarm)),
-        ("two effects: both named", "60 %", _share(pairs, lambda r: r.named_all)),
-        ("two effects: at least one named", "90 %", _share(pairs, lambda r: r.wrong_name is False)),
+        ("too weak ones: right name first", "", told_share(weak, lambda r: r.name_equivalent)),
+        ("alarms where nothing is missing", "2 of 100", told_share(quiet, lambda r: r.alarm)),
+        ("two effects: both named", "60 %", told_share(pairs, lambda r: r.named_all)),
+        ("two effects: at least one named", "90 %", told_share(pairs, lambda r: r.wrong_name is False)),
         ("two effects: excess removed, median", "75 %", _gain(pairs)),
-        ("onset half-way: right name", "", _share(late, lambda r: r.name_equivalent)),
+        ("onset half-way: right name", "", told_share(late, lambda r: r.name_equivalent)),
         ("onset half-way: its error, median", "2 %", _onset(late)),
-        ("quadruped: right place first", "90 %", _share(walking, lambda r: r.place_first)),
-        ("quadruped: right name first", "80 %", _share(walking, lambda r: r.name_equivalent)),
+        ("quadruped: right place first", "90 %", told_share(walking, lambda r: r.place_first)),
+        ("quadruped: right name first", "80 %", told_share(walking, lambda r: r.name_equivalent)),
         ("time of a leg or planar arm, median", "", _time(still)),
     ]
 
@@ -67,16 +66,9 @@ def _visible(rows: Sequence[Row]) -> list[Row]:
     return [r for r in rows if r.visible]
 
 
-def _share(rows: Sequence[Row], right: Callable[[Row], Any]) -> str:
-    found = share(rows, right)
-    if not found["n"]:
-        return "-"
-    return f"{found['k']} of {found['n']} ({100 * found['low']:.0f} to {100 * found['high']:.0f} %)"
-
-
 def _better(rows: Sequence[Row], rival: str) -> str:
     asked = [r for r in rows if rival in r.errors and "explained" in r.errors]
-    return _share(asked, lambda r: r.errors["explained"] < r.errors[rival])
+    return told_share(asked, lambda r: r.errors["explained"] < r.errors[rival])
 
 
 def _gain(rows: Sequence[Row]) -> str:

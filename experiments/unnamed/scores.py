@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.runs import write_text
-from experiments.common.case_sets import row_of
-from experiments.concealed.scoring.board import share
+from experiments.concealed.scoring.board import told_share
 from experiments.unnamed.figure import draw_laws
 
 _STATES = (
@@ -23,6 +22,8 @@ _STATES = (
     "warming_damper",
 )
 """Laws with a memory; the others are static."""
+_ALIKE = 1.02
+"""Errors whose ratio is less count as the same."""
 Entry = Mapping[str, Any]
 
 
@@ -51,31 +52,23 @@ def measured(entries: Sequence[Entry]) -> list[tuple[str, str, str]]:
     seen = [e for e in entries if e["visible"]]
     static = [e for e in seen if e["truth"] not in _STATES]
     forces = [e["force"]["error"] for e in seen if e.get("force")]
-    worse = [e for e in entries if e.get("errors") and e["errors"]["explained"] > 1.02 * e["errors"]["nominal"]]
+    worse = [e for e in entries if e.get("errors") and e["errors"]["explained"] > _ALIKE * e["errors"]["nominal"]]
     return [
         ("too weak to be seen", "stated", f"{len(entries) - len(seen)} of {len(entries)}"),
-        ("right place first", "90 %", _share(seen, lambda e: e["place_first"])),
-        ("a wrong name given", "at most 10 %", _share(seen, wrongly_named)),
+        ("right place first", "90 %", told_share(seen, lambda e: e["place_first"])),
+        ("a wrong name given", "at most 10 %", told_share(seen, wrongly_named)),
         ("gain inside the range, of the true law's, median (static)", "80 %", _of_true(static, "inside")),
         ("gain overall, of the true law's, median (static)", "60 %", _of_true(static, "both")),
         ("error of the force, median", "15 %", f"{100 * np.median(forces):.0f} % ({len(forces)})" if forces else "-"),
         ("predicts the tests worse than the nominal simulator", "0", f"{len(worse)} of {len(entries)}"),
-        ("unexplained", "", _share(seen, lambda e: e["verdict"] == "unexplained")),
+        ("unexplained", "", told_share(seen, lambda e: e["verdict"] == "unexplained")),
     ]
 
 
 def wrongly_named(entry: Entry) -> bool:
     """Whether a name of the catalogue is given that is neither the effect's nor a relative's."""
-    row = row_of(entry)
-    names = [name.partition("@")[0] for name in row.claimed]
-    return row.verdict == "missing_physics" and any(n != "unknown_law" for n in names[:1]) and not row.name_equivalent
-
-
-def _share(entries: Sequence[Entry], right: Any) -> str:
-    found = share(entries, right)  # pyright: ignore[reportArgumentType]
-    if not found["n"]:
-        return "-"
-    return f"{found['k']} of {found['n']} ({100 * found['low']:.0f} to {100 * found['high']:.0f} %)"
+    first = entry["claimed"][0].partition("@")[0] if entry["claimed"] else "unknown_law"
+    return entry["verdict"] == "missing_physics" and first != "unknown_law" and not entry["name_equivalent"]
 
 
 def _of_true(entries: Sequence[Entry], where: str) -> str:

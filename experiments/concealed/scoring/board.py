@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,12 +27,23 @@ def wilson(k: int, n: int, z: float = 1.96) -> tuple[float, float]:
     return float(max(0.0, middle - half)), float(min(1.0, middle + half))
 
 
-def share(rows: Iterable[Row], right: Callable[[Row], Any]) -> dict[str, Any]:
+_T = TypeVar("_T")
+
+
+def share(rows: Iterable[_T], right: Callable[[_T], Any]) -> dict[str, Any]:
     """How many of some rows are right, as `{k, n, share, low, high}`; without those that are not asked."""
     asked = [bool(x) for x in map(right, rows) if x is not None]
     k, n = sum(asked), len(asked)
     low, high = wilson(k, n)
     return {"k": k, "n": n, "share": k / n if n else None, "low": low, "high": high}
+
+
+def told_share(rows: Iterable[_T], right: Callable[[_T], Any]) -> str:
+    """`share` in words; a dash where nothing was asked."""
+    found = share(rows, right)
+    if not found["n"]:
+        return "-"
+    return f"{found['k']} of {found['n']} ({100 * found['low']:.0f} to {100 * found['high']:.0f} %)"
 
 
 def ece(probabilities: Sequence[float], right: Sequence[bool], bins: int = 5) -> float | None:

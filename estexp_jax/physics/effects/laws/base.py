@@ -89,6 +89,19 @@ class JointLaw(Term):
         return f"the joint {site} feels a force of {self.formula(values)}"
 
 
+class Shapeless(JointLaw):
+    """A term with no parameter but its amplitude."""
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+        return ()
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [()]
+
+
 def amplitude(name: str, unit: str, *, signed: bool = True) -> Parameter:
     """The first parameter of a term."""
     return Parameter(name, unit, signed=signed)

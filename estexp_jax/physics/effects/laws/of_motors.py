@@ -6,20 +6,14 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach, amplitude, torque
+from estexp_jax.physics.effects.laws.base import Shapeless, amplitude, torque
 from estexp_jax.physics.robot import Robot
 
 
-class _MotorLaw(JointLaw):
-    """Without other parameters than the amplitude; at a joint without a motor it does nothing."""
+class _MotorLaw(Shapeless):
+    """At a joint without a motor it does nothing."""
 
     symbols: ClassVar[str] = "m the motor's torque"
-
-    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
 
 
 @final

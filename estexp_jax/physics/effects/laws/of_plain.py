@@ -15,6 +15,7 @@ from estexp_jax.physics.effects.laws.base import (
     WAVES,
     JointLaw,
     Reach,
+    Shapeless,
     amplitude,
     away,
     half_span,
@@ -28,21 +29,8 @@ _DENSEST = 60.0
 """Largest spatial frequency, 1/rad or 1/m."""
 
 
-class _Shapeless(JointLaw):
-    """A term with no parameter but its amplitude."""
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
-
-
 @final
-class LawDamping(_Shapeless):
+class LawDamping(Shapeless):
     """tau = -c w."""
 
     name: ClassVar[str] = "law_damping"
@@ -59,7 +47,7 @@ class LawDamping(_Shapeless):
 
 
 @final
-class LawDrag(_Shapeless):
+class LawDrag(Shapeless):
     """tau = -c |w| w."""
 
     name: ClassVar[str] = "law_drag"
@@ -76,7 +64,7 @@ class LawDrag(_Shapeless):
 
 
 @final
-class LawDryFriction(_Shapeless):
+class LawDryFriction(Shapeless):
     """tau = -T sign(w)."""
 
     name: ClassVar[str] = "law_dry_friction"
@@ -94,7 +82,7 @@ class LawDryFriction(_Shapeless):
 
 
 @final
-class LawPush(_Shapeless):
+class LawPush(Shapeless):
     """tau = T."""
 
     name: ClassVar[str] = "law_push"

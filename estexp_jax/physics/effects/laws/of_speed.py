@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach, amplitude, away, half_span, signed, torque
+from estexp_jax.physics.effects.laws.base import JointLaw, Reach, Shapeless, amplitude, away, half_span, signed, torque
 from estexp_jax.physics.robot import Robot
 
 Bounds = tuple[tuple[float, float], ...]
@@ -18,22 +18,13 @@ _STILL = 1e-3
 
 
 @final
-class LawOneWayDamping(JointLaw):
+class LawOneWayDamping(Shapeless):
     """tau = -c |w|: with damping, another one each way."""
 
     name: ClassVar[str] = "law_one_way_damping"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s/rad"),)
     equation: ClassVar[str] = "tau = -c |w|"
     resembles: ClassVar[str] = "damping that is larger one way than the other"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "|w|")
@@ -43,7 +34,7 @@ class LawOneWayDamping(JointLaw):
 
 
 @final
-class LawCubicDrag(JointLaw):
+class LawCubicDrag(Shapeless):
     """tau = -c w^3, of either sign."""
 
     name: ClassVar[str] = "law_cubic_drag"
@@ -53,12 +44,6 @@ class LawCubicDrag(JointLaw):
 
     def most(self, robot: Robot, joint: int) -> float:
         return 0.3 * torque(robot, joint)
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ()
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [()]
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "w^3")

@@ -44,8 +44,8 @@ class LanesReplayer(Replayer):
         return lanes_model(self.on_mjx, self.differing.fields)
 
     def _prepared(self, values: Values, overrides: tuple) -> Any:
-        def compile_it() -> tuple[Any, bool]:
-            return lowered(jax.vmap(self._edited, out_axes=-1), values, overrides).compile(), True
+        def compile_it() -> Any:
+            return lowered(jax.vmap(self._edited, out_axes=-1), values, overrides).compile()
 
         return self._program("prepare", compile_it)(values, overrides)
 
@@ -54,14 +54,14 @@ class LanesReplayer(Replayer):
         return {name: field_of(model, name) for name in self.lanes.written}, values
 
     def _rested(self, prepared: Any, roll: Roll) -> Hidden:
-        def compile_it() -> tuple[Any, bool]:
-            return lowered(self._resting, prepared, roll).compile(), True
+        def compile_it() -> Any:
+            return lowered(self._resting, prepared, roll).compile()
 
         return self._program("rest", compile_it)(prepared, roll)
 
     def _rolled(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
-        def compile_it() -> tuple[Any, bool]:
-            return compiled(lowered(self._rolling, prepared, hidden, roll), self.width)
+        def compile_it() -> Any:
+            return compiled(lowered(self._rolling, prepared, hidden, roll), self.width)[0]
 
         return self._program("roll", compile_it)(prepared, hidden, roll)
 
@@ -70,8 +70,8 @@ class LanesReplayer(Replayer):
         carried = State(qpos, qvel, act, warmstart, felt, state.hidden)
         first = Drive(*(x[: self.block] for x in drive))
 
-        def compile_it() -> tuple[Any, bool]:
-            return compiled(lowered(self._blocked, prepared, carried, first), self.width)
+        def compile_it() -> Any:
+            return compiled(lowered(self._blocked, prepared, carried, first), self.width)[0]
 
         advance, seen = self._program("block", compile_it), []
         for begin in range(0, len(drive.length), self.block):
@@ -80,11 +80,11 @@ class LanesReplayer(Replayer):
         sensors, qpos, qvel = (np.concatenate([np.asarray(x) for x in kind]) for kind in zip(*seen, strict=True))
         return sensors, qpos, qvel
 
-    def _program(self, name: str, compile_it: Callable[[], tuple[Any, bool]]) -> Any:
+    def _program(self, name: str, compile_it: Callable[[], Any]) -> Any:
         """A program, compiled the first time."""
         with self._lock:
             if name not in self._programs:
-                self._programs[name], _ = compile_it()
+                self._programs[name] = compile_it()
         return self._programs[name]
 
     def _resting(self, prepared: Any, roll: Roll) -> Hidden:
