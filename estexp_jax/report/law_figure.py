@@ -28,12 +28,17 @@ def figure_law(law: LawForces, unit: str = "rad") -> Figure:
 
     figure = Figure(figsize=(5.4, 4.2), layout="constrained")
     panels = figure.subplots(2, 2, sharex="col", sharey="row", gridspec_kw={"height_ratios": [4, 1]})
-    for (above, below), x, label in zip(panels.T, (law.q, law.w), (f"q ({unit})", f"w ({unit}/s)"), strict=True):
+    fast = np.quantile(np.abs(law.w), COVERED[1])
+    sides = (
+        (law.q, np.quantile(law.q, COVERED), f"q ({unit})"),
+        (law.w, (-fast, fast), f"w ({unit}/s)"),
+    )
+    for (above, below), (x, edges, label) in zip(panels.T, sides, strict=True):
         above.plot(x, law.lacking, ".", color=_LACKING, ms=2.0, alpha=0.5, label="lacking", rasterized=True)
         above.plot(x, law.given, ".", color=_GIVEN, ms=2.0, label="law", rasterized=True)
         above.spines[["top", "right"]].set_visible(False)
         _draw_density(below, x)
-        for edge in np.quantile(x, COVERED):
+        for edge in edges:
             above.axvline(edge, color="0.5", ls=":", lw=1.0)
         below.set_xlabel(label)
     panels[0, 0].set_ylabel("force (N m)" if unit == "rad" else "force (N)")
