@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event, Lock
@@ -34,17 +35,29 @@ class Runner:
         timeout: float = TIMEOUT,
         command: tuple[str, ...] = (),
         ray: str | None = None,
+        only: Sequence[str] | None = None,
     ) -> None:
-        """Of the set in a folder; `command` replaces `estexp explain` (for tests), `ray` is a cluster's address."""
+        """Of the set in a folder, or some cases of it.
+
+        Args:
+            out: the folder.
+            workers: cases at a time.
+            timeout: most seconds a case.
+            command: what replaces `estexp explain`, for tests.
+            ray: a cluster's address.
+            only: names of the cases; None: all that the folder holds.
+        """
         self.out, self.workers, self.timeout, self.ray = out, workers, timeout, ray
         self.command = command or (sys.executable, "-m", "estexp_jax.cli.main", "explain")
+        self.only = only
         self.children: set[subprocess.Popen[bytes]] = set()
         self.lock, self.stopped = Lock(), Event()
         self.dies_with_worker = False
 
     def run(self) -> int:
         """Explain what is not yet explained; gives the number of cases that are still open."""
-        cases = sorted(p.name for p in (self.out / "cases").iterdir())
+        held = (p.name for p in (self.out / "cases").iterdir())
+        cases = sorted(c for c in held if self.only is None or c in self.only)
         todo = [c for c in cases if not (self.out / "explained" / f"{c}.json").is_file()]
         (self.out / "explained").mkdir(exist_ok=True)
         if self.ray is None:

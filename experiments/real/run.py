@@ -46,7 +46,8 @@ def main(arguments: list[str] | None = None) -> int:
             cases.write(plan, data, out / "cases" / plan.name, options.quick)
     if options.write:
         return _DONE
-    left = Runner(out, options.workers, options.timeout, ray=options.ray).run()
+    names = [p.name for p in chosen]
+    left = Runner(out, options.workers, options.timeout, ray=options.ray, only=names).run()
     print(f"results: {write_page(out, plans)}")
     return _INTERRUPTED if left else _DONE
 

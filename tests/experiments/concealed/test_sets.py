@@ -108,6 +108,12 @@ def test_cases_are_explained_once_and_what_failed_is_told(copy):
     assert ending_of(copy, "c000")["code"] == 0  # pyright: ignore[reportOptionalSubscript]
 
 
+def test_only_named_cases_are_explained(copy):
+    command = (sys.executable, "-c", EXPLAIN.format(end=""))
+    assert Runner(copy, 2, 30.0, command, only=["c001"]).run() == 0
+    assert [ending_of(copy, f"c00{i}") is None for i in range(2)] == [True, False]
+
+
 def test_a_case_under_way_at_a_kill_is_resumed(copy):
     (copy / "explained" / "c001").mkdir(parents=True)
     assert _runner(copy, "").run() == 0
