@@ -75,6 +75,8 @@ class Options:
     """What the set search chooses from: the paper's six modifications, or more of what may break."""
     model_error: float | None = None
     """Relative error expected in the simulator; 0: it is exact. Default: 0 for --robot same, else 0.03."""
+    ensemble: int | None = None
+    """Simulators, as far off as --model-error, on which each controller is tried. Default: 1 if that is 0, else 4."""
     engine: Literal["auto", "lanes", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
     pictures: bool = True
@@ -111,6 +113,7 @@ def settings_of(options: Options) -> Settings:
         engine=options.engine,
         catalogue=options.catalogue,
         model_error=options.model_error,
+        ensemble=options.ensemble,
     )
     given = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
     return replace(quick(settings) if options.quick else settings, **given)

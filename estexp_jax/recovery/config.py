@@ -11,6 +11,8 @@ from estexp_jax.physics.engines.choice import Engine
 Metric = Literal["rolling-mean", "distance"]
 ROUGH = 0.03
 """Relative error expected in the parameters of a simulator of a real robot."""
+ENSEMBLE = 4
+"""Simulators on which a controller is tried that is to walk on a real robot."""
 Catalogue = Literal["full", "paper"]
 Axis = Literal["x", "-x", "y", "-y"]
 
@@ -59,6 +61,9 @@ class Settings:
     model_error: float | None = None
     """Relative error expected in the simulator's masses, gains, damping and friction; 0: it is exact. Default: 0 for
     the same robot, else 0.03."""
+    ensemble: int | None = None
+    """Simulators, as far off as `model_error`, on which each controller is tried; the mean distance counts. Default: 1,
+    which is the nominal one, for an exact simulator and with `paper`, else 4."""
     engine: Engine = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
 
@@ -77,6 +82,9 @@ class Settings:
         _check(0.0 <= self.mutation <= 1.0, "--mutation", self.mutation, "0 to 1")
         error = self.model_error
         _check(error is None or 0.0 <= error <= 0.3, "--model-error", error, "0 to 0.3")
+        _check(self.ensemble is None or self.ensemble >= 1, "--ensemble", self.ensemble, "at least 1")
+        rough = self.members == 1 or self.rough > 0.0
+        _check(rough, "--ensemble", self.ensemble, "1, or --model-error above 0, else they are all alike")
         _check(self.seed >= 0, "--seed", self.seed, "0 or more")
 
     @property
@@ -88,6 +96,13 @@ class Settings:
     def rough(self) -> float:
         """Relative error expected in the simulator's parameters."""
         return (0.0 if self.robot == "same" else ROUGH) if self.model_error is None else self.model_error
+
+    @property
+    def members(self) -> int:
+        """Simulators on which each controller is tried."""
+        if self.ensemble is not None:
+            return self.ensemble
+        return 1 if self.paper or self.rough == 0.0 else ENSEMBLE
 
     def to_json(self) -> dict[str, Any]:
         """As in `run.json`."""

@@ -1,6 +1,8 @@
 """The exploration phase: evolve a controller that carries the simulated robot far.
 
-Source: Bongard and Lipson 2004, section 2.2, "The Exploration Phase".
+Sources: Bongard and Lipson 2004, section 2.2, "The Exploration Phase"; several simulators that differ at random, so
+that a controller also works outside them: Jakobi, Evolutionary robotics and the radical envelope of noise hypothesis
+(1997).
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import numpy as np
 
 from estexp_jax.physics.changes import Change
 from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.perturbation import ensemble
 from estexp_jax.recovery.simulator import Simulator
 from estexp_jax.recovery.trial import distances
 from estexp_jax.search.genetic import Genetic
@@ -32,11 +35,24 @@ def exploration_algorithm(simulator: Simulator, settings: Settings, number: int)
 def exploration_score(
     simulator: Simulator, settings: Settings, changes: Sequence[Change]
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Score of controllers on the robot as diagnosed: minus the distance along the axis, m; +inf if it blew up."""
-    start = simulator.settled([changes])
+    """Score of controllers on the robot as diagnosed: minus the distance along the axis, m; +inf if it blew up.
+
+    Where the simulator is rough, each walks on several that differ as much as it may be off, and the mean distance
+    counts: what exploits one simulator's errors loses its way on the others, as it would on the robot.
+    """
+    sets = [(*changes, *member) for member in _members(simulator, settings)]
+    start = simulator.settled(sets)
 
     def score(weights: np.ndarray) -> np.ndarray:
-        walk = simulator.walks(changes, start, weights, settings.steps)
-        return np.where(walk.failed, np.inf, -distances(walk.position, settings.axis))
+        walk = simulator.walks(sets, start, weights, settings.steps)
+        mean = np.mean(distances(walk.position, settings.axis), axis=0)
+        return np.where(np.any(walk.failed, axis=0), np.inf, -mean)
 
     return score
+
+
+def _members(simulator: Simulator, settings: Settings) -> Sequence[Sequence[Change]]:
+    """What is off in each simulator that controllers walk on; nothing, in a single one."""
+    if settings.members == 1:
+        return ((),)
+    return ensemble(simulator.robot, settings.rough, settings.members)

@@ -56,26 +56,19 @@ class Simulator:
         """Where robots with these changes come to rest: what each trial of theirs starts from, (sets, ...)."""
         return self.walker.settle(stack(self._values(sets)), self.settle_steps)
 
-    def walks(self, changes: Sequence[Change], start: BodyState, weights: np.ndarray, steps: int) -> Walk:
-        """One damaged robot under many controllers.
-
-        Args:
-            changes: what differs from the nominal robot.
-            start: of one robot, batched: `settled([changes])`.
-            weights: (controllers, n_weights).
-            steps: control steps.
-        """
-        n = len(weights)
-        starts = jax.tree.map(lambda x: np.broadcast_to(x[0], (n, *x.shape[1:])), start)
-        return self.walker.walk(stack(self._values([changes]) * n), weights, starts, steps)
-
-    def trials(
-        self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, heard: np.ndarray | None = None
+    def walks(
+        self,
+        sets: Sequence[Sequence[Change]],
+        start: BodyState,
+        weights: np.ndarray,
+        steps: int,
+        heard: np.ndarray | None = None,
     ) -> Walk:
         """Many damaged robots, each under the same few controllers.
 
         Args:
             sets: the changes of each robot.
+            start: of each robot: `settled(sets)`.
             weights: (controllers, n_weights).
             steps: control steps.
             heard: (controllers, steps, n_inputs) recorded readings that drive the networks in place of the simulated
@@ -84,13 +77,17 @@ class Simulator:
         Returns:
             Arrays (sets, controllers, ...).
         """
-        c, values = len(weights), stack(self._values(sets))
-        settled = self.walker.settle(values, self.settle_steps)
-        starts = jax.tree.map(lambda x: np.repeat(x, c, axis=0), settled)
-        many = {name: np.repeat(array, c, axis=0) for name, array in values.items()}
+        c = len(weights)
+        starts, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, stack(self._values(sets))))
         told = None if heard is None else np.tile(heard, (len(sets), 1, 1))
-        walk = self.walker.walk(many, np.tile(weights, (len(sets), 1)), starts, steps, told)
+        walk = self.walker.walk(values, np.tile(weights, (len(sets), 1)), starts, steps, told)
         return jax.tree.map(lambda x: x.reshape(len(sets), c, *x.shape[1:]), walk)
+
+    def trials(
+        self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, heard: np.ndarray | None = None
+    ) -> Walk:
+        """`walks` from where these robots come to rest."""
+        return self.walks(sets, self.settled(sets), weights, steps, heard)
 
     def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
         """Many damaged robots, each under its own controller.
@@ -122,9 +119,9 @@ class Simulator:
 
     def trial(self, changes: Sequence[Change], weights: np.ndarray, steps: int) -> Trial:
         """One trial of one damaged robot."""
-        walk = self.walks(changes, self.settled([changes]), weights[None], steps)
+        walk = self.trials([changes], weights[None], steps)
         time = self.control_step * np.arange(steps)
-        return Trial(time, walk.readings[0], walk.commands[0], walk.position[0])
+        return Trial(time, walk.readings[0, 0], walk.commands[0, 0], walk.position[0, 0])
 
     def _values(self, sets: Sequence[Sequence[Change]]) -> list[dict[str, np.ndarray]]:
         return [encode(self.robot, self.walker.catalogue, changes) for changes in sets]

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from estexp_jax.recovery.config import Metric, Settings
 
 Size = Literal["tiny", "quick", "small", "medium", "full"]
-Method = Literal["paper", "set"]
+Method = Literal["paper", "set", "told"]
 
 SIZES: dict[Size, dict[str, int]] = {
     "tiny": {"population": 8, "generations": 3, "steps": 60},
@@ -31,7 +31,7 @@ class Case:
         situation: of the paper's Table 1; None: `damage` happens instead.
         seed: of the run, its places among it.
         size: see `SIZES`.
-        method: the paper's genetic algorithm, or the set search.
+        method: the paper's genetic algorithm, the set search, or none: the true damage is handed over.
         metric: what a diagnosis is judged by.
         robot: the robot in the world.
         damage: changes as on the command line.

@@ -23,6 +23,7 @@ from estexp_jax.runs.fleet import Beat, do
 from estexp_jax.runs.lock import hold
 from experiments.common.case import Case
 from experiments.common.options import Options
+from experiments.common.told import told
 from experiments.common.world import job
 
 _CHECKPOINT, _RESULT = "checkpoint.npz", "run.json"
@@ -42,7 +43,7 @@ def run_all(cases: Sequence[Case], options: Options) -> None:
     """
     store = options.store
     todo = [case for case in cases if not finished(case, store)]
-    first = {(case.seed, case.size, case.robot): case for case in todo}
+    first = {first_folder(case, store): case for case in todo}
     with _alone(options), options.crew() as crew:
         do("first walks", [(_first, (case, store)) for case in first.values()], crew, _beats(store))
         do("runs", [(_one, (case, store)) for case in todo], crew, _beats(store))
@@ -115,7 +116,7 @@ def _first(case: Case, store: Path) -> None:
     settings = case.settings.to_json()  # of damage and diagnosis, too, which have no part in it
     config = {name: settings[name] for name in ("seed", "population", "generations", "steps")}
     marker = {"experiment": "first walk", "config": config}
-    folder = open_run(_first_folder(case, store), resume=True, marker=marker, patience=math.inf)
+    folder = open_run(first_folder(case, store), resume=True, marker=marker, patience=math.inf)
     path = folder.file(_CHECKPOINT)
     _advanced(case, _Kept.of(path) or _Kept(), path, Beat(_beats(store), f"first-{folder.path.name}"), until="damage")
 
@@ -126,7 +127,7 @@ def _one(case: Case, store: Path) -> None:
     if finished(case, store):
         return  # by another experiment, while we waited for the folder
     path = folder.file(_CHECKPOINT)
-    kept, walked = _Kept.of(path), _Kept.of(_first_folder(case, store) / _CHECKPOINT) or _Kept()
+    kept, walked = _Kept.of(path), _Kept.of(first_folder(case, store) / _CHECKPOINT) or _Kept()
     kept = _Kept(walked.state) if kept is None else kept.again()
     kept = _advanced(case, kept, path, Beat(_beats(store), case.name))
     found = record(kept.state, case.settings.axis, job(case).planted, case.settings.to_json())
@@ -140,7 +141,8 @@ def _advanced(case: Case, kept: _Kept, path: Path, beat: Beat, until: str = "don
     if kept.state.phase == until:
         return kept
     with beat:
-        for state in _until(run(job(case), kept.state), until):
+        course = told if case.method == "told" else run
+        for state in _until(course(job(case), kept.state), until):
             now = time.monotonic()
             kept = replace(kept, state=state, wall_s=before + now - begin)
             if now - last > _EVERY or state.phase == until:
@@ -166,8 +168,10 @@ def _share(state: RunState, case: Case) -> float:
     return min((phases + min(rows / case.settings.generations, 1.0)) / (2 * case.settings.passes + 1), 1.0)
 
 
-def _first_folder(case: Case, store: Path) -> Path:
-    return store / "first" / f"{case.robot}-{case.seed}"
+def first_folder(case: Case, store: Path) -> Path:
+    """Of the walk that a case shares with others: they explore on the same simulators."""
+    alone = case.settings.members == 1
+    return store / "first" / f"{case.robot}{'' if alone else '-ensemble'}-{case.seed}"
 
 
 def _beats(store: Path) -> Path:

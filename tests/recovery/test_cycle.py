@@ -11,6 +11,7 @@ from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings, quick
 from estexp_jax.recovery.cycle import Job, job_of, run
 from estexp_jax.recovery.exploration import exploration_score
+from estexp_jax.recovery.perturbation import ensemble
 from estexp_jax.recovery.state import RunState
 from estexp_jax.recovery.trial import Controller, Trial
 
@@ -63,6 +64,16 @@ def test_controllers_start_from_the_robot_as_diagnosed(variant: Job, states: lis
         assert score(last.controllers[i][None])[0] == -last.simulated[i]
 
 
+def test_a_rough_simulator_is_several_in_exploration(job: Job) -> None:
+    rough, lost = replace(job.settings, model_error=0.05), job.planted
+    weights = np.random.default_rng(3).uniform(-1.0, 1.0, (2, job.simulator.n_weights))
+    robots = ensemble(job.simulator.robot, 0.05, rough.members)
+    walks = [job.simulator.trial((*lost, *robot), weights[1], rough.steps).distance("x") for robot in robots]
+    assert exploration_score(job.simulator, rough, lost)(weights)[1] == pytest.approx(-np.mean(walks), abs=1e-7)
+    assert rough.members == 4 and len(set(walks)) == 4
+    assert replace(rough, paper=True).members == 1 == job.settings.members == replace(rough, ensemble=1).members
+
+
 def test_an_exact_diagnosis_foretells_the_trial(job: Job) -> None:
     last = list(run(job))[-1]
     assert last.diagnoses[-1] == job.planted
@@ -93,6 +104,8 @@ def test_impossible_settings_are_the_users_errors() -> None:
         {"window": 5},
         {"steps": 20},
         {"settle_steps": 2000},
+        {"ensemble": 0},
+        {"ensemble": 4},
     ]
     for wrong in wrongs:
         with pytest.raises(InputError, match=f"--{next(iter(wrong)).replace('_', '-')}"):

@@ -20,9 +20,9 @@ def controllers(n: int, world: Simulator) -> np.ndarray:
 
 def test_a_walk_does_not_depend_on_its_place_in_the_batch(world: Simulator) -> None:
     weights, start = controllers(40, world), world.settled([()])
-    walks, order = world.walks((), start, weights, STEPS), np.random.default_rng(1).permutation(40)
-    assert np.array_equal(walks.position[order], world.walks((), start, weights[order], STEPS).position)
-    assert np.array_equal(walks.readings[33], world.trial((), weights[33], STEPS).readings)
+    walks, order = world.walks([()], start, weights, STEPS), np.random.default_rng(1).permutation(40)
+    assert np.array_equal(walks.position[:, order], world.walks([()], start, weights[order], STEPS).position)
+    assert np.array_equal(walks.readings[0, 33], world.trial((), weights[33], STEPS).readings)
 
 
 def test_trials_of_many_robots_are_those_of_each(world: Simulator, quadruped: Robot) -> None:

@@ -3,17 +3,21 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from estexp_jax.physics.changes import Change
+from estexp_jax.recovery.state import RunState
 from estexp_jax.runs.fleet import Beat
 from experiments.common.case import FIRST_SEED, Case, seeds
 from experiments.common.options import Options
-from experiments.common.runs import finished, run_all, state_of
+from experiments.common.runs import finished, first_folder, run_all, state_of
 from experiments.common.scoring import amount_error, same_set
 from experiments.common.statistics import holm, share, signed_rank
 from experiments.common.tables import row, write_rows
-from experiments.common.world import quadruped
+from experiments.common.told import told
+from experiments.common.world import job, quadruped
+from experiments.handed.summary import summary
 
 WEAK = Change("motor_weakness", "hip_f", {"loss": 0.5})
 
@@ -63,6 +67,37 @@ def test_what_kills_left_half_written_goes_and_nothing_else(tmp_path: Path) -> N
     with Beat(tmp_path / "under_way", "run"):
         pass
     assert not any(file.exists() for file in left) and all(file.exists() for file in kept)
+
+
+def test_first_walks_are_shared_by_runs_on_the_same_simulators(tmp_path: Path) -> None:
+    same = [Case(1, FIRST_SEED, "tiny", "set"), Case(2, FIRST_SEED, "tiny", "paper")]
+    foreign = [Case(1, FIRST_SEED, "tiny", m, robot="foreign") for m in ("set", "told", "paper")]
+    folders = [first_folder(case, tmp_path) for case in (*same, *foreign)]
+    assert len({*folders[:2]}) == 1 == len({*folders[2:4]}) and len({*folders}) == 3
+
+
+def test_a_told_run_differs_in_nothing_but_what_it_knows(tmp_path: Path) -> None:
+    case = Case(1, FIRST_SEED, "tiny", "told")
+    options = Options("tiny", 1, None, None, tmp_path / "table", tmp_path, publish=False)
+    options.out.mkdir()
+    run_all([case], options)
+    state, work = state_of(case, tmp_path), job(case)
+    assert state.phase == "done" and state.diagnoses == (work.planted,) * 4
+    assert state.simulated[1:] == tuple(trial.distance("x") for trial in state.trials[1:])
+    early = next(s for s in told(work, RunState()) if s.number == 2 and s.search is not None)
+    *_, last = told(work, RunState.from_tree(early.to_tree()))
+    assert all(map(np.array_equal, last.controllers, state.controllers))
+    assert row(case, tmp_path)["right_4"]
+
+
+def test_ratios_are_told_by_situation() -> None:
+    def pair(situation: int, before: float, damaged: float, own: float, told: float) -> tuple[dict, dict]:
+        line = {"robot": "same", "situation": situation, "before": before, "damaged": damaged, "right_4": True}
+        return {**line, "trial_4": own}, {**line, "trial_4": told}
+
+    found = summary([pair(1, 2.0, 0.5, 1.0, 2.0), pair(1, 2.0, 0.9, 1.5, 1.5), pair(2, 2.0, 1.5, 1.0, 0.0)])["same"]
+    assert found["situations"]["1"]["ratio"] == 0.75 and found["severe"] == {"n": 2, "twice": 1}
+    assert found["situations"]["2"]["ratio"] is None, "a run that came nowhere though it was told is no measure"
 
 
 @pytest.mark.slow
