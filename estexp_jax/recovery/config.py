@@ -62,8 +62,8 @@ class Settings:
     """Relative error expected in the simulator's masses, gains, damping and friction; 0: it is exact. Default: 0 for
     the same robot, else 0.03."""
     ensemble: int | None = None
-    """Simulators, as far off as `model_error`, on which each controller is tried; the mean distance counts. Default: 1,
-    which is the nominal one, for an exact simulator and with `paper`, else 4."""
+    """Simulators, as far off as `model_error` and with noisy sensors, on which each controller is tried; the mean
+    distance counts. Default: 1, which is the nominal one, for an exact simulator and with `paper`, else 4."""
     engine: Engine = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
 

@@ -12,8 +12,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from estexp_jax.physics.changes import Change
+from estexp_jax.physics.engines.walking import Heard
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.perturbation import ensemble
+from estexp_jax.recovery.perturbation import ensemble, noise
 from estexp_jax.recovery.simulator import Simulator
 from estexp_jax.recovery.trial import distances
 from estexp_jax.search.genetic import Genetic
@@ -37,22 +38,20 @@ def exploration_score(
 ) -> Callable[[np.ndarray], np.ndarray]:
     """Score of controllers on the robot as diagnosed: minus the distance along the axis, m; +inf if it blew up.
 
-    Where the simulator is rough, each walks on several that differ as much as it may be off, and the mean distance
-    counts: what exploits one simulator's errors loses its way on the others, as it would on the robot.
+    Where the simulator is rough, each walks on several that differ as much as it may be off, with noisy sensors, and
+    the mean distance counts: what exploits one simulator's errors loses its way on the others, as on the robot.
     """
-    sets = [(*changes, *member) for member in _members(simulator, settings)]
+    sets: list[tuple[Change, ...]] = [tuple(changes)]
+    heard: Heard | None = None
+    if settings.members > 1:
+        sets = [(*changes, *member) for member in ensemble(simulator.robot, settings.rough, settings.members)]
+        told = noise(simulator.walker.interface, settings.members, settings.steps)
+        heard = Heard(told.factor[:, None], told.added[:, None])
     start = simulator.settled(sets)
 
     def score(weights: np.ndarray) -> np.ndarray:
-        walk = simulator.walks(sets, start, weights, settings.steps)
+        walk = simulator.walks(sets, start, weights, settings.steps, heard)
         mean = np.mean(distances(walk.position, settings.axis), axis=0)
         return np.where(np.any(walk.failed, axis=0), np.inf, -mean)
 
     return score
-
-
-def _members(simulator: Simulator, settings: Settings) -> Sequence[Sequence[Change]]:
-    """What is off in each simulator that controllers walk on; nothing, in a single one."""
-    if settings.members == 1:
-        return ((),)
-    return ensemble(simulator.robot, settings.rough, settings.members)

@@ -1,4 +1,4 @@
-"""How a simulator may be wrong without anything being broken: every mass, motor, damping and friction a little off."""
+"""How a simulator may be wrong without anything being broken: all its parameters a little off, its sensors noisy."""
 
 from __future__ import annotations
 
@@ -7,10 +7,14 @@ import numpy as np
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
+from estexp_jax.physics.engines.walking import Heard
+from estexp_jax.physics.interface import Interface
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
-_TAG = 41
+_TAG, _NOISE_TAG = 41, 43
+NOISE, FLIPS = 0.005, 0.02
+"""Noise of an angle, rad, and share of the touch readings that are wrong."""
 
 
 def ensemble(robot: Robot, error: float, members: int) -> tuple[tuple[Change, ...], ...]:
@@ -23,6 +27,13 @@ def ensemble(robot: Robot, error: float, members: int) -> tuple[tuple[Change, ..
     """
     random = np.random.default_rng([_TAG])
     return tuple(_perturbed(robot, error, random) for _ in range(members))
+
+
+def noise(face: Interface, members: int, steps: int) -> Heard:
+    """What networks get where sensors are noisy, (members, steps, n_inputs); the same at each call."""
+    random, shape = np.random.default_rng([_NOISE_TAG]), (members, steps, face.n_inputs)
+    angles, flips = NOISE * random.standard_normal(shape), random.random(shape) < FLIPS
+    return Heard(np.where(face.is_touch & flips, -1.0, 1.0), np.where(face.is_touch, 0.0, angles))
 
 
 def _perturbed(robot: Robot, error: float, random: np.random.Generator) -> tuple[Change, ...]:

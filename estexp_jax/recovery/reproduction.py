@@ -29,16 +29,15 @@ import numpy as np
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation import changes_of
 from estexp_jax.recovery.genome import Items
-from estexp_jax.recovery.perturbation import ensemble
+from estexp_jax.recovery.perturbation import FLIPS, NOISE, ensemble
 from estexp_jax.recovery.simulator import Simulator
 from estexp_jax.recovery.trial import Trial
 
 SAMPLES = 41
 """Readings of a trial that are compared: the first 0.4 s."""
 _MEMBERS = 48
-_NOISE, _FLOOR, _SHARE = 0.005, 0.006, 1.0
-"""Of angles: noise of the encoders and errors of the integration, rad; share of the spread that is not linear."""
-_FLIPS = 0.02
+_FLOOR, _SHARE = 0.006, 1.0
+"""Of angles: errors of the integration, rad; share of the spread that is not linear."""
 _GENEROUS = 0.6
 """Cost of a sample of the truth: V and X are so much too large, and the log determinant beside costs in their unit."""
 _TOLERANCE = 0.02
@@ -114,7 +113,7 @@ class Reproduction:
 
     def _touch_cost(self, simulated: np.ndarray, unsure: np.ndarray) -> np.ndarray:
         seen, told = self._damaged.readings[..., self._touch], simulated[..., self._touch]
-        p = np.clip(_FLIPS + unsure, _FLIPS, 0.5)
+        p = np.clip(FLIPS + unsure, FLIPS, 0.5)
         signs = 2.0 * np.sum((np.sign(seen) != np.sign(told)) * np.log((1.0 - p) / p), axis=(1, 2, 3))
         off = (np.abs(seen) - np.abs(told)) / _TOLERANCE
         return signs + np.sum(np.log1p(off**2), axis=(1, 2, 3))
@@ -128,7 +127,7 @@ class Reproduction:
         centre = changes_of(self._simulator, items)
         walk = self._walk([centre, *((*centre, *member) for member in self._members)], self._damaged)
         deviations = self._deviations(walk, self._before[1])
-        sd = np.sqrt(_NOISE**2 + _FLOOR**2 + _SHARE**2 * np.sum(deviations**2, axis=0))
+        sd = np.sqrt(NOISE**2 + _FLOOR**2 + _SHARE**2 * np.sum(deviations**2, axis=0))
         white = deviations / sd
         factor = np.linalg.cholesky(np.eye(len(white)) + white @ white.T)
         log_det = 2.0 * (np.sum(np.log(np.diag(factor))) + np.sum(np.log(sd)))

@@ -13,7 +13,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, encode, stack
 from estexp_jax.physics.effects.base import CommandShift, ReadingShift
 from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.walking import BodyState, Walk, Walker
+from estexp_jax.physics.engines.walking import BodyState, Heard, Walk, Walker, recorded
 from estexp_jax.physics.registry import PAPER, catalogue, effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
@@ -62,7 +62,7 @@ class Simulator:
         start: BodyState,
         weights: np.ndarray,
         steps: int,
-        heard: np.ndarray | None = None,
+        heard: Heard | None = None,
     ) -> Walk:
         """Many damaged robots, each under the same few controllers.
 
@@ -71,22 +71,26 @@ class Simulator:
             start: of each robot: `settled(sets)`.
             weights: (controllers, n_weights).
             steps: control steps.
-            heard: (controllers, steps, n_inputs) recorded readings that drive the networks in place of the simulated
-                ones; None: closed loop.
+            heard: what the networks get, arrays (sets or 1, controllers or 1, steps, n_inputs); None: the robots' own
+                readings.
 
         Returns:
             Arrays (sets, controllers, ...).
         """
-        c = len(weights)
+        s, c = len(sets), len(weights)
         starts, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, stack(self._values(sets))))
-        told = None if heard is None else np.tile(heard, (len(sets), 1, 1))
-        walk = self.walker.walk(values, np.tile(weights, (len(sets), 1)), starts, steps, told)
-        return jax.tree.map(lambda x: x.reshape(len(sets), c, *x.shape[1:]), walk)
+        many = jax.tree.map(lambda x: np.broadcast_to(x, (s, c, *x.shape[2:])).reshape(s * c, *x.shape[2:]), heard)
+        walk = self.walker.walk(values, np.tile(weights, (s, 1)), starts, steps, many)
+        return jax.tree.map(lambda x: x.reshape(s, c, *x.shape[1:]), walk)
 
     def trials(
-        self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, heard: np.ndarray | None = None
+        self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, readings: np.ndarray | None = None
     ) -> Walk:
-        """`walks` from where these robots come to rest."""
+        """`walks` from where these robots come to rest.
+
+        Recorded readings (controllers, steps, n_inputs) may drive the networks in place of the simulated ones.
+        """
+        heard = None if readings is None else recorded(readings[None])
         return self.walks(sets, self.settled(sets), weights, steps, heard)
 
     def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:

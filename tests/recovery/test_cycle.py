@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
+from estexp_jax.physics.engines.walking import Heard
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings, quick
 from estexp_jax.recovery.cycle import Job, job_of, run
 from estexp_jax.recovery.exploration import exploration_score
-from estexp_jax.recovery.perturbation import ensemble
+from estexp_jax.recovery.perturbation import ensemble, noise
 from estexp_jax.recovery.state import RunState
-from estexp_jax.recovery.trial import Controller, Trial
+from estexp_jax.recovery.trial import Controller, Trial, distances
 
 
 def equal(a: Any, b: Any) -> bool:
@@ -64,14 +65,26 @@ def test_controllers_start_from_the_robot_as_diagnosed(variant: Job, states: lis
         assert score(last.controllers[i][None])[0] == -last.simulated[i]
 
 
-def test_a_rough_simulator_is_several_in_exploration(job: Job) -> None:
-    rough, lost = replace(job.settings, model_error=0.05), job.planted
-    weights = np.random.default_rng(3).uniform(-1.0, 1.0, (2, job.simulator.n_weights))
-    robots = ensemble(job.simulator.robot, 0.05, rough.members)
-    walks = [job.simulator.trial((*lost, *robot), weights[1], rough.steps).distance("x") for robot in robots]
-    assert exploration_score(job.simulator, rough, lost)(weights)[1] == pytest.approx(-np.mean(walks), abs=1e-7)
+def test_a_rough_simulator_is_several_with_noise_in_exploration(job: Job) -> None:
+    rough, lost, world = replace(job.settings, model_error=0.05), job.planted, job.simulator
+    weights = np.random.default_rng(3).uniform(-1.0, 1.0, (2, world.n_weights))
+    robots, told = ensemble(world.robot, 0.05, rough.members), noise(world.walker.interface, rough.members, rough.steps)
+    walks = []
+    for i, robot in enumerate(robots):
+        one = Heard(told.factor[i, None, None], told.added[i, None, None])
+        walk = world.walks([(*lost, *robot)], world.settled([(*lost, *robot)]), weights[1:], rough.steps, one)
+        walks.append(distances(walk.position, "x")[0, 0])
+    assert exploration_score(world, rough, lost)(weights)[1] == pytest.approx(-np.mean(walks), abs=1e-6)
     assert rough.members == 4 and len(set(walks)) == 4
     assert replace(rough, paper=True).members == 1 == job.settings.members == replace(rough, ensemble=1).members
+
+
+def test_noise_is_in_angles_and_turns_touch_round(job: Job) -> None:
+    face = job.simulator.walker.interface
+    told = noise(face, 3, 400)
+    assert np.std(told.added[..., ~face.is_touch]) == pytest.approx(0.005, rel=0.05)
+    assert not np.any(told.added[..., face.is_touch]) and np.all(told.factor[..., ~face.is_touch] == 1.0)
+    assert np.mean(told.factor[..., face.is_touch] == -1.0) == pytest.approx(0.02, abs=0.006)
 
 
 def test_an_exact_diagnosis_foretells_the_trial(job: Job) -> None:

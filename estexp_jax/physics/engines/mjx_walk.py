@@ -17,7 +17,7 @@ from estexp_jax.physics.controllers import HIDDEN, respond
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.mjx_terms import Now
-from estexp_jax.physics.engines.walking import BodyState, Lane, Walk, Walker
+from estexp_jax.physics.engines.walking import BodyState, Heard, Lane, Walk, Walker, hear
 from estexp_jax.physics.travel import travel_of
 
 _WIDTHS = (16, 56)
@@ -31,13 +31,14 @@ _VECTOR = 8
 class MjxWalker(Walker):
     """A walker on MJX."""
 
-    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: np.ndarray | None) -> Walk:
+    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: Heard | None) -> Walk:
         spread, real = _spread(len(lanes.weights), self.width)
-        told = np.zeros((len(lanes.weights), self.rows, self.interface.n_inputs), np.float32)
-        if heard is not None:
-            told[:, :steps] = heard
-        replayed, batch = heard is not None, _taken((lanes, told), spread)
-        walk = in_chunks(lambda part: _walk_batch(self, part[0], part[1], steps, active, replayed), batch, self.width)
+        shape = (len(lanes.weights), self.rows, self.interface.n_inputs)
+        told = Heard(np.ones(shape, np.float32), np.zeros(shape, np.float32))
+        for table, given in zip(told, heard or (), strict=False):
+            table[:, :steps] = given
+        batch = _taken((lanes, told), spread)
+        walk = in_chunks(lambda part: _walk_batch(self, part[0], part[1], steps, active), batch, self.width)
         return _taken(walk, real)
 
 
@@ -69,11 +70,11 @@ def _taken(tree: Any, places: np.ndarray) -> Any:
 
 
 @partial(jax.jit, static_argnums=0)
-def _walk_batch(self: MjxWalker, lanes: Lane, heard: jax.Array, steps: int, active: bool, replayed: bool) -> Walk:
-    return jax.vmap(lambda lane, told: _walk_one(self, lane, told, steps, active, replayed))(lanes, heard)
+def _walk_batch(self: MjxWalker, lanes: Lane, told: Heard, steps: int, active: bool) -> Walk:
+    return jax.vmap(lambda lane, given: _walk_one(self, lane, given, steps, active))(lanes, told)
 
 
-def _walk_one(self: MjxWalker, lane: Lane, heard: jax.Array, steps: int, active: bool, replayed: bool) -> Walk:
+def _walk_one(self: MjxWalker, lane: Lane, told: Heard, steps: int, active: bool) -> Walk:
     """One robot's walk; what is not the lane's is traced, so that every trial and settling share one executable."""
     model = self.on_mjx.edited(self.on_mjx.model, lane.values)
     network = self.network(lane)
@@ -91,7 +92,7 @@ def _walk_one(self: MjxWalker, lane: Lane, heard: jax.Array, steps: int, active:
         walk, hidden = carry
         body = walk.final
         readings = _readings(self, lane.values, body)
-        seen = jnp.where(replayed, heard[row], readings)
+        seen = hear(told.factor[row], told.added[row], readings)
         hidden, outputs = respond(network, hidden, face.inputs(seen), self.gain)
         ctrl = jnp.where(active, face.commands(outputs), face.ctrl_centre)
         walk = walk._replace(

@@ -45,6 +45,27 @@ class Walk(NamedTuple):
     failed: Any  #: (robots,) bool: the simulation blew up
 
 
+class Heard(NamedTuple):
+    """What networks get: `factor` times the robot's own reading, touch as +1/-1, and `added` to it.
+
+    Both (robots, steps, n_inputs), raw. Factor 0 replays what was recorded; noise is added, and turns touch readings
+    round.
+    """
+
+    factor: Any
+    added: Any
+
+
+def recorded(readings: np.ndarray) -> Heard:
+    """Readings (..., steps, n_inputs) in place of the robots' own."""
+    return Heard(np.zeros_like(readings), readings)
+
+
+def hear(factor: Any, added: Any, reading: Any) -> Any:
+    """As in `Heard`; what does not count does no harm, even where it is no number."""
+    return jnp.where(factor == 0.0, added, factor * reading + added)
+
+
 class Lane(NamedTuple):
     """One robot to simulate; batched, every array has a leading axis."""
 
@@ -76,14 +97,14 @@ class Walker(abc.ABC):
     choice: Choice
 
     @abc.abstractmethod
-    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: np.ndarray | None) -> Walk:
+    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: Heard | None) -> Walk:
         """Simulate lanes for some control steps.
 
         Args:
             lanes: the robots.
             steps: control steps.
             active: false: all motors at home.
-            heard: (robots, steps, n_inputs) readings that networks get in place of the robots' own; None: their own.
+            heard: what networks get; None: the robots' own readings.
         """
 
     @property
@@ -119,7 +140,7 @@ class Walker(abc.ABC):
         return self._walk(values, weights, self.home(values), steps, active=False).final
 
     def walk(
-        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: np.ndarray | None = None
+        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: Heard | None = None
     ) -> Walk:
         """Drive robots by their networks.
 
@@ -128,8 +149,7 @@ class Walker(abc.ABC):
             weights: (robots, n_weights).
             start: batched states, as `settle` gives them.
             steps: control steps, at most `rows`.
-            heard: (robots, steps, n_inputs) raw readings, touch as +1/-1, that the networks get in place of the
-                robots' own: replay of what was recorded; None: closed loop.
+            heard: what the networks get; None: the robots' own readings.
         """
         return self._walk(values, weights, start, steps, active=True, heard=heard)
 
@@ -154,12 +174,12 @@ class Walker(abc.ABC):
         steps: int,
         *,
         active: bool,
-        heard: np.ndarray | None = None,
+        heard: Heard | None = None,
     ) -> Walk:
         if not 0 < steps <= self.rows:
             raise ValueError(f"{steps} steps do not fit into 1..{self.rows}")
         lanes = Lane(values, np.asarray(weights, np.float32), start)
-        heard = None if heard is None else np.asarray(heard, np.float32)[:, :steps]
+        heard = None if heard is None else Heard(*(np.asarray(x, np.float32)[:, :steps] for x in heard))
         walk = self._run(lanes, steps, active=active, heard=heard)
         return walk._replace(**{k: getattr(walk, k)[:, :steps] for k in ("readings", "commands", "position")})
 

@@ -10,7 +10,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, Values, encode, neutral, parse_change, stack
 from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.walking import BodyState, Walker
+from estexp_jax.physics.engines.walking import BodyState, Heard, Walker, recorded
 from estexp_jax.physics.registry import PAPER, catalogue, effect
 from estexp_jax.runs import count_compilations
 from tests.physics.conftest import WALKER_ROWS
@@ -195,7 +195,7 @@ def test_networks_that_hear_their_own_readings_walk_as_before(walkers: Walker) -
     values = _values(walkers, (), 3)
     start = walkers.settle(values, SETTLING)
     closed = walkers.walk(values, weights, start, STEPS)
-    again = walkers.walk(values, weights, start, STEPS, heard=closed.readings)
+    again = walkers.walk(values, weights, start, STEPS, heard=recorded(closed.readings))
     assert np.array_equal(again.readings, closed.readings)
     assert np.array_equal(again.commands, closed.commands)
 
@@ -203,7 +203,20 @@ def test_networks_that_hear_their_own_readings_walk_as_before(walkers: Walker) -
 def test_networks_that_hear_recorded_readings_ignore_the_bodys_own(walkers: Walker) -> None:
     weights = _networks(2)
     healthy, damaged = (_values(walkers, c, 2) for c in ((), _changes(DAMAGE["whole leg lost"])))
-    recorded = walkers.walk(healthy, weights, walkers.settle(healthy, SETTLING), STEPS)
-    replayed = walkers.walk(damaged, weights, walkers.settle(damaged, SETTLING), STEPS, heard=recorded.readings)
-    assert np.array_equal(replayed.commands, recorded.commands)
-    assert not np.array_equal(replayed.readings, recorded.readings)
+    seen = walkers.walk(healthy, weights, walkers.settle(healthy, SETTLING), STEPS)
+    replayed = walkers.walk(damaged, weights, walkers.settle(damaged, SETTLING), STEPS, heard=recorded(seen.readings))
+    assert np.array_equal(replayed.commands, seen.commands)
+    assert not np.array_equal(replayed.readings, seen.readings)
+
+
+def test_networks_hear_noise_that_the_readings_do_not_show(walkers: Walker) -> None:
+    weights, values = _networks(2), _values(walkers, (), 2)
+    start, random = walkers.settle(values, SETTLING), np.random.default_rng(4)
+    shape = (2, STEPS, walkers.interface.n_inputs)
+    noise = Heard(np.where(random.random(shape) < 0.1, -1.0, 1.0), 0.02 * random.standard_normal(shape))
+    noisy = walkers.walk(values, weights, start, STEPS, heard=noise)
+    assert not np.array_equal(noisy.commands, walkers.walk(values, weights, start, STEPS).commands)
+    told = noise.factor * noisy.readings + noise.added
+    replayed = walkers.walk(values, weights, start, STEPS, heard=recorded(told))
+    assert np.allclose(replayed.commands[:, 0], noisy.commands[:, 0], atol=1e-6)
+    assert np.allclose(noisy.readings[:, 0], replayed.readings[:, 0])

@@ -20,7 +20,7 @@ from estexp_jax.physics.engines.lanes.states import coordinates, packed, unpacke
 from estexp_jax.physics.engines.lanes.step import TOLERANCE, LaneState, Stepper
 from estexp_jax.physics.engines.lanes.terms import Acting
 from estexp_jax.physics.engines.mjx_terms import Hidden
-from estexp_jax.physics.engines.walking import BodyState, Walker
+from estexp_jax.physics.engines.walking import BodyState, Walker, hear
 from estexp_jax.physics.travel import travel_map
 
 ROWS = 25
@@ -42,8 +42,8 @@ class Batch(NamedTuple):
 class Told(NamedTuple):
     """What the networks of a call are told from outside."""
 
-    heard: Any  #: (ROWS, n_inputs, N) readings in place of the robots' own
-    replayed: Any  #: bool: whether they count
+    factor: Any  #: (ROWS, n_inputs, N) by what the robots' own readings are multiplied; 0 where they do not count
+    added: Any  #: (ROWS, n_inputs, N)
     active: Any  #: bool; false: all motors at home
 
 
@@ -106,7 +106,7 @@ class ClosedLoop:
     def _control_step(self, row: Any, carry: _Carry, told: Told) -> _Carry:
         qpos = coordinates(self._plan, carry.state)
         readings = self._readings(qpos, carry.felt)
-        seen = [jnp.where(told.replayed, told.heard[row, i], r) for i, r in enumerate(readings)]
+        seen = [hear(told.factor[row, i], told.added[row, i], r) for i, r in enumerate(readings)]
         neurons, outputs = _respond(self._batch.network, carry.neurons, self._inputs(seen), self._walker.gain)
         commands = [self._command(i, u, told.active) for i, u in enumerate(outputs)]
         table = jnp.stack(commands)

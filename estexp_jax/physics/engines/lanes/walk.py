@@ -20,7 +20,7 @@ from estexp_jax.physics.engines.batching import cores, in_chunks
 from estexp_jax.physics.engines.lanes.loop import ROWS, Batch, Block, ClosedLoop, Told
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
 from estexp_jax.physics.engines.lanes.xla import compiled, lowered
-from estexp_jax.physics.engines.walking import Lane, Walk, Walker
+from estexp_jax.physics.engines.walking import Heard, Lane, Walk, Walker
 
 _VECTOR = 8
 """Robots in a chunk are a multiple of this, so that all take the same vector code and none depends on its place."""
@@ -67,15 +67,15 @@ class LanesWalker(Walker):
         counted = self._programs["walk"].cost_analysis().get("flops")
         return None if counted is None else float(counted) / self.width
 
-    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: np.ndarray | None) -> Walk:
+    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: Heard | None) -> Walk:
         batch = jax.tree.map(np.asarray, (lanes, heard))
         return in_chunks(lambda part: self._chunk(part[0], part[1], steps, active), batch, self.width)
 
-    def _chunk(self, lanes: Lane, heard: np.ndarray | None, steps: int, active: bool) -> Walk:
+    def _chunk(self, lanes: Lane, heard: Heard | None, steps: int, active: bool) -> Walk:
         prepare, advance = self._compiled(lanes)
         batch, neurons, rows = prepare(lanes), np.zeros((HIDDEN, self.width), np.float32), []
         for done in range(0, steps, ROWS):
-            inputs = Told(self._heard(heard, done), np.bool_(heard is not None), np.bool_(active))
+            inputs = Told(*self._heard(heard, done), np.bool_(active))
             block = advance(batch, neurons, np.int32(min(ROWS, steps - done)), inputs)
             batch, neurons = batch._replace(start=block.final), block.neurons
             rows.append(block.rows)
@@ -85,13 +85,14 @@ class LanesWalker(Walker):
         sound = [np.all(np.abs(x) < mujoco.mjMAXVAL, axis=1) for x in (final.qpos, final.qvel)]  # false for NaN
         return Walk(table[..., :i], table[..., i : i + o], table[..., i + o :], final, ~(sound[0] & sound[1]))
 
-    def _heard(self, heard: np.ndarray | None, done: int) -> np.ndarray:
-        """Recorded readings of a call's rows, robots last; a new array, as the call may still read it later."""
-        table = np.zeros((ROWS, self.interface.n_inputs, self.width), np.float32)
-        if heard is not None:
-            part = np.moveaxis(heard[:, done : done + ROWS], 0, -1)
+    def _heard(self, heard: Heard | None, done: int) -> Heard:
+        """What a call's networks get, robots last; new arrays, as the call may still read them later."""
+        shape = (ROWS, self.interface.n_inputs, self.width)
+        tables = Heard(np.ones(shape, np.float32), np.zeros(shape, np.float32))
+        for table, given in zip(tables, heard or (), strict=False):
+            part = np.moveaxis(given[:, done : done + ROWS], 0, -1)
             table[: len(part)] = part
-        return table
+        return tables
 
     def _compiled(self, lanes: Lane) -> tuple[Any, Any]:
         """Both executables, compiled at the first call."""
@@ -99,7 +100,7 @@ class LanesWalker(Walker):
             if not self._programs:
                 prepare = lowered(jax.vmap(self._prepared, out_axes=-1), lanes)
                 neurons = np.zeros((HIDDEN, self.width), np.float32)
-                told = Told(self._heard(None, 0), np.bool_(False), np.bool_(True))
+                told = Told(*self._heard(None, 0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
                     advance = lowered(self._advanced, prepare.out_info, neurons, np.int32(0), told)
