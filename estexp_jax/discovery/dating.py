@@ -21,8 +21,8 @@ from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.inference.windows import cut_of
 
-_SHORT = 0.2
-"""Length of a window, s."""
+_SHORT, _SHARE_OF_ALL = 0.2, 0.005
+"""Least length of a window, s; and as a share of the longest recording."""
 _COST = 20.0
 """Least cost of a claim before its onset, in twice the logarithm of the likelihood, for each recording."""
 _SHARE = 0.1
@@ -43,7 +43,8 @@ def short_windows(case: Case, problem: Problem) -> Problem:
         case: what is explained.
         problem: the comparison.
     """
-    cut = cut_of(case.robots, problem.recordings, _SHORT)
+    longest = max(float(recording.time[-1] - recording.time[0]) for recording in problem.recordings)
+    cut = cut_of(case.robots, problem.recordings, max(_SHORT, _SHARE_OF_ALL * longest))
     return replace(problem.with_windows(cut), most=sys.maxsize)
 
 

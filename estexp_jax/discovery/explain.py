@@ -51,8 +51,9 @@ from estexp_jax.physics.registry import catalogue, effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
 
-_WINDOWS, _WORK = (16, 48), 48_000
-"""Fewest and most windows that are fitted of long recordings, and how often the robot's forces are computed in them."""
+_WINDOWS, _WORK = (16, 48), 144_000
+"""Fewest and most windows that are fitted of long recordings, and how often forces at a robot's joints are computed in
+them."""
 
 
 def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
@@ -95,9 +96,12 @@ def _shown(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
 
 
 def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
-    """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more."""
+    """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more.
+
+    A robot of more joints has more hypotheses, too, each dearer to simulate.
+    """
     stages = 4 if int(robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4) else 1
-    work = stages * max(s.steps.n_steps for s in segments)
+    work = stages * max(s.steps.n_steps for s in segments) * max(robot.model.nv, 3)
     return int(np.clip(_WORK // work, *_WINDOWS))
 
 

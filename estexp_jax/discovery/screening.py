@@ -15,6 +15,8 @@ from estexp_jax.physics.registry import effect
 
 _MANY = 32
 """Windows of which an eighth is enough for a first look."""
+_FIRST, _LATER = 2, 3
+"""Of so many hypotheses one goes on after the first look, which has had only few windows, and after each later one."""
 _BEST = 4
 """Of so many best hypotheses, richer relatives are looked at longer than they seem worth."""
 
@@ -89,15 +91,15 @@ def looked_at(
     Returns:
         The hypotheses with the vectors to fit them from.
     """
-    looked, again = [Fit(h, vectors[0], np.inf) for h, vectors in tasks], list(tasks)
+    looked, again, share = [Fit(h, vectors[0], np.inf) for h, vectors in tasks], list(tasks), _FIRST
     for every in (4, 2, 1) if len(problem.fitted) < _MANY else (8, 4, 2, 1):
         windows = _telling(problem, base, every)
         free = slackened(problem, base, windows, cost)
         name = f"{stage}, look at 1/{every} of the windows"
         looked = yield from fit(free, again, windows, 0.0, stage=name, iterations=2, newest_only=True)
         ranked = sorted(looked, key=lambda f: f.cost)
-        half = len({slot(_last(f)) for f in looked}) // 2
-        best = _with_richer(with_rungs(ranked, max(n, half)), ranked)
+        left = len({slot(_last(f)) for f in looked}) // share
+        best, share = _with_richer(with_rungs(ranked, max(n, left)), ranked), _LATER
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
     return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
 

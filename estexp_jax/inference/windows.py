@@ -12,7 +12,7 @@ import numpy as np
 from estexp_jax.inference.start import Motion, motion_of
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Segment, segment
+from estexp_jax.physics.segment import Segment, history_of, segment
 
 FINER = 4
 """The finest steps of fitted windows are this part of the model's own."""
@@ -107,8 +107,9 @@ def segments_of(
     found: list[Segment] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
         motion, step = _motion(robot, recording), float(robot.model.opt.timestep) / finer
+        history = history_of(recording, motion.path)
         for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
-            found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path))
+            found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path, history))
     return found
 
 

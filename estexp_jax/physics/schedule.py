@@ -65,11 +65,15 @@ class CommandHistory:
 
     The mean over a step is exact for a held command and continuous in a delay, so that a delay of a fraction of a row
     can be found by gradients.
+
+    Attributes:
+        time: (rows,) s.
+        logged: (rows, nu) commands.
     """
 
     def __init__(self, time: np.ndarray, ctrl: np.ndarray, before: np.ndarray | None = None) -> None:
         """Commands `ctrl` (rows, nu) in force from `time` (rows,) on, `before` (nu,) until then; None: the first."""
-        self.time, self._ctrl = time, ctrl
+        self.time, self.logged = time, ctrl
         self._before = ctrl[0] if before is None else before
         steps = np.diff(time)[:, None] * ctrl[:-1]
         self._integral = np.concatenate([np.zeros((1, ctrl.shape[1])), np.cumsum(steps, axis=0)])
@@ -87,9 +91,9 @@ class CommandHistory:
             shift: (nu,) s, how late each command arrives.
             source: (nu,) whose command each motor gets; None: its own.
         """
-        own = np.arange(self._ctrl.shape[1]) if source is None else source
+        own = np.arange(self.logged.shape[1]) if source is None else source
         row = np.searchsorted(self.time, start, side="right") - 1
-        held = np.where(row[:, None] < 0, self._before, self._ctrl[np.clip(row, 0, None)])[:, own]
+        held = np.where(row[:, None] < 0, self._before, self.logged[np.clip(row, 0, None)])[:, own]
         late = np.flatnonzero(shift)
         for a in late.tolist():
             begin = start - shift[a]
@@ -105,7 +109,7 @@ class CommandHistory:
         first, last = self.time[0], self.time[-1]
         inside = np.interp(when, self.time, self._integral[:, actuator])
         before = np.minimum(when - first, 0.0) * self._before[actuator]
-        return inside + before + np.maximum(when - last, 0.0) * self._ctrl[-1, actuator]
+        return inside + before + np.maximum(when - last, 0.0) * self.logged[-1, actuator]
 
 
 def command_before(ctrl: np.ndarray, qvel: np.ndarray) -> np.ndarray:

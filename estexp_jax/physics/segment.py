@@ -127,10 +127,14 @@ class Segment:
         ctrl = self.history.mean(path.time[at], np.maximum(length, _LEAST), shift, source)
         return Past(path.qpos[at], path.qvel[at], ctrl, self.enable[at + self.first + 1 - known], length)
 
-    @cached_property
+    @property
     def logged_past(self) -> Past:
-        """All of `past`, with commands as they were logged."""
-        return self.past(self.first + 1, *self._as_logged())
+        """All of `past`, with commands as they were logged; not kept, since windows of a long recording are many."""
+        if self.path is None:
+            return self.past(1, *self._as_logged())
+        path, k = self.path, self.first + 1
+        length = np.append(np.diff(path.time[:k]), 0.0)
+        return Past(path.qpos[:k], path.qvel[:k], self.history.logged[:k], self.enable[:k], length)
 
     def _as_logged(self) -> tuple[np.ndarray, np.ndarray]:
         n = self.enable.shape[1]
@@ -144,10 +148,16 @@ def segment(
     timestep: float,
     start: Start,
     path: Path | None = None,
+    history: CommandHistory | None = None,
 ) -> Segment:
-    """The stretch `rows` (first, last) of `recordings[index]`."""
+    """The stretch `rows` (first, last) of `recordings[index]`, whose `history_of` need be found only once."""
     recording, (first, last) = recordings[index], rows
     steps = schedule(recording.time[first : last + 1], timestep)
-    before = None if path is None else command_before(recording.ctrl, path.qvel)
-    history = CommandHistory(recording.time, recording.ctrl, before)
+    history = history_of(recording, path) if history is None else history
     return Segment(index, first, last, steps, history, recording.enable, start, path)
+
+
+def history_of(recording: Recording, path: Path | None = None) -> CommandHistory:
+    """The commands of a recording, and before it as they came if it moved at the start."""
+    before = None if path is None else command_before(recording.ctrl, path.qvel)
+    return CommandHistory(recording.time, recording.ctrl, before)
