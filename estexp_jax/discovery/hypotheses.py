@@ -229,7 +229,7 @@ def _bounds(robot: Robot, e: Effect, site: str) -> tuple[tuple[float, float], ..
     bounds = e.bounds(robot, site)
     if e.name == "joint_jam":
         return ((_JAMMED, bounds[0][1]),)
-    if e.name == "viscous_friction":
+    if e.name == "viscous_friction" and site != ALL_ALIKE:
         return ((bounds[0][0], min(bounds[0][1], max(jam_damping(robot, site, _JAMMED), 0.01 * bounds[0][1]))),)
     return bounds
 

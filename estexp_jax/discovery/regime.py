@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.robot import Robot
 
 THROUGHOUT = "throughout"
@@ -77,7 +78,7 @@ def located_joint(robot: Robot, seen: Sequence[ForceResidual], where: Sequence[M
     """
     model, names = robot.model, robot.names("joint")
     kind, name = (where[0]["kind"], where[0]["name"]) if where else ("environment", None)
-    if kind == "joint":
+    if kind == "joint" and name != ALL_ALIKE:
         return name
     choices = list(robot.scalar_joints)
     if name is not None and kind in ("body", "sensor"):

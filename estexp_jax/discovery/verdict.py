@@ -10,6 +10,7 @@ from estexp_jax.discovery.selection import NOISE, Selection, worth
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.servo_damping import servo_damping, servos
+from estexp_jax.physics.effects.sites import joints_at
 from estexp_jax.physics.robot import Robot
 
 _ENOUGH = 0.6
@@ -59,7 +60,8 @@ def _present(robot: Robot, change: Change) -> float:
     fields = {"viscous_friction": "dof_damping", "coulomb_friction": "dof_frictionloss", "armature": "dof_armature"}
     if change.effect not in fields:
         return 0.0
-    return float(getattr(model, fields[change.effect])[model.jnt_dofadr[robot.index("joint", name)]])
+    joints = [robot.index("joint", one) for one in joints_at(robot, name)]
+    return float(getattr(model, fields[change.effect])[model.jnt_dofadr[joints]].min())
 
 
 def bent_values(robot: Robot, fitted: Fit, intervals: np.ndarray) -> tuple[Change, ...]:

@@ -9,7 +9,13 @@ from mujoco import mjx
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites
+from estexp_jax.physics.effects.sites import (
+    joint_dofs,
+    joint_sentence,
+    joints_at,
+    per_element,
+    rubbing_joint_sites,
+)
 from estexp_jax.physics.robot import Robot, spec_element
 
 
@@ -25,17 +31,20 @@ class ViscousFriction(Edit):
     source: ClassVar[str] = "MuJoCo: joint/damping"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return scalar_joint_sites(robot)
+        return rubbing_joint_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return ((0.0, scales.joint_torque(robot, robot.index("joint", site))),)
+        most = max(scales.joint_torque(robot, robot.index("joint", one)) for one in joints_at(robot, site))
+        return ((0.0, most),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"the joint {site} resists motion with {values['c']:.3g} N m for each rad/s of speed"
+        return f"{joint_sentence(site)} resists motion with {values['c']:.3g} N m for each rad/s of speed"
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
-        return model.replace(dof_damping=model.dof_damping.at[joint_dofs(robot)].add(values[:, 0]))
+        dofs = joint_dofs(robot)
+        return model.replace(dof_damping=model.dof_damping.at[dofs].add(per_element(values[:, 0], len(dofs))))
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        joint = spec_element(spec, robot, "joint", site)
-        joint.damping = [joint.damping[0] + values["c"], *joint.damping[1:]]
+        for one in joints_at(robot, site):
+            joint = spec_element(spec, robot, "joint", one)
+            joint.damping = [joint.damping[0] + values["c"], *joint.damping[1:]]
