@@ -52,6 +52,26 @@ def write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     write_text(path, stream.getvalue())
 
 
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """Rows that `write_rows` wrote, numbers and truth values as they were; none without a file."""
+    if not path.is_file():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return [{name: _value(text) for name, text in line.items()} for line in csv.DictReader(file)]
+
+
+def _value(text: str) -> Any:
+    known = {"": None, "True": True, "False": False}
+    if text in known:
+        return known[text]
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
 def write_figure(path: Path, figure: Any, dpi: int = 110) -> None:
     """A picture, whole or not at all; its extension decides the format."""
     with replacing(path) as stream:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
@@ -21,7 +22,10 @@ FIRST = 6000
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """All diagnoses, one file each; then the tables and figures of those that are there."""
+    """All diagnoses, one file each; then the tables and figures of those that are there.
+
+    What is published beside the README no machine does again.
+    """
     from experiments.common.options import parsed, publish
     from experiments.common.runs import each
 
@@ -30,13 +34,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     own = [w for i, w in enumerate(given) if w in ("--part", "--report") or (i and given[i - 1] == "--part")]
     rest = [word for word in given if word not in own]
     options = parsed("diagnosis", __doc__, seeds=10, quick_seeds=1, arguments=rest)
-    asked = [] if "--report" in given else parts or PARTS
-    tasks = [task for part in asked for task in tasks_of(part, options.n, quick=options.size == "quick")]
-    store = options.store.parent / "diagnoses"
+    asked, quick = [] if "--report" in given else parts or PARTS, options.size == "quick"
+    tasks = [task for part in asked for task in tasks_of(part, options.n, quick=quick)]
+    store, known = options.store.parent / "diagnoses", {} if quick else published()
     store.mkdir(parents=True, exist_ok=True)
-    each("diagnoses", [(_kept, task, store) for task in tasks if not _path(task, store).is_file()], options)
-    everything = [t for part in PARTS for t in tasks_of(part, options.n, quick=options.size == "quick")]
-    report([task for task in everything if _path(task, store).is_file()], store, options)
+    todo = [task for task in tasks if key(task) not in known and not _path(task, store).is_file()]
+    each("diagnoses", [(_kept, task, store) for task in todo], options)
+    everything = [task for part in PARTS for task in tasks_of(part, options.n, quick=quick)]
+    report([row for task in everything for row in _rows(task, store, known)], options)
     publish(options, __file__)
     return 0
 
@@ -53,9 +58,31 @@ def tasks_of(part: str, n: int, *, quick: bool = False) -> list:
     return [Task(s, seed, robot, catalogue, part == "paper", trials) for seed in drawn for s in situations]
 
 
+def key(task) -> tuple:
+    """What tells a task from the others."""
+    return task.robot, task.kind, task.situation, task.seed
+
+
+def published() -> dict[tuple, list[dict[str, Any]]]:
+    """Rows of the table beside the README, by their tasks' keys."""
+    from experiments.common.tables import read_rows
+
+    found: dict[tuple, list[dict[str, Any]]] = {}
+    for row in read_rows(Path(__file__).with_name("diagnoses.csv")):
+        kind = "paper" if row["method"] == "paper" else f"set-{row['catalogue']}"
+        found.setdefault((row["robot"], kind, row["situation"], row["seed"]), []).append(row)
+    return found
+
+
 def _path(task, store: Path) -> Path:
-    kind = "paper" if task.paper else f"set-{task.catalogue}"
-    return store / f"{task.robot}-{kind}-s{task.situation:02d}-{task.seed}.json"
+    return store / f"{task.robot}-{task.kind}-s{task.situation:02d}-{task.seed}.json"
+
+
+def _rows(task, store: Path, known: dict[tuple, list[dict[str, Any]]]) -> list[dict[str, Any]]:
+    import json
+
+    path = _path(task, store)
+    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else known.get(key(task), [])
 
 
 def _kept(task, store: Path) -> None:
@@ -65,14 +92,11 @@ def _kept(task, store: Path) -> None:
     write_json(_path(task, store), diagnose(task))
 
 
-def report(tasks: Sequence, store: Path, options) -> None:
+def report(rows: Sequence[dict[str, Any]], options) -> None:
     """Tables, numbers and figures."""
-    import json
-
     from experiments.common.tables import write_rows, write_summary
     from experiments.diagnosis.summary import draw, summary
 
-    rows = [row for task in tasks for row in json.loads(_path(task, store).read_text(encoding="utf-8"))]
     write_rows(options.out / "diagnoses.csv", rows)
     found = summary(rows)
     write_summary(options.out / "summary.json", found, seeds=sorted({row["seed"] for row in rows}))

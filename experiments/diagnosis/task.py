@@ -35,6 +35,11 @@ class Task:
     trials: tuple[int, ...] = (1, 2, 4)
 
     @property
+    def kind(self) -> str:
+        """The search, and what it chooses from."""
+        return "paper" if self.paper else f"set-{self.catalogue}"
+
+    @property
     def settings(self) -> Settings:
         """Of the run that it stands for."""
         return Settings(

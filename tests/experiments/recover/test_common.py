@@ -14,9 +14,10 @@ from experiments.common.options import Options
 from experiments.common.runs import finished, first_folder, run_all, state_of
 from experiments.common.scoring import amount_error, same_set
 from experiments.common.statistics import holm, share, signed_rank
-from experiments.common.tables import row, write_rows
+from experiments.common.tables import read_rows, row, write_rows
 from experiments.common.told import told
 from experiments.common.world import job, quadruped
+from experiments.diagnosis.run import PARTS, key, published, tasks_of
 from experiments.handed.summary import summary
 
 WEAK = Change("motor_weakness", "hip_f", {"loss": 0.5})
@@ -88,6 +89,20 @@ def test_a_told_run_differs_in_nothing_but_what_it_knows(tmp_path: Path) -> None
     *_, last = told(work, RunState.from_tree(early.to_tree()))
     assert all(map(np.array_equal, last.controllers, state.controllers))
     assert row(case, tmp_path)["right_4"]
+
+
+def test_rows_come_back_as_they_were(tmp_path: Path) -> None:
+    rows = [{"robot": "same", "seed": 6000, "right": True, "error": 0.25, "alarm": None, "rivals": "0.10 nothing"}]
+    write_rows(tmp_path / "rows.csv", rows)
+    assert read_rows(tmp_path / "rows.csv") == rows and read_rows(tmp_path / "none.csv") == []
+
+
+def test_published_diagnoses_are_not_made_again() -> None:
+    known, tasks = published(), [t for part in PARTS for t in tasks_of(part, 10)]
+    assert len({key(task) for task in tasks}) == len(tasks)
+    assert known and set(known) <= {key(task) for task in tasks}
+    for task in tasks:
+        assert [row["trials"] for row in known.get(key(task), [])] in ([], list(task.trials))
 
 
 def test_ratios_are_told_by_situation() -> None:
