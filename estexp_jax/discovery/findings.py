@@ -45,17 +45,6 @@ def told_places(explanation: Explanation) -> list[str]:
     return list(dict.fromkeys(map(told_place, explanation.claims)))
 
 
-def _distinct(explanations: Sequence[Explanation], others: Sequence[int], chosen: Explanation) -> list[int]:
-    """Indices without those that tell of a law and else only of what was told before: one law is told, the best."""
-    told, found = [told_places(chosen)], []
-    for i in others:
-        own = told_places(explanations[i])
-        if own not in told or not any(place.startswith(UNKNOWN) for place in own):
-            found.append(i)
-        told.append(own)
-    return found
-
-
 def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: float) -> dict[str, Any]:
     """One claimed effect with its numbers."""
     e = effect(change.effect)
@@ -111,15 +100,21 @@ def alternatives(
 
 
 def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[Explanation, float]]:
-    """Explanations that were not chosen, with their probabilities: the probable ones, and at least the next `fewest`.
+    """Explanations beside the chosen one that tell of something else, with their probability: all likely, or `fewest`.
 
-    They come by probability; those of the same, by held-out error.
+    They come by probability; those of the same, by held-out error. The first of those that tell of the same stands for
+    all, with their probability: the same effects in another order, forms of one effect, terms of one law.
     """
     everything = [selection.parameters, *selection.tried]
     order = sorted(range(len(everything)), key=lambda i: (-shares[i], everything[i].error))
-    rest = _distinct(everything, [i for i in order if everything[i] is not selection.chosen], selection.chosen)
-    told = [i for rank, i in enumerate(rest) if rank < fewest or shares[i] >= TOLD]
-    return [(everything[i], float(shares[i])) for i in told]
+    chosen, found = frozenset(told_places(selection.chosen)), dict[frozenset[str], tuple[Explanation, float]]()
+    for i in order:
+        own = frozenset(told_places(everything[i]))
+        if own != chosen:
+            first, share = found.get(own, (everything[i], 0.0))
+            found[own] = first, share + float(shares[i])
+    ranked = sorted(found.values(), key=lambda told: -told[1])
+    return [told for rank, told in enumerate(ranked) if rank < fewest or told[1] >= TOLD]
 
 
 def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recording], shares: np.ndarray) -> list[str]:
