@@ -34,7 +34,8 @@ def test_all_alike_is_each_of_them(name: str, parameter: str, field: str) -> Non
         np.asarray(getattr(on.edited(on.model, encode(robot, on.catalogue, c)), field))
         for c in (everywhere, one_by_one)
     ]
-    assert np.allclose(edited[0], edited[1]) and np.allclose(edited[0] - getattr(robot.model, field), [0.3, 0.3, 0.4, 0.3])
+    assert np.allclose(edited[0], edited[1])
+    assert np.allclose(edited[0] - getattr(robot.model, field), [0.3, 0.3, 0.4, 0.3])
     spec = robot.spec.copy()
     for change in everywhere:
         rub.write_mjcf(robot, spec, change.name or "", change.values)
