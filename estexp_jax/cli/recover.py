@@ -76,7 +76,8 @@ class Options:
     model_error: float | None = None
     """Relative error expected in the simulator; 0: it is exact. Default: 0 for --robot same, else 0.03."""
     ensemble: int | None = None
-    """Simulators, as far off as --model-error, on which each controller is tried. Default: 1 if that is 0, else 4."""
+    """Simulators, as far off as --model-error and with noisy sensors, on which each controller is tried. Default: 1 if
+    that is 0 and with --paper, else 4."""
     engine: Literal["auto", "lanes", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
     pictures: bool = True

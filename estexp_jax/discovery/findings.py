@@ -100,10 +100,11 @@ def alternatives(
 
 
 def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[Explanation, float]]:
-    """Explanations beside the chosen one that tell of something else, with their probability: all likely, or `fewest`.
+    """Explanations that tell of something else than the chosen one: the probable ones, and at least `fewest`.
 
-    They come by probability; those of the same, by held-out error. The first of those that tell of the same stands for
-    all, with their probability: the same effects in another order, forms of one effect, terms of one law.
+    They come by probability, which is told with them; those of the same, by held-out error. The first of those that
+    tell of the same stands for all, with their probability: the same effects in another order, forms of one effect,
+    terms of one law.
     """
     everything = [selection.parameters, *selection.tried]
     order = sorted(range(len(everything)), key=lambda i: (-shares[i], everything[i].error))

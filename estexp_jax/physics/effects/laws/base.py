@@ -21,6 +21,8 @@ from estexp_jax.physics.robot import Robot
 
 UNKNOWN = "unknown_law"
 """The name under which all of them are told."""
+Bounds = tuple[tuple[float, float], ...]
+"""Lowest and highest value of each of some parameters."""
 
 
 class Reach(NamedTuple):
@@ -62,7 +64,7 @@ class JointLaw(Term):
         """Largest amplitude that is looked for."""
 
     @abc.abstractmethod
-    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
         """Bounds (low, high) of each parameter but the first."""
 
     @abc.abstractmethod
@@ -80,7 +82,7 @@ class JointLaw(Term):
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
 
-    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+    def bounds(self, robot: Robot, site: str) -> Bounds:
         joint = robot.index("joint", site)
         most = self.most(robot, joint)
         return (-most if self.parameters[0].signed else 0.0, most), *self.shapes(robot, joint)
@@ -95,7 +97,7 @@ class Shapeless(JointLaw):
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint)
 
-    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
         return ()
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:

@@ -12,6 +12,7 @@ from estexp_jax.physics.effects.laws.base import (
     PHASES,
     ROUND,
     WAVES,
+    Bounds,
     JointLaw,
     Reach,
     amplitude,
@@ -22,7 +23,6 @@ from estexp_jax.physics.effects.laws.base import (
 )
 from estexp_jax.physics.robot import Robot
 
-Bounds = tuple[tuple[float, float], ...]
 _TURNING = 0.01
 """Speed within which a direction is none, rad/s or m/s."""
 

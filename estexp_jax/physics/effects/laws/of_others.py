@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach, amplitude, half_span, signed, torque
+from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, half_span, signed, torque
 from estexp_jax.physics.robot import Robot
 
 _WITH = Parameter("with", "1 + joint index", refers="joint")
@@ -21,7 +21,7 @@ class _Coupling(JointLaw):
 
     symbols: ClassVar[str] = _OTHER
 
-    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
         return ((1.0, float(robot.model.njnt)),)
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:
@@ -146,7 +146,7 @@ class LawTie(JointLaw):
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint) / (0.1 * half_span(robot, joint))
 
-    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
         return (1.0, float(robot.model.njnt)), (-2.0 * np.pi, 2.0 * np.pi)
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:

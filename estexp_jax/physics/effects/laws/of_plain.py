@@ -13,6 +13,7 @@ from estexp_jax.physics.effects.laws.base import (
     PHASES,
     ROUND,
     WAVES,
+    Bounds,
     JointLaw,
     Reach,
     Shapeless,
@@ -24,7 +25,6 @@ from estexp_jax.physics.effects.laws.base import (
 )
 from estexp_jax.physics.robot import Robot
 
-Bounds = tuple[tuple[float, float], ...]
 _DENSEST = 60.0
 """Largest spatial frequency, 1/rad or 1/m."""
 

@@ -7,18 +7,9 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import (
-    JointLaw,
-    Reach,
-    amplitude,
-    away,
-    half_span,
-    signed,
-    torque,
-)
+from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
 from estexp_jax.physics.robot import Robot
 
-Bounds = tuple[tuple[float, float], ...]
 _TIGHT = 0.1
 """Share of half a joint's range within which a law of its position may reach full torque."""
 

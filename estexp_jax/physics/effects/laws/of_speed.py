@@ -7,10 +7,19 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach, Shapeless, amplitude, away, half_span, signed, torque
+from estexp_jax.physics.effects.laws.base import (
+    Bounds,
+    JointLaw,
+    Reach,
+    Shapeless,
+    amplitude,
+    away,
+    half_span,
+    signed,
+    torque,
+)
 from estexp_jax.physics.robot import Robot
 
-Bounds = tuple[tuple[float, float], ...]
 _SPEEDS = (0.01, 30.0)
 """Speeds at which a law may turn, rad/s or m/s."""
 _STILL = 1e-3

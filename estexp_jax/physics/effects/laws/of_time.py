@@ -7,10 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import ROUND, JointLaw, Reach, amplitude, half_span, signed, torque
+from estexp_jax.physics.effects.laws.base import ROUND, Bounds, JointLaw, Reach, amplitude, half_span, signed, torque
 from estexp_jax.physics.robot import Robot
 
-Bounds = tuple[tuple[float, float], ...]
 _RATES = (0.15, 8.0)
 """Frequencies of rhythms that are looked for, Hz."""
 

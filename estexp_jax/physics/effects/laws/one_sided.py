@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach, amplitude, away, half_span, signed, torque
+from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
 from estexp_jax.physics.robot import Robot
 
 _TIGHT = 0.1
@@ -22,7 +22,7 @@ class _OneSided(JointLaw):
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
 
-    def shapes(self, robot: Robot, joint: int) -> tuple[tuple[float, float], ...]:
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
         return (scales.joint_span(robot, joint),)
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:
