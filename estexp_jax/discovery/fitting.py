@@ -29,6 +29,8 @@ _MOST_MEMBERS = 4096
 """Derivatives are taken by so many windows of simulations at once, to bound memory."""
 _CONVERGED = 1e-3
 """Relative fall of the cost under which a fit rests."""
+FAR, _ROUGHLY = 10.0, 1e-2
+"""Deviations beyond which a fit leaves so much that a first one may rest at this relative fall of the cost."""
 _STEPS_EACH = 4
 """Most steps with derivatives found once."""
 
@@ -75,6 +77,7 @@ def fit(
     stage: str,
     iterations: int = 8,
     newest_only: bool = False,
+    first: bool = False,
 ) -> Generator[Progress, None, list[Fit]]:
     """Fit hypotheses to windows.
 
@@ -87,6 +90,7 @@ def fit(
         iterations: most steps.
         newest_only: move only the parameters of the last claimed place, the others stay and cost nothing: cheap, for a
             first look.
+        first: fits that leave much rest early: those worth it will be fitted on.
 
     Yields:
         Progress after each step.
@@ -94,9 +98,9 @@ def fit(
     prices = list(price) if isinstance(price, Sequence) else [price] * len(tasks)
     if newest_only:
         prices = [0.0] * len(tasks)
-    fits, moving, first = _remembered(problem, tasks, stage) or (*_screened(problem, tasks, windows, prices), 0)
+    fits, moving, begin = _remembered(problem, tasks, stage) or (*_screened(problem, tasks, windows, prices), 0)
     moving = [i for i in moving if movable(fits[i].hypothesis).any()]
-    for iteration in range(first, iterations):
+    for iteration in range(begin, iterations):
         _remember(problem, stage, fits, moving, iteration)
         yield Progress(stage, iteration, iterations, _note(fits))
         if not moving:
@@ -104,7 +108,8 @@ def fit(
         found = _iterated([fits[i] for i in moving], problem, windows, [prices[i] for i in moving], newest_only)
         still = []
         for i, (new, rests) in zip(moving, found, strict=True):
-            if not rests and new.cost < fits[i].cost * (1.0 - _CONVERGED):
+            small = _ROUGHLY if first and new.cost > FAR**2 else _CONVERGED
+            if not rests and new.cost < fits[i].cost * (1.0 - small):
                 still.append(i)
             fits[i] = new
         moving = still

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import mujoco
+import numpy as np
 
-from estexp_jax.discovery.black_box import trained
+from estexp_jax.discovery.black_box import BlackBox, trained
 from estexp_jax.discovery.c_replay import simulated_with
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.export import explained_spec
@@ -41,7 +42,7 @@ def base_of(case: Case, problem: Problem, fitted: Fit) -> Base:
 def black_box_errors(case: Case, config: ExplainConfig, problem: Problem, bases: Sequence[Base]) -> dict[str, float]:
     """Errors of a black box on training and test recordings; {} where there is no joint for it to act on.
 
-    Of several robots that the network may correct, the one that predicts the training recordings best counts. Refitted
+    Of several robots that the network may correct, the one that predicts the fitted windows best counts. Refitted
     parameters are not always the better start: motors bent to stand in for friction spoil readings of their torque,
     which no force on a joint mends.
 
@@ -51,18 +52,22 @@ def black_box_errors(case: Case, config: ExplainConfig, problem: Problem, bases:
         problem: the comparison.
         bases: the robots.
     """
-    windows, exact = {role: problem.windows_of(case.indices(role)) for role in ROLES}, problem.exact()
+    train, test = (problem.windows_of(case.indices(role)) for role in ROLES)
+    exact = problem.exact()
+
+    def error(models: Sequence[mujoco.MjModel], network: BlackBox, windows: np.ndarray) -> float:
+        return exact.error_of(simulated_with(exact, models, network, windows), windows)
+
     found = []
     for models, seen in bases:
         network = trained(models[0], seen, min(config.window, 2.0), config.seed)
         if network is not None:
-            simulated = simulated_with(exact, models, network, windows["train"])
-            found.append((exact.error_of(simulated, windows["train"]), models, network))
+            found.append((error(models, network, exact.fitted), models, network))
     if not found:
         return {}
-    error, models, network = min(found, key=lambda each: each[0])
-    test = exact.error_of(simulated_with(exact, models, network, windows["test"]), windows["test"])
-    return {"train": error, "test": test}
+    fitted, models, network = min(found, key=lambda each: each[0])
+    whole = fitted if np.array_equal(exact.fitted, train) else error(models, network, train)
+    return {"train": whole, "test": error(models, network, test)}
 
 
 def fit_entry(

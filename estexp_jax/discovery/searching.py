@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
-from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.fitting import FAR, Fit, Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
@@ -18,7 +18,8 @@ from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, 
 from estexp_jax.discovery.starts import RUNGS
 
 _NEAR = 2.0
-"""Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out."""
+"""Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out.
+Where the best is `FAR` off, which is no matter of a step's own error, only its `_RIVALS` are fitted on."""
 _MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
 """Where the best single effect leaves more than so many deviations, up to so many that leave at most so many times as
 much are all added to."""
@@ -123,7 +124,7 @@ def _at_first(
 ) -> Generator[Progress, None, list[Fit]]:
     """The best fit of each hypothesis to all windows, with the step's error as the comparison has it."""
     price, name = problem.price_of(problem.fitted), f"{stage}, at first"
-    found = yield from fit(problem, tasks, problem.fitted, price, stage=name, iterations=iterations)
+    found = yield from fit(problem, tasks, problem.fitted, price, stage=name, iterations=iterations, first=True)
     better = {f.hypothesis: f for f in sorted(found, key=lambda f: f.cost, reverse=True)}
     return [f for f in found if better[f.hypothesis] is f]
 
@@ -216,7 +217,10 @@ def _compared(
     """
     best = min(fits, key=lambda f: f.cost)
     there, close = about(problem, best), _close(fits, best)
-    further, there = yield from _refitted(there, close, stage)
+    going = [f for f in close if best.cost <= FAR**2 or f.cost <= _RIVALS**2 * best.cost]
+    moved, there = yield from _refitted(there, going, stage)
+    fitted_on = dict(zip(map(id, going), moved, strict=True))
+    further = [fitted_on.get(id(f), f) for f in close]
     yield Progress(f"{stage}, held-out windows", 0, 1)
     judged = dict(zip(map(id, close), cross_validated(there, further, search.folds), strict=True))
     others = [f for f in fits if id(f) not in judged]
