@@ -78,6 +78,9 @@ class Options:
     ensemble: int | None = None
     """Simulators, as far off as --model-error and with noisy sensors, on which each controller is tried. Default: 1 if
     that is 0 and with --paper, else 4."""
+    next_trial: Literal["farthest", "telling"] = "farthest"
+    """Which controller the robot tries next: the one that comes farthest, or, of those that come nearly as far, the one
+    on which explanations that are not excluded yet disagree most."""
     engine: Literal["auto", "lanes", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
     pictures: bool = True
@@ -115,6 +118,7 @@ def settings_of(options: Options) -> Settings:
         catalogue=options.catalogue,
         model_error=options.model_error,
         ensemble=options.ensemble,
+        next_trial=options.next_trial,
     )
     given = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
     return replace(quick(settings) if options.quick else settings, **given)

@@ -15,6 +15,7 @@ ENSEMBLE = 4
 """Simulators on which a controller is tried that is to walk on a real robot."""
 Catalogue = Literal["full", "paper"]
 Axis = Literal["x", "-x", "y", "-y"]
+NextTrial = Literal["farthest", "telling"]
 
 
 @final
@@ -64,6 +65,9 @@ class Settings:
     ensemble: int | None = None
     """Simulators, as far off as `model_error` and with noisy sensors, on which each controller is tried; the mean
     distance counts. Default: 1, which is the nominal one, for an exact simulator and with `paper`, else 4."""
+    next_trial: NextTrial = "farthest"
+    """The controller that the robot tries next: the one that comes farthest in the simulator, as in the paper; or, of
+    those that come nearly as far, the one on which explanations that are not excluded yet disagree most."""
     engine: Engine = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
 
@@ -85,6 +89,8 @@ class Settings:
         _check(self.ensemble is None or self.ensemble >= 1, "--ensemble", self.ensemble, "at least 1")
         rough = self.members == 1 or self.rough > 0.0
         _check(rough, "--ensemble", self.ensemble, "1, or --model-error above 0, else they are all alike")
+        told = self.next_trial == "farthest" or not self.paper
+        _check(told, "--next-trial", self.next_trial, "farthest, as the paper's search keeps no rivals")
         _check(self.seed >= 0, "--seed", self.seed, "0 or more")
 
     @property

@@ -19,6 +19,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, parse_change
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import ROUGH, Settings
+from estexp_jax.recovery.disagreement import most_telling, undecided
 from estexp_jax.recovery.estimation import changes_of
 from estexp_jax.recovery.evidence import estimation, residuals_of
 from estexp_jax.recovery.exploration import exploration_algorithm, exploration_score
@@ -29,6 +30,9 @@ from estexp_jax.recovery.state import Row, RunState
 from estexp_jax.recovery.target import SameTarget, Target
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Population, best
+
+_GOOD, _CANDIDATES = 0.8, 48
+"""Controllers that come at least this share of the best one's distance may be tried next, so many at most."""
 
 
 @final
@@ -115,10 +119,7 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
         state = replace(state, search=population.to_tree(), history=(*state.history, row))
         if population.generation < settings.generations:
             yield state
-    found = best(Population.from_tree(dict(state.search or {})))
-    if found is None:
-        raise InputError("every simulated walk blew up", where=job.simulator.robot.source, right="a smaller timestep")
-    weights, value = found
+    weights, value = _chosen(job, state, Population.from_tree(dict(state.search or {})))
     yield replace(
         state,
         phase="trial" if number else "damage",
@@ -126,6 +127,24 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
         controllers=(*state.controllers, weights),
         simulated=(*state.simulated, -value),
     )
+
+
+def _chosen(job: Job, state: RunState, population: Population) -> tuple[np.ndarray, float]:
+    """The controller that the robot tries next, and its score: the best, or the most telling of those about as good.
+
+    The last trial is for walking: nothing is learned from it.
+    """
+    found, settings = best(population), job.settings
+    if found is None:
+        raise InputError("every simulated walk blew up", where=job.simulator.robot.source, right="a smaller timestep")
+    rivals = state.rivals[-1] if state.rivals else ()
+    if settings.next_trial == "farthest" or not rivals or state.number >= settings.passes or found[1] >= 0.0:
+        return found
+    good = np.flatnonzero(population.scores <= _GOOD * found[1])[:_CANDIDATES]
+    share = state.probabilities[-1] or 0.0
+    explanations = [(state.diagnoses[-1], share), *rivals]
+    index = good[most_telling(undecided(job.simulator, settings, population.genomes[good], explanations))]
+    return population.genomes[index], float(population.scores[index])
 
 
 def _damage(job: Job, state: RunState) -> Iterator[RunState]:

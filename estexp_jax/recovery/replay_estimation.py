@@ -18,6 +18,7 @@ from estexp_jax.inference.set_search import SetSearch
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation import Diagnosis, Estimation, Residuals, Round
 from estexp_jax.recovery.genome import Items
+from estexp_jax.recovery.mismatch import TEMPER
 from estexp_jax.recovery.options import Menu, menu
 from estexp_jax.recovery.simulator import Simulator
 
@@ -29,8 +30,6 @@ _REFINED, _STEPS, _MOVES = 3, (0.15, 0.05, 0.02), 3
 """Finalists that are refined; by what shares of an amount's range, and how often by each at most."""
 _FEWER: dict[str, Any] = {"bases": 2, "beam": 10, "scanned": 0, "finalists": 3, "refinements": 3, "polishes": 2}
 """Settings of each search: the first ones only have to find the neighbourhood."""
-_TEMPER = 10.0
-"""By how much costs are divided in probabilities; see experiments/diagnosis."""
 _ALARM = 2.0
 """Cost of a sample above which no hypothesis of the catalogue reproduces the recordings."""
 _RIVALS, _UNLIKELY = 3, 0.01
@@ -78,7 +77,7 @@ class ReplayEstimation(Estimation):
         """See `Estimation`."""
         judged = [(self._menu.items(_plain(j["items"])), j["cost"], j["misfit"]) for j in state["judged"]]
         worth = np.array([cost for _, cost, _ in judged]) - judged[0][1]
-        shares = np.exp(-worth / (2.0 * _TEMPER))
+        shares = np.exp(-worth / (2.0 * TEMPER))
         shares /= shares.sum()
         rivals = [(items, float(p)) for (items, _, _), p in zip(judged, shares, strict=True)][1:]
         told = tuple((items, p) for items, p in rivals if p >= _UNLIKELY)[:_RIVALS]

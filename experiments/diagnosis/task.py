@@ -13,6 +13,7 @@ import numpy as np
 from estexp_jax.physics.changes import Change
 from estexp_jax.recovery.config import Catalogue, Settings
 from estexp_jax.recovery.cycle import Job, job_of
+from estexp_jax.recovery.disagreement import most_telling, undecided
 from estexp_jax.recovery.estimation import Diagnosis, changes_of
 from estexp_jax.recovery.evidence import estimation, residuals_of
 from estexp_jax.recovery.trial import Trial
@@ -21,11 +22,20 @@ from experiments.common.world import quadruped, short_world
 
 LIBRARY = Path(__file__).resolve().parents[1] / "walkers" / "walkers.npz"
 STEPS = 60
+_CANDIDATES = 48
+"""Walkers that the next trial is chosen from."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is diagnosed, from how many trials, and how."""
+    """What is diagnosed, from how many trials, and how.
+
+    Attributes:
+        situation, seed, robot: of the case.
+        catalogue, paper: what the search chooses from, and whether it is the paper's.
+        trials: numbers of trials after which there is a diagnosis, each begun with the one before.
+        telling: whether the next walker is the most telling one instead of one that is drawn.
+    """
 
     situation: int
     seed: int
@@ -33,6 +43,7 @@ class Task:
     catalogue: Catalogue = "full"
     paper: bool = False
     trials: tuple[int, ...] = (1, 2, 4)
+    telling: bool = False
 
     @property
     def kind(self) -> str:
@@ -62,18 +73,28 @@ def library() -> np.ndarray:
 def diagnose(task: Task) -> list[dict[str, Any]]:
     """A row for each number of trials; each estimation begins with the diagnosis before, as in the whole loop."""
     job = job_of(quadruped(), task.settings, world=short_world())
-    drawn = np.random.default_rng([task.seed, task.situation]).permutation(len(library()))[: max(task.trials)]
-    controllers = [library()[i] for i in drawn]
+    drawn = list(np.random.default_rng([task.seed, task.situation]).permutation(len(library())))
     assert job.healthy is not None
-    before = job.healthy(short_world().controller(controllers[0], STEPS))
-    trials = [job.target(short_world().controller(weights, STEPS)) for weights in controllers]
-    rows, seeds = [], []
+    controllers, trials, seeds, rows = [], [], [], []
+    before = job.healthy(short_world().controller(library()[drawn[0]], STEPS))
     for number in task.trials:
+        while len(trials) < number:
+            controllers.append(library()[drawn.pop(0)])
+            trials.append(job.target(short_world().controller(controllers[-1], STEPS)))
         begin = time.monotonic()
-        found, seed = _estimated(job, number, controllers[:number], trials[:number], before, seeds)
+        found, seed = _estimated(job, number, controllers, trials, before, seeds)
         seeds.append(seed)
         rows.append(_row(task, number, job.planted, found, time.monotonic() - begin))
+        if task.telling and found.rivals:
+            drawn.insert(0, drawn.pop(_most_telling(job, found, library()[drawn[:_CANDIDATES]])))
     return rows
+
+
+def _most_telling(job: Job, found: Diagnosis, controllers: np.ndarray) -> int:
+    """Index of the controller on which a diagnosis and its rivals disagree most."""
+    told = [(found.items, found.probability or 0.0), *found.rivals]
+    explanations = [(changes_of(job.simulator, items), p) for items, p in told]
+    return most_telling(undecided(job.simulator, job.settings, controllers, explanations))
 
 
 def _estimated(
