@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from estexp_jax.recovery.config import Metric, Settings
+from estexp_jax.recovery.config import Metric, NextTrial, Settings
 
 Size = Literal["tiny", "quick", "small", "medium", "full"]
 Method = Literal["paper", "set", "told"]
@@ -35,6 +35,7 @@ class Case:
         metric: what a diagnosis is judged by.
         robot: the robot in the world.
         damage: changes as on the command line.
+        next_trial: which controller the robot tries next.
     """
 
     situation: int | None
@@ -44,12 +45,14 @@ class Case:
     metric: Metric = "rolling-mean"
     robot: Literal["same", "foreign"] = "same"
     damage: tuple[str, ...] = ()
+    next_trial: NextTrial = "farthest"
 
     @property
     def name(self) -> str:
         """Of its folder."""
         what = f"s{self.situation:02d}" if self.situation is not None else "d-" + self.damage[0].split()[0]
-        return f"{what}-{self.method}-{self.metric}-{self.robot}-{self.seed}"
+        how = self.metric if self.next_trial == "farthest" else f"{self.metric}-{self.next_trial}"
+        return f"{what}-{self.method}-{how}-{self.robot}-{self.seed}"
 
     @property
     def settings(self) -> Settings:
@@ -61,6 +64,7 @@ class Case:
             metric=self.metric,
             robot=self.robot,
             paper=self.method == "paper",
+            next_trial=self.next_trial,
         )
         return replace(settings, **SIZES[self.size])
 

@@ -1,0 +1,129 @@
+"""`estexp experiment next_trial`: trials until a diagnosis is right, each next one drawn, farthest or most telling.
+
+estexp experiment next_trial --quick                 few cases
+estexp experiment next_trial --workers 8             10 seeds, the foreign robot
+python experiments/next_trial/run.py --part diagnosis          walkers of the library, drawn or most telling
+python experiments/next_trial/run.py --part loop --size small --seeds 3     the whole loop, farthest or most telling
+python experiments/next_trial/run.py --size small --report     tables and figure of what is finished
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+PARTS = ("diagnosis", "loop")
+SITUATIONS = tuple(range(1, 11))
+"""Those of the paper that its catalogue can say."""
+TRIALS = (1, 2, 3, 4)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """All diagnoses and runs, then the tables and the figure of those that are there."""
+    from experiments.common.options import parsed, publish
+    from experiments.common.runs import each, run_all
+
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("--part", choices=PARTS)
+    parser.add_argument("--report", action="store_true")
+    own, rest = parser.parse_known_args(sys.argv[1:] if arguments is None else list(arguments))
+    options = parsed("next_trial", __doc__, seeds=10, quick_seeds=1, arguments=rest)
+    parts = [] if own.report else [own.part] if own.part else PARTS
+    situations = (3, 8) if options.size == "quick" else SITUATIONS
+    tasks, cases = tasks_of(situations, options.n), cases_of(situations, options.size, options.n)
+    store = options.store.parent / "next_trial_diagnoses"
+    store.mkdir(parents=True, exist_ok=True)
+    if "diagnosis" in parts:
+        todo = [task for task in tasks if not _path(task, store).is_file()]
+        each("diagnoses", [(_kept, task, store) for task in todo], options)
+    if "loop" in parts:
+        run_all(cases, options)
+    report(_diagnoses(tasks, store), _runs(cases, options.store), options)
+    publish(options, __file__)
+    return 0
+
+
+def tasks_of(situations: Sequence[int], n: int) -> list:
+    """Diagnoses from walkers of the library, seed by seed, both ways to come to the next one."""
+    from experiments.common.case import seeds
+    from experiments.diagnosis.run import FIRST
+    from experiments.diagnosis.task import Task
+
+    return [
+        Task(s, seed, "foreign", trials=TRIALS, telling=telling)
+        for seed in seeds(n, FIRST)
+        for s in situations
+        for telling in (False, True)
+    ]
+
+
+def cases_of(situations: Sequence[int], size, n: int) -> list:
+    """Whole runs, seed by seed."""
+    from experiments.common.case import Case, seeds
+
+    ways = ("farthest", "telling")
+    return [Case(s, i, size, "set", robot="foreign", next_trial=w) for i in seeds(n) for s in situations for w in ways]
+
+
+def _path(task, store: Path) -> Path:
+    return store / f"{_way(task)}-s{task.situation:02d}-{task.seed}.json"
+
+
+def _way(task) -> str:
+    return "telling" if task.telling else "drawn"
+
+
+def _kept(task, store: Path) -> None:
+    from estexp_jax.runs import write_json
+    from experiments.diagnosis.task import diagnose
+
+    write_json(_path(task, store), diagnose(task))
+
+
+def _diagnoses(tasks: Sequence, store: Path) -> list[dict[str, Any]]:
+    """A row for each number of trials of each task that is done."""
+    import json
+
+    done = [task for task in tasks if _path(task, store).is_file()]
+    found = [(_way(task), row) for task in done for row in json.loads(_path(task, store).read_text(encoding="utf-8"))]
+    return [{"part": "diagnosis", "next_trial": way, **{name: row[name] for name in _NAMES}} for way, row in found]
+
+
+def _runs(cases: Sequence, store: Path) -> list[dict[str, Any]]:
+    """A row for each diagnosis of each run that is done."""
+    from experiments.common.runs import finished
+    from experiments.common.tables import row
+
+    found = []
+    for case in (c for c in cases if finished(c, store)):
+        line = row(case, store)
+        for i in range(1, case.settings.passes + 1):
+            own = {"trials": i, "right": line[f"right_{i}"], "diagnosis": line[f"diagnosis_{i}"]}
+            about = {"part": "loop", "next_trial": case.next_trial, "situation": case.situation, "seed": case.seed}
+            found.append({**about, **own, "planted": line["planted"], "distance": line[f"trial_{i}"]})
+    return found
+
+
+_NAMES = ("situation", "seed", "trials", "right", "error", "probability", "planted", "diagnosis")
+
+
+def report(diagnoses: Sequence[dict[str, Any]], runs: Sequence[dict[str, Any]], options) -> None:
+    """Tables, numbers and figure."""
+    from experiments.common.tables import write_rows, write_summary
+    from experiments.next_trial.summary import draw, summary
+
+    rows = [*diagnoses, *runs]
+    write_rows(options.out / "next_trial.csv", rows)
+    write_summary(options.out / "summary.json", summary(rows), size_of_runs=options.size)
+    draw(rows, options.out)
+
+
+if __name__ == "__main__":
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))
