@@ -1,0 +1,133 @@
+"""`estexp experiment repertoire`: the full algorithm against recovery without diagnosis, by trials on the robot.
+
+estexp experiment repertoire --quick                 one seed, very small runs
+estexp experiment repertoire --workers 8             10 seeds, both robots, at the paper's size
+python experiments/repertoire/run.py --size small --robot same
+python experiments/repertoire/run.py --size small --report     table and figure of what is finished
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+TRIALS = 20
+"""On the damaged robot, without diagnosis; the full algorithm has five, that of the old controller among them."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Maps, trials, and the runs that they stand against; then the table and the figure."""
+    from experiments.common.options import parsed, publish
+    from experiments.common.runs import each, run_all
+    from experiments.handed.run import ROBOTS
+
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("--robot", choices=ROBOTS)
+    parser.add_argument("--report", action="store_true")
+    own, rest = parser.parse_known_args(sys.argv[1:] if arguments is None else list(arguments))
+    options = parsed("repertoire", __doc__, seeds=10, quick_seeds=1, arguments=rest)
+    cases, store = cases_of(options.size, options.n), options.store.parent / "repertoires"
+    if not own.report:
+        mine = [case for case in cases if own.robot in (None, case.robot)]
+        run_all(mine, options)
+        first = {_map(case, store): case for case in mine}
+        each("maps", [(_mapped, case, store) for path, case in first.items() if not path.is_file()], options)
+        each("trials", [(_tried, case, store) for case in mine if not _path(case, store).is_file()], options)
+    report(_rows(cases, store, options.store), options)
+    publish(options, __file__)
+    return 0
+
+
+def cases_of(size, n: int) -> list:
+    """Runs with the set search, seed by seed: those of `handed`."""
+    from experiments.handed.run import pairs_of
+
+    return [own for own, _ in pairs_of(size, n)]
+
+
+def _map(case, store: Path) -> Path:
+    return store / f"{case.robot}-{case.seed}.npz"
+
+
+def _path(case, store: Path) -> Path:
+    return store / f"{case.name}.json"
+
+
+def budget(settings) -> int:
+    """Walks that the full algorithm simulates in its explorations."""
+    each = settings.population + (settings.generations - 1) * (settings.population // 2)
+    return (settings.passes + 1) * each
+
+
+def _mapped(case, store: Path) -> None:
+    """The map of a seed's healthy robot."""
+    import numpy as np
+
+    from estexp_jax.runs.files import replacing
+    from experiments.common.world import world
+    from experiments.repertoire.repertoire import evolved
+
+    store.mkdir(parents=True, exist_ok=True)
+    *_, found = evolved(world(case.size), case.settings, budget(case.settings))
+    with replacing(_map(case, store)) as stream:
+        np.savez_compressed(stream, weights=found.weights, duty=found.duty, distance=found.distance)
+
+
+def _tried(case, store: Path) -> None:
+    """A damaged robot's trials."""
+    import numpy as np
+
+    from estexp_jax.runs import write_json
+    from experiments.common.world import job, world
+    from experiments.repertoire.repertoire import Repertoire, adapted
+
+    with np.load(_map(case, store)) as archive:
+        gaits = Repertoire(archive["weights"], archive["duty"], archive["distance"])
+    target, settings = job(case).target, case.settings
+
+    def trial(weights: np.ndarray) -> float:
+        return target(world(case.size).controller(weights, settings.steps)).distance(settings.axis)
+
+    tried = adapted(gaits, trial, TRIALS)
+    write_json(_path(case, store), {"gaits": len(gaits.distance), "distances": [d for _, d in tried]})
+
+
+def _rows(cases: Sequence, store: Path, runs: Path) -> list[dict[str, Any]]:
+    """A row for each case of which both are finished."""
+    import json
+
+    from experiments.common.runs import finished
+    from experiments.common.tables import result
+
+    found = []
+    for case in cases:
+        if finished(case, runs) and _path(case, store).is_file():
+            own, other = result(case, runs), json.loads(_path(case, store).read_text(encoding="utf-8"))
+            trials = [own["distance"]["damaged"], *(each["hardware_m"] for each in own["passes"])]
+            row = {"robot": case.robot, "situation": case.situation, "seed": case.seed}
+            row |= {"before": own["distance"]["before"], "gaits": other["gaits"]}
+            row |= {f"diagnosis_{i}": d for i, d in enumerate(trials)}
+            found.append(row | {f"repertoire_{i}": d for i, d in enumerate(other["distances"])})
+    return found
+
+
+def report(rows: Sequence[dict[str, Any]], options) -> None:
+    """Table, numbers and figure."""
+    from experiments.common.tables import write_rows, write_summary
+    from experiments.repertoire.summary import draw, summary
+
+    write_rows(options.out / "repertoire.csv", rows)
+    seeds = sorted({row["seed"] for row in rows})
+    write_summary(options.out / "summary.json", summary(rows), seeds=seeds, size=options.size)
+    draw(rows, options.out)
+
+
+if __name__ == "__main__":
+    from experiments.common.options import exit_code
+
+    sys.exit(exit_code(main))

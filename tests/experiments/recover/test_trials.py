@@ -1,0 +1,76 @@
+"""Experiments on what trials teach: the next one chosen, and trials without a diagnosis."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments.common.case import Case
+from experiments.common.world import world
+from experiments.next_trial import summary as next_trial
+from experiments.repertoire import summary as repertoire
+from experiments.repertoire.repertoire import Repertoire, adapted, believed, evolved
+from experiments.repertoire.run import budget
+
+
+def rows(way: str, seed: int, right: list[bool]) -> list[dict]:
+    about = {"part": "diagnosis", "next_trial": way, "situation": 3, "seed": seed}
+    return [{**about, "trials": i, "right": each} for i, each in enumerate(right, start=1)]
+
+
+def test_a_diagnosis_counts_from_where_it_stays_right() -> None:
+    told = [*rows("drawn", 1, [True, False, True]), *rows("drawn", 2, [False] * 3), *rows("drawn", 3, [True] * 3)]
+    assert next_trial.trials_needed(told) == {(3, 1): 3, (3, 2): 4, (3, 3): 1}
+
+
+def test_ways_to_choose_are_compared_pair_by_pair(tmp_path: Path) -> None:
+    told = [r for i in range(8) for r in rows("drawn", i, [False, False, True])]
+    told += [r for i in range(6) for r in rows("telling", i, [False, True, True])]
+    found = next_trial.summary(told)["diagnosis"]
+    assert found["paired"] == {"pairs": 6, "fewer": 6, "more": 0, "p": pytest.approx(2.0**-6)}
+    assert found["drawn"]["right_after"]["3"]["share"] == 1.0 and found["telling"]["right_after"]["2"]["n"] == 6
+    next_trial.draw(told, tmp_path)
+    assert (tmp_path / "next_trial.png").stat().st_size > 0
+
+
+def test_a_trial_teaches_about_gaits_that_are_like_it() -> None:
+    gaits, prior = np.array([[0.1], [0.2], [0.9]]), np.array([1.0, 0.9, 0.5])
+    mean, deviation = believed(prior, gaits, [(0, 0.0)])
+    assert mean[0] == pytest.approx(0.0, abs=0.01) and mean[1] < 0.2 and mean[2] > 0.3
+    assert deviation[0] < 0.05 < deviation[1] < deviation[2] <= 1.0
+
+
+def test_what_works_on_the_robot_is_found_among_what_does_not() -> None:
+    """The map's best half does nothing on the robot; one trial there leads away from all of it."""
+    duty = np.linspace(0.0, 1.0, 40)[:, None]
+    far = np.where(duty[:, 0] < 0.5, 2.0, 1.5)
+    robot = np.where(duty[:, 0] < 0.5, 0.1, 1.5)
+    gaits = Repertoire(np.arange(40.0)[:, None], duty, far)
+    tried = adapted(gaits, lambda weights: robot[int(weights[0])], 6)
+    assert tried[0][1] == 0.1 and max(d for _, d in tried) == 1.5
+    assert len({i for i, _ in tried}) == 6
+
+
+def test_a_map_keeps_the_farthest_walker_of_each_gait_within_its_budget() -> None:
+    settings = replace(Case(None, 3, "tiny", "set").settings)
+    maps = list(evolved(world("tiny"), settings, 20))
+    sizes, bests = [len(m.distance) for m in maps], [m.distance.max() for m in maps]
+    assert len(maps) == 4 and sizes == sorted(sizes) and bests == sorted(bests)  # 8 + 4 + 4 + 4 walks
+    cells = {tuple(np.minimum((duty * 5).astype(int), 4)) for duty in maps[-1].duty}
+    assert len(cells) == sizes[-1]
+    start = world("tiny").settled([()])
+    again = world("tiny").walks([()], start, maps[-1].weights, settings.steps)
+    np.testing.assert_array_equal(again.position[0, :, -1, 0] - again.position[0, :, 0, 0], maps[-1].distance)
+    assert budget(settings) == 5 * (8 + 2 * 4)
+
+
+def test_recovery_is_the_best_so_far_of_what_there_was_before(tmp_path: Path) -> None:
+    row = {"robot": "same", "before": 2.0, "gaits": 9, "diagnosis_0": 0.4, "diagnosis_1": 1.6, "diagnosis_2": 1.2}
+    row |= {f"repertoire_{i}": d for i, d in enumerate([0.4, 0.2, 1.0, 1.7])}
+    assert repertoire.recovered([row], "diagnosis").tolist() == [[0.2, 0.8, 0.8]]
+    found = repertoire.summary([row, row])["same"]
+    assert found["with_equal_trials"] == {"trials": 3, "better": 2, "p": pytest.approx(0.25)}
+    assert found["trials_to_equal"] == 4
+    repertoire.draw([row, row], tmp_path)
+    assert (tmp_path / "repertoire.png").stat().st_size > 0
