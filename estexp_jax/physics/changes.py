@@ -138,25 +138,37 @@ def encode(robot: Robot, catalogue: Catalogue, changes: Iterable[Change]) -> Val
     Raises:
         InputError: a change's effect is not in the catalogue or cannot act there.
     """
-    nominal, sites = _layout(robot, tuple(catalogue))
-    values = {name: array.copy() for name, array in nominal.items()}
-    for change in changes:
-        if change.effect not in values:
-            raise InputError(f"'{change.effect}' is not in this catalogue", right=known(values))
-        if (change.name or "") not in sites[change.effect]:
-            raise InputError(f"'{change.effect}' cannot act on '{change.name}'", right=known(sites[change.effect]))
-        row = values[change.effect][sites[change.effect].index(change.name or "")]
-        for column, parameter in enumerate(effect(change.effect).parameters):
-            value = change.values[parameter.name]
-            # Not simply added: a neutral value may be so large that single precision loses the rest.
-            row[column] = value if row[column] == parameter.neutral else row[column] + value - parameter.neutral
+    return {name: values[0] for name, values in encode_all(robot, catalogue, [changes]).items()}
+
+
+def encode_all(robot: Robot, catalogue: Catalogue, sets: Sequence[Iterable[Change]]) -> Values:
+    """The values (sets, n_sites, n_parameters) of several robots, each with its changes, as `encode` has them.
+
+    Raises:
+        InputError: a change's effect is not in the catalogue or cannot act there.
+    """
+    nominal, rows = _layout(robot, tuple(catalogue))
+    values = {name: np.repeat(array[None], len(sets), axis=0) for name, array in nominal.items()}
+    for i, changes in enumerate(sets):
+        for change in changes:
+            if change.effect not in values:
+                raise InputError(f"'{change.effect}' is not in this catalogue", right=known(values))
+            e, sites = rows[change.effect]
+            if (change.name or "") not in sites:
+                raise InputError(f"'{change.effect}' cannot act on '{change.name}'", right=known(sites))
+            row, given = values[change.effect][i, sites[change.name or ""]], change.values
+            for column, parameter in enumerate(e.parameters):
+                value = given[parameter.name]
+                # Not simply added: a neutral value may be so large that single precision loses the rest.
+                row[column] = value if row[column] == parameter.neutral else row[column] + value - parameter.neutral
     return values
 
 
 @lru_cache(maxsize=32)
-def _layout(robot: Robot, catalogue: Catalogue) -> tuple[Values, dict[str, tuple[str, ...]]]:
-    """Neutral values and places; searches encode thousands of hypotheses on one robot."""
-    return neutral(robot, catalogue), {e.name: e.sites(robot) for e in catalogue}
+def _layout(robot: Robot, catalogue: Catalogue) -> tuple[Values, dict[str, tuple[Effect, dict[str, int]]]]:
+    """Neutral values, effects and rows of their sites; searches encode thousands of hypotheses on one robot."""
+    rows = {e.name: (effect(e.name), {site: i for i, site in enumerate(e.sites(robot))}) for e in catalogue}
+    return neutral(robot, catalogue), rows
 
 
 def stack(batch: Sequence[Values]) -> Values:

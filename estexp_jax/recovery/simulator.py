@@ -10,7 +10,7 @@ import jax
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.changes import Change, encode, stack
+from estexp_jax.physics.changes import Change, Values, encode_all
 from estexp_jax.physics.effects.base import CommandShift, ReadingShift
 from estexp_jax.physics.engines.choice import walker
 from estexp_jax.physics.engines.walking import BodyState, Heard, Walk, Walker, recorded
@@ -54,7 +54,7 @@ class Simulator:
 
     def settled(self, sets: Sequence[Sequence[Change]]) -> BodyState:
         """Where robots with these changes come to rest: what each trial of theirs starts from, (sets, ...)."""
-        return self.walker.settle(stack(self._values(sets)), self.settle_steps)
+        return self.walker.settle(self._values(sets), self.settle_steps)
 
     def walks(
         self,
@@ -78,7 +78,7 @@ class Simulator:
             Arrays (sets, controllers, ...).
         """
         s, c = len(sets), len(weights)
-        starts, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, stack(self._values(sets))))
+        starts, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, self._values(sets)))
         many = jax.tree.map(lambda x: np.broadcast_to(x, (s, c, *x.shape[2:])).reshape(s * c, *x.shape[2:]), heard)
         walk = self.walker.walk(values, np.tile(weights, (s, 1)), starts, steps, many)
         return jax.tree.map(lambda x: x.reshape(s, c, *x.shape[1:]), walk)
@@ -101,7 +101,7 @@ class Simulator:
             weights: (len(sets), n_weights).
             steps: control steps.
         """
-        return self.walker.walk(stack(self._values(sets)), weights, self.settled(sets), steps)
+        return self.walker.walk(self._values(sets), weights, self.settled(sets), steps)
 
     def motions(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, rows: Sequence[int]) -> np.ndarray:
         """How many damaged robots move, each under its own controller.
@@ -117,7 +117,7 @@ class Simulator:
         Returns:
             Configurations (sets, rows, nq).
         """
-        values, start = stack(self._values(sets)), self.settled(sets)
+        values, start = self._values(sets), self.settled(sets)
         ends = (self.walker.walk(values, weights, start, row).final if row else start for row in rows)
         return np.stack([np.asarray(end.qpos) for end in ends], axis=1)
 
@@ -127,8 +127,8 @@ class Simulator:
         time = self.control_step * np.arange(steps)
         return Trial(time, walk.readings[0, 0], walk.commands[0, 0], walk.position[0, 0])
 
-    def _values(self, sets: Sequence[Sequence[Change]]) -> list[dict[str, np.ndarray]]:
-        return [encode(self.robot, self.walker.catalogue, changes) for changes in sets]
+    def _values(self, sets: Sequence[Sequence[Change]]) -> Values:
+        return encode_all(self.robot, self.walker.catalogue, sets)
 
 
 def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) -> Simulator:
