@@ -23,10 +23,13 @@ Where the best is `FAR` off, which is no matter of a step's own error, only its 
 _MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
 """Where the best single effect leaves more than so many deviations, up to so many that leave at most so many times as
 much are all added to."""
+_MANY = 16
+"""Windows of which every second one is enough for a rough fit."""
 _DONORS = 3
 """So many best fits lend the others their values of the model to start from."""
-_PROMISING = 8
-"""So many of a round's hypotheses, the most promising ones, are fitted in full."""
+_PROMISING, _LIKELIEST, _ONE_MORE = 8, 6, 3
+"""So many of a round's hypotheses, the most promising ones, are fitted in full; fewer where the best explanation is
+`FAR` off, of which any good part is welcome; and fewest where only the best of them is asked for."""
 
 
 @final
@@ -102,7 +105,7 @@ def one_more(
     """
     search, there, stage = _Search(parameters, folds_of(problem)), about(problem, base), "one effect more"
     found = _Found(there, as_fitted(there, [base], search.folds)[0], ())
-    grown = yield from _grown(search, found, base, stage)
+    grown = yield from _grown(search, found, base, stage, _ONE_MORE)
     (before, *judged), _ = yield from _compared(search, there, [base, *grown], stage)
     return before, min(judged, key=lambda e: e.error, default=before)
 
@@ -120,11 +123,21 @@ def fitted(
 
 
 def _at_first(
-    problem: Problem, tasks: Sequence[Task], stage: str, iterations: int = 8
+    problem: Problem, tasks: Sequence[Task], stage: str, iterations: int = 8, *, roughly: bool = False
 ) -> Generator[Progress, None, list[Fit]]:
-    """The best fit of each hypothesis to all windows, with the step's error as the comparison has it."""
-    price, name = problem.price_of(problem.fitted), f"{stage}, at first"
-    found = yield from fit(problem, tasks, problem.fitted, price, stage=name, iterations=iterations, first=True)
+    """The best fit of each hypothesis, with the step's error as the comparison has it.
+
+    It is fitted to all windows, or roughly, to every second one where there are many; its cost is that of all.
+    """
+    windows, name = problem.fitted, f"{stage}, at first"
+    if roughly and len(windows) >= _MANY:
+        some, told = windows[::2], f"{name}, every second window"
+        rough = yield from fit(
+            problem, tasks, some, problem.price_of(some), stage=told, iterations=iterations, first=True
+        )
+        tasks, iterations = [(f.hypothesis, [f.vector]) for f in rough], 0
+    price = problem.price_of(windows)
+    found = yield from fit(problem, tasks, windows, price, stage=name, iterations=iterations, first=True)
     better = {f.hypothesis: f for f in sorted(found, key=lambda f: f.cost, reverse=True)}
     return [f for f in found if better[f.hypothesis] is f]
 
@@ -196,15 +209,18 @@ def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Fo
     return found
 
 
-def _grown(search: _Search, found: _Found, base: Fit, stage: str) -> Generator[Progress, None, list[Fit]]:
-    """The most promising hypotheses with one effect more than a fit, fitted."""
-    problem, hypothesis = found.problem, base.hypothesis
+def _grown(
+    search: _Search, found: _Found, base: Fit, stage: str, most: int = _PROMISING
+) -> Generator[Progress, None, list[Fit]]:
+    """The most promising hypotheses with one effect more than a fit, fitted; roughly where everything is `FAR` off."""
+    problem, hypothesis, far = found.problem, base.hypothesis, found.chosen.fitted.cost > FAR**2
     if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
         base = Fit(hypothesis, hypothesis.start(), np.inf)
     places = [p for p in problem.places if p not in hypothesis.places]
     tasks = [extended(problem, search.parameters, base, p) for p in places]
-    promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, _PROMISING)
-    return (yield from _at_first(problem, promising, stage))
+    n = min(most, _LIKELIEST) if far else most
+    promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, n)
+    return (yield from _at_first(problem, promising, stage, roughly=far))
 
 
 def _compared(
