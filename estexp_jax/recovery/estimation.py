@@ -124,8 +124,10 @@ class MetricResiduals:
         self._weights = np.stack(list(controllers))
         self._short = settings.metric == "rolling-mean"
         self._inputs = self._seen(np.stack([t.readings[: settings.samples] for t in trials]))
-        whole = np.stack([t.readings for t in trials])
-        self._heard = whole if self._short and not settings.paper else None
+        replayed = self._short and not settings.paper
+        # In closed loop no network would give commands that were played open loop.
+        open_loop = any(t.heard is not None for t in trials)
+        self._heard = np.stack([t.network_heard for t in trials]) if replayed or open_loop else None
         self._travelled = np.array([t.distance(settings.axis) for t in trials])
 
     def __call__(self, hypotheses: Sequence[Items], reference: Items = ()) -> np.ndarray:

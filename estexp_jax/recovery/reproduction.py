@@ -35,10 +35,12 @@ class Recorded:
     Attributes:
         weights: (trials, n_weights).
         readings: (trials, samples, n_inputs) raw.
+        heard: (trials, samples, n_inputs) what the networks heard.
     """
 
     weights: np.ndarray
     readings: np.ndarray
+    heard: np.ndarray
 
 
 @final
@@ -104,15 +106,16 @@ class Reproduction:
     def _replayed(self, hypotheses: Sequence[Items]) -> tuple[np.ndarray, Any]:
         sets = [changes_of(self._simulator, items) for items in hypotheses]
         seen = self._damaged
-        walk = self._simulator.trials(sets, seen.weights, seen.readings.shape[1], seen.readings)
+        walk = self._simulator.trials(sets, seen.weights, seen.heard.shape[1], seen.heard)
         failed = np.any(np.asarray(walk.failed), axis=1)
         return np.where(failed[:, None, None, None], 0.0, np.asarray(walk.readings, float)), failed
 
     def _walk(self, sets: Sequence[Sequence], seen: Recorded) -> np.ndarray:
-        walk = self._simulator.trials(sets, seen.weights, seen.readings.shape[1], seen.readings)
+        walk = self._simulator.trials(sets, seen.weights, seen.heard.shape[1], seen.heard)
         return np.asarray(walk.readings, float)
 
 
 def _recorded(controllers: Sequence[np.ndarray], trials: Sequence[Trial]) -> Recorded:
     n = min(SAMPLES, *(len(trial.readings) for trial in trials))
-    return Recorded(np.stack(list(controllers)), np.stack([trial.readings[:n] for trial in trials]))
+    tables = ([trial.readings[:n] for trial in trials], [trial.network_heard[:n] for trial in trials])
+    return Recorded(np.stack(list(controllers)), *(np.stack(table) for table in tables))

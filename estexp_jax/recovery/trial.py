@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any, NamedTuple, final
 
 import jax
 import jax.numpy as jnp
@@ -26,31 +26,41 @@ class Trial:
         time: (rows,) s.
         readings: (rows, n_inputs) raw readings before the row's command acts; touch as +1/-1.
         commands: (rows, nu) in each actuator's unit.
-        position: (rows, 3) of the root, m.
+        position: (rows, 3) of the root, m; NaN where nothing measured it.
+        heard: (rows, n_inputs) readings for which the network gives the commands, where they are not its own: commands
+            that were played open loop; None: its own.
     """
 
     time: np.ndarray
     readings: np.ndarray
     commands: np.ndarray
     position: np.ndarray
+    heard: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         rows = len(self.time)
-        if any(len(table) != rows for table in (self.readings, self.commands, self.position)):
+        if any(len(table) != rows for table in (self.readings, self.commands, self.position, self.network_heard)):
             raise InputError("a trial's time, readings, commands and position differ in length", where="trial")
 
+    @property
+    def network_heard(self) -> np.ndarray:
+        """Readings (rows, n_inputs) for which the network gives the commands."""
+        return self.readings if self.heard is None else self.heard
+
     def distance(self, axis: str) -> float:
-        """How far the root came along an axis, m."""
+        """How far the root came along an axis, m; NaN where nobody knows."""
         return float(distances(self.position, axis))
 
     def to_tree(self) -> dict[str, np.ndarray]:
         """What a checkpoint holds."""
-        return {name: getattr(self, name) for name in ("time", "readings", "commands", "position")}
+        return {name: getattr(self, name) for name in ("time", "readings", "commands", "position", "heard")}
 
     @classmethod
     def from_tree(cls, tree: dict[str, Any]) -> Trial:
         """The inverse of `to_tree`."""
-        return cls(*(np.asarray(tree[name]) for name in ("time", "readings", "commands", "position")))
+        heard = tree.get("heard")
+        tables = (np.asarray(tree[name]) for name in ("time", "readings", "commands", "position"))
+        return cls(*tables, heard=None if heard is None else np.asarray(heard))
 
 
 def distances(position: np.ndarray, axis: str) -> np.ndarray:
@@ -102,8 +112,19 @@ class Controller:
         return drive(self.network(), self.interface, self.gain, hidden, readings)
 
 
+class Scales(NamedTuple):
+    """Of an `Interface`, what a controller calculates with; see there."""
+
+    centre: np.ndarray
+    scale: np.ndarray
+    ctrl_centre: np.ndarray
+    ctrl_scale: np.ndarray
+    ctrl_low: np.ndarray
+    ctrl_high: np.ndarray
+
+
 def drive(
-    network: Network, interface: Interface, gain: float, hidden: np.ndarray, readings: np.ndarray
+    network: Network, interface: Interface | Scales, gain: float, hidden: np.ndarray, readings: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `Controller.respond`, for a network that may carry a fault.
 

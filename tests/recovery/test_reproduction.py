@@ -10,13 +10,14 @@ from estexp_jax.physics.changes import Change
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.edits import Place
-from estexp_jax.recovery.estimation import Estimation
+from estexp_jax.recovery.estimation import Estimation, MetricResiduals
 from estexp_jax.recovery.evidence import estimation
 from estexp_jax.recovery.foreign import ForeignTarget
 from estexp_jax.recovery.genome import Items
 from estexp_jax.recovery.perturbation import ensemble
 from estexp_jax.recovery.reproduction import Reproduction
 from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.trial import Trial
 
 LOST: Items = ((Place("part_lost", "upper_b"), 1.0),)
 PLANTED = (Change("part_lost", "upper_b", {"lost": 1.0}),)
@@ -87,3 +88,18 @@ def test_a_lost_leg_is_among_what_noisy_recordings_name(
     assert LOST[0] in found.items  # controllers drawn at random hardly move: something may be added
     assert found.probability is not None and 0.0 < found.probability <= 1.0 and found.alarm is False
     assert _run(method, states[len(states) // 2], reproduction)[-1] == states[-1]
+
+
+@pytest.mark.parametrize("paper", [False, True], ids=["rough", "paper"])
+def test_commands_that_were_played_open_loop_are_replayed(paper: bool, world: Simulator, rough: Settings) -> None:
+    weights = np.random.default_rng(5).integers(-100, 101, world.n_weights) / 100
+    foretold = world.trial((), weights, rough.steps)
+    walk = world.trials([PLANTED], weights[None], rough.steps, foretold.readings[None])
+    np.testing.assert_array_equal(walk.commands[0, 0], foretold.commands)
+    deaf = Trial(foretold.time, walk.readings[0, 0], foretold.commands, walk.position[0, 0])
+    settings, costs = replace(rough, paper=paper), []
+    for trial in (replace(deaf, heard=foretold.readings), deaf):
+        args = (world, settings, [weights], [trial])
+        residuals = MetricResiduals(*args) if paper else Reproduction(*args, healthy=[])
+        costs.append(residuals.alone(LOST)[0])
+    assert costs[0] < costs[1] and (costs[0] == 0.0 or not paper)
