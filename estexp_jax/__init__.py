@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from estexp_jax.api.controller import load_controller
     from estexp_jax.api.effects import register
     from estexp_jax.api.explain import explain
     from estexp_jax.api.propose import propose
@@ -15,11 +16,12 @@ if TYPE_CHECKING:
     from estexp_jax.api.simulator import load_explained
     from estexp_jax.physics.robot import Robot
 
-__all__ = ["Robot", "explain", "load_explained", "propose", "recover", "register", "rollout"]
+__all__ = ["Robot", "explain", "load_controller", "load_explained", "propose", "recover", "register", "rollout"]
 
 _DOORS = {
     "Robot": "estexp_jax.physics.robot",
     "explain": "estexp_jax.api.explain",
+    "load_controller": "estexp_jax.api.controller",
     "load_explained": "estexp_jax.api.simulator",
     "propose": "estexp_jax.api.propose",
     "recover": "estexp_jax.api.recover",
