@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -11,6 +12,7 @@ import tyro
 from estexp_jax.errors import InputError
 
 if TYPE_CHECKING:
+    from estexp_jax.physics.robot import Robot
     from estexp_jax.recovery.config import Settings
     from estexp_jax.recovery.cycle import Job
     from estexp_jax.recovery.state import RunState
@@ -29,6 +31,7 @@ class Options:
     Example:
         estexp recover --situation 3 --seed 0 --quick --out out/leg_lost
         estexp recover my_robot.xml --damage "motor_weakness@knee_f loss=0.5" --out out/weak_knee
+        estexp recover my_robot.xml --hardware out/exchange --out out/my_robot
     """
 
     model: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="[MODEL.xml]")] = None
@@ -47,8 +50,16 @@ class Options:
     """Diagnose with the paper's genetic algorithm instead of the set search."""
     metric: Literal["rolling-mean", "distance"] = "rolling-mean"
     """What a diagnosis is judged by: the first sensor readings, or the distance."""
-    robot: Literal["same", "foreign"] = "same"
-    """The robot in the world: the same simulator with the damage in it, or another engine with errors of its own."""
+    robot: Literal["same", "foreign"] | None = None
+    """The robot in the world: the same simulator with the damage in it, or another engine with errors of its own.
+    Default: same."""
+    hardware: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """The robot in the world is a damaged one of yours. For each trial controller_<i>.npz is written there, and
+    commands_<i>.csv to play open loop or to compare with; its recording trial_<i>.csv is waited for: best written
+    elsewhere and renamed into place."""
+    healthy: bool = False
+    """With --hardware: the robot is not damaged yet; healthy_0.csv, its recording under controller_0.npz, is waited for
+    before trial_0.csv, and diagnoses are better for it."""
     passes: int | None = None
     """Estimations, and hardware trials after them; exploration runs once more. Default: 4."""
     population: int | None = None
@@ -103,15 +114,20 @@ def settings_of(options: Options) -> Settings:
     """
     from estexp_jax.recovery.config import Settings, quick
 
+    if options.hardware is not None:
+        _refuse_simulated(options)
+    elif options.healthy:
+        raise InputError("without --hardware", where="--healthy", right="a simulated robot is always tried before, too")
     if options.damage and options.situation is not None:
         raise InputError("--situation and --damage together", right="--damage takes the place of a situation: give one")
-    situation = None if options.damage else 3 if options.situation is None else options.situation
+    given = bool(options.damage) or options.hardware is not None
+    situation = None if given else 3 if options.situation is None else options.situation
     settings = Settings(
         situation=situation,
         damage=options.damage,
         seed=options.seed,
         metric=options.metric,
-        robot=options.robot,
+        robot=options.robot or "same",
         axis=options.axis,
         paper=options.paper,
         engine=options.engine,
@@ -120,8 +136,17 @@ def settings_of(options: Options) -> Settings:
         ensemble=options.ensemble,
         next_trial=options.next_trial,
     )
-    given = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
-    return replace(quick(settings) if options.quick else settings, **given)
+    numbers = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
+    return replace(quick(settings) if options.quick else settings, **numbers)
+
+
+def _refuse_simulated(options: Options) -> None:
+    """See that nothing is asked for that only a simulated robot can do."""
+    simulated = {"--situation": options.situation, "--damage": options.damage or None, "--robot": options.robot}
+    for name, value in simulated.items():
+        if value is not None:
+            right = "what is wrong with a robot in the world is for it to show: leave it out"
+            raise InputError(f"{name} and --hardware together", right=right)
 
 
 def run(options: Options) -> int:
@@ -130,30 +155,46 @@ def run(options: Options) -> int:
     Raises:
         InputError: the robot, the damage, the settings or DIR cannot be used.
     """
+    from estexp_jax.api.hardware import check_folder, take_folder
     from estexp_jax.cli.recover_story import Story
     from estexp_jax.package_data import model_path
     from estexp_jax.physics.robot import Robot
-    from estexp_jax.recovery.cycle import job_of
     from estexp_jax.recovery.state import RunState
     from estexp_jax.runs import Progress, enable_compilation_cache, load_checkpoint, open_run
 
-    settings = settings_of(options)
+    settings, progress = settings_of(options), Progress()
+    fresh = not options.resume or not any(options.out.glob(f"{_CHECKPOINT}*"))
+    if options.hardware is not None:  # before --force removes anything
+        check_folder(options.hardware, fresh=fresh, force=options.force)
     model = options.model or model_path("quadruped")
-    robot = Robot.from_xml(model)
-    job = job_of(robot, settings)
-    config = {"model": model.name, **settings.to_json(), "engine": job.simulator.walker.choice.engine}
+    job = _job(Robot.from_xml(model), settings, options, progress)
+    config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.walker.choice.engine}
+    if options.hardware is not None:
+        config |= {"robot": "hardware", "healthy": options.healthy}
     marker = {"command": "recover", "config": config}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
+    held = options.hardware and take_folder(options.hardware, fresh=fresh, force=options.force)
     enable_compilation_cache()
     saved = load_checkpoint(folder.file(_CHECKPOINT))
     state = RunState() if saved is None else _state(saved, options.out)
-    with Progress() as progress:
+    with progress, held or nullcontext():
         story = Story(progress, job)
         story.begin(model.name, state)
         state = _run(job, state, folder, story)
         story.end(state)
         _write(folder, job, state, config, progress, pictures=options.pictures)
     return 0
+
+
+def _job(robot: Robot, settings: Settings, options: Options, progress: Progress) -> Job:
+    from estexp_jax.api.hardware import Hardware
+    from estexp_jax.recovery.cycle import job_of
+
+    if options.hardware is None:
+        return job_of(robot, settings)
+    target = Hardware(robot, settings, options.hardware, progress)
+    healthy = Hardware(robot, settings, options.hardware, progress, "healthy") if options.healthy else None
+    return job_of(robot, settings, target, healthy=healthy)
 
 
 def _state(saved: Any, out: Path) -> RunState:
@@ -215,9 +256,11 @@ def _write(
         write_history(stream, state)
     with replacing(folder.file("traces.npz")) as stream:
         write_traces(stream, state, simulator.robot, simulator.walker.interface)
-    write_json(folder.file("run.json"), {**record(state, axis, job.planted, config), "versions": versions()})
+    told = record(state, axis, job.planted, config, stands_in=job.stands_in)
+    write_json(folder.file("run.json"), {**told, "versions": versions()})
     film = _film(folder, job, state, progress) if pictures else None
     title = f"{config['model']}: recovery, seed {job.settings.seed}"
+    planted = None if config["robot"] == "hardware" else job.planted
     with replacing(folder.file("report.html")) as stream:
-        stream.write(page(title, job.planted, state, axis, config, film).encode())
+        stream.write(page(title, planted, state, axis, config, film, stands_in=job.stands_in).encode())
     progress.say(f"Report: {folder.path / 'report.html'}")

@@ -8,6 +8,8 @@ from estexp_jax.recovery.cycle import Job
 from estexp_jax.recovery.evidence import estimation
 from estexp_jax.recovery.situations import TABLE
 from estexp_jax.recovery.state import RunState
+from estexp_jax.recovery.target import Remote
+from estexp_jax.report.pages import metres
 from estexp_jax.runs import Progress
 
 
@@ -27,6 +29,8 @@ class Story:
         """What is going to happen, or to go on."""
         settings = self._job.settings
         what = TABLE[settings.situation] if settings.situation is not None else "damage of your choice"
+        if isinstance(self._job.target, Remote):
+            what = "a robot of yours"
         self._progress.say(f"{model}, seed {settings.seed}: {what}")
         engine, reason = self._job.simulator.walker.choice
         self._progress.say(f"  engine: {engine}, {reason}")
@@ -49,14 +53,18 @@ class Story:
     def end(self, state: RunState) -> None:
         """The run in short."""
         axis = self._job.settings.axis
-        before = state.before.distance(axis) if state.before is not None else float("nan")
-        trials = [trial.distance(axis) for trial in state.trials]
+        trials = [metres(trial.distance(axis)) for trial in state.trials]
+        before = metres(float("nan") if state.before is None else state.before.distance(axis))
         self._progress.say("")
-        self._progress.say(f"before the damage {before:.2f} m, damaged {trials[0]:.2f} m")
+        self._progress.say(f"{self._undamaged} {before}, damaged {trials[0]}")
         for number, each in enumerate(state.passes(axis), start=1):
             found = "; ".join(change.sentence() for change in each.diagnosis) or "nothing differs"
-            self._progress.say(f"trial {number} {each.hardware:.2f} m (foretold {each.simulated:.2f} m): {found}")
+            self._progress.say(f"trial {number} {metres(each.hardware)} (foretold {each.simulated:.2f} m): {found}")
         self._progress.say(f"{len(trials)} trials on the damaged robot")
+
+    @property
+    def _undamaged(self) -> str:
+        return "undamaged in the simulator" if self._job.stands_in else "before the damage"
 
     def _say_news(self, before: RunState, after: RunState) -> None:
         axis, say = self._job.settings.axis, self._progress.say
@@ -73,11 +81,15 @@ class Story:
             if after.alarms[-1]:
                 say("  nothing in the catalogue reproduces the recordings: do not trust this diagnosis")
         if len(after.trials) > len(before.trials):
-            distance = after.trials[-1].distance(axis)
-            if before.before is None and after.before is not None:
-                say(f"the robot walks {after.before.distance(axis):.2f} m, is damaged, and walks {distance:.2f} m")
+            distance = metres(after.trials[-1].distance(axis))
+            if before.before is not None or after.before is None:
+                say(f"trial {len(after.trials) - 1}: {distance}, foretold {after.simulated[-1]:.2f} m")
+            elif self._job.stands_in:
+                say(
+                    f"the damaged robot walks {distance}, the undamaged simulator {metres(after.before.distance(axis))}"
+                )
             else:
-                say(f"trial {len(after.trials) - 1}: {distance:.2f} m, foretold {after.simulated[-1]:.2f} m")
+                say(f"the robot walks {metres(after.before.distance(axis))}, is damaged, and walks {distance}")
 
     def _stage(self, state: RunState) -> None:
         settings, number = self._job.settings, state.number

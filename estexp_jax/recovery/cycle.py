@@ -27,7 +27,8 @@ from estexp_jax.recovery.foreign import ForeignTarget
 from estexp_jax.recovery.simulator import Simulator, simulator
 from estexp_jax.recovery.situations import situation
 from estexp_jax.recovery.state import Row, RunState
-from estexp_jax.recovery.target import SameTarget, Target
+from estexp_jax.recovery.target import Remote, SameTarget, Target
+from estexp_jax.recovery.trial import Trial
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Population, best
 
@@ -51,8 +52,13 @@ class Job:
     settings: Settings
     simulator: Simulator
     planted: tuple[Change, ...]
-    target: Target
-    healthy: Target | None
+    target: Target | Remote
+    healthy: Target | Remote | None
+
+    @property
+    def stands_in(self) -> bool:
+        """Whether what is told of the robot before the damage is the simulator's."""
+        return self.healthy is None
 
 
 def planted_changes(robot: Robot, settings: Settings) -> tuple[Change, ...]:
@@ -66,13 +72,21 @@ def planted_changes(robot: Robot, settings: Settings) -> tuple[Change, ...]:
     return situation(settings.situation, robot, settings.seed) if settings.situation is not None else ()
 
 
-def job_of(robot: Robot, settings: Settings, target: Target | None = None, *, world: Simulator | None = None) -> Job:
+def job_of(
+    robot: Robot,
+    settings: Settings,
+    target: Target | Remote | None = None,
+    *,
+    healthy: Target | Remote | None = None,
+    world: Simulator | None = None,
+) -> Job:
     """Everything a run needs.
 
     Args:
         robot: the nominal robot.
         settings: of the run.
         target: the robot in the world, damaged already; None: a simulated one, with the damage of `settings`.
+        healthy: with `target`, the same robot before the damage, where it can be had.
         world: a simulator of the robot with such settings, to be used again; its catalogue has to hold the damage.
 
     Raises:
@@ -83,7 +97,7 @@ def job_of(robot: Robot, settings: Settings, target: Target | None = None, *, wo
     planted = planted_changes(robot, settings) if target is None else ()
     world = simulator(robot, settings, planted) if world is None else world
     if target is not None:
-        return Job(settings, world, (), target, None)
+        return Job(settings, world, (), target, healthy)
     if settings.robot == "foreign":
         robots = [ForeignTarget(robot, changes, settings.seed, settings.settle_steps) for changes in (planted, ())]
         return Job(settings, world, planted, *robots)
@@ -150,8 +164,7 @@ def _chosen(job: Job, state: RunState, population: Population) -> tuple[np.ndarr
 def _damage(job: Job, state: RunState) -> Iterator[RunState]:
     """The first controller on the robot before and after; only the second is a recording."""
     healthy = job.healthy if job.healthy is not None else SameTarget(job.simulator, ())
-    controller = job.simulator.controller(state.controllers[0], job.settings.steps)
-    before, damaged = healthy(controller), job.target(controller)
+    before, damaged = _performed(job, healthy, state), _performed(job, job.target, state)
     yield replace(state, phase="estimation", number=1, before=before, trials=(damaged,))
 
 
@@ -183,10 +196,20 @@ def _estimate(job: Job, state: RunState) -> Iterator[RunState]:
 
 
 def _trial(job: Job, state: RunState) -> Iterator[RunState]:
-    trial = job.target(job.simulator.controller(state.controllers[-1], job.settings.steps))
+    trial = _performed(job, job.target, state)
     last = state.number >= job.settings.passes
     number = state.number if last else state.number + 1
     yield replace(state, phase="done" if last else "estimation", number=number, trials=(*state.trials, trial))
+
+
+def _performed(job: Job, target: Target | Remote, state: RunState) -> Trial:
+    """The last controller on a robot in the world."""
+    weights, steps = state.controllers[-1], job.settings.steps
+    controller = job.simulator.controller(weights, steps)
+    if not isinstance(target, Remote):
+        return target(controller)
+    changes = state.diagnoses[-1] if state.diagnoses else ()
+    return target.perform(len(state.trials), controller, job.simulator.trial(changes, weights, steps))
 
 
 def _row(number: int, phase: str, generation: int, values: Sequence[float] | np.ndarray, dominants: int) -> Row:

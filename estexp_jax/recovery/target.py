@@ -25,6 +25,21 @@ class Target(Protocol):
 
 
 @runtime_checkable
+class Remote(Protocol):
+    """A robot in the world that somebody else moves, and that may first have to be asked for."""
+
+    def perform(self, number: int, controller: Controller, foretold: Trial) -> Trial:
+        """Have the robot driven as `Target` says.
+
+        Args:
+            number: of the trial, from 0; asked for again after an interruption, a trial has the same number.
+            controller: that drives it.
+            foretold: what the simulator, as diagnosed so far, does under it.
+        """
+        ...
+
+
+@runtime_checkable
 class Filmed(Protocol):
     """A robot that can also tell how it moved, to be shown."""
 

@@ -82,6 +82,11 @@ def percent(value: Any, digits: int | None = None) -> str:
     return f"{100.0 * value:.3g} %" if digits is None else f"{100.0 * value:.{digits}f} %"
 
 
+def metres(value: float) -> str:
+    """A distance in a sentence, where nobody may have measured it."""
+    return f"{value:.2f} m" if finite(value) else "an unknown distance"
+
+
 def probability(value: float) -> str:
     """Never quite certain, never quite impossible: it comes from a limited number of resamples."""
     return "> 99 %" if value > 0.99 else "< 1 %" if value < 0.01 else percent(value, 0)

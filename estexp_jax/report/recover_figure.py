@@ -18,7 +18,7 @@ _LETTERS = 88
 _BEFORE, _DAMAGED, _TRIAL, _SIMULATED = "#1b9e77", "#d95f02", "#7570b3", "#555555"
 
 
-def progress_figure(state: RunState, axis: str) -> Any:
+def progress_figure(state: RunState, axis: str, *, stands_in: bool = False) -> Any:
     """Distance over the generations of all explorations.
 
     Dotted: the best in the simulator as diagnosed then. Triangle: the robot before the damage; circle: after it;
@@ -27,6 +27,7 @@ def progress_figure(state: RunState, axis: str) -> Any:
     Args:
         state: the run; may still be under way.
         axis: of the distance.
+        stands_in: what is told of the robot before the damage is the simulator's.
 
     Returns:
         A matplotlib figure, drawn without a display.
@@ -38,7 +39,7 @@ def progress_figure(state: RunState, axis: str) -> Any:
     figure = Figure(figsize=(_WIDTH, 4.4), layout="constrained")
     axes = figure.add_subplot()
     ends = _draw_explorations(axes, state)
-    _draw_trials(axes, state, axis, ends)
+    _draw_trials(axes, state, axis, ends, _before(stands_in))
     captions = _captions(state.diagnoses, _LETTERS // max(len(ends), 1))
     for end, caption in zip(ends, captions, strict=False):
         axes.axvline(end, color="0.85", zorder=0)
@@ -55,24 +56,27 @@ def progress_figure(state: RunState, axis: str) -> Any:
     return figure
 
 
-def path_figure(state: RunState, axis: str) -> Any:
+def path_figure(state: RunState, axis: str, *, stands_in: bool = False) -> Any:
     """The root's way seen from above: before the damage, after it, and in the last trial; each begins at the dot.
 
     Args:
         state: the run, with its damage done.
         axis: of the distance, for the legend.
+        stands_in: what is told of the robot before the damage is the simulator's.
     """
     from matplotlib.figure import Figure
 
     first, *later = state.trials
-    walks = [("before the damage", state.before, _BEFORE), ("damaged", first, _DAMAGED)]
+    walks = [(_before(stands_in), state.before, _BEFORE), ("damaged", first, _DAMAGED)]
     walks += [(f"trial {len(later)}", later[-1], _TRIAL)] if later else []
     figure = Figure(figsize=(_WIDTH, 3.4), layout="constrained")
     axes = figure.add_subplot()
     for title, trial, colour in walks:
         if trial is not None:
             way = trial.position[:, :2] - trial.position[0, :2]
-            axes.plot(way[:, 0], way[:, 1], color=colour, label=f"{title}: {trial.distance(axis):.2f} m")
+            far = trial.distance(axis)
+            label = f"{title}: {far:.2f} m" if np.isfinite(far) else title
+            axes.plot(way[:, 0], way[:, 1], color=colour, label=label)
             axes.plot(*way[-1], "s", color=colour, markersize=6)
     axes.plot(0.0, 0.0, "o", color="0.3", markersize=5)
     axes.set_aspect("equal", adjustable="datalim")
@@ -97,9 +101,13 @@ def _draw_explorations(axes: Any, state: RunState) -> list[int]:
     return ends
 
 
-def _draw_trials(axes: Any, state: RunState, axis: str, ends: Sequence[int]) -> None:
+def _before(stands_in: bool) -> str:
+    return "undamaged simulator" if stands_in else "before the damage"
+
+
+def _draw_trials(axes: Any, state: RunState, axis: str, ends: Sequence[int], before: str) -> None:
     if state.before is not None and state.trials:
-        axes.plot(ends[0], state.before.distance(axis), "^", color=_BEFORE, label="before the damage")
+        axes.plot(ends[0], state.before.distance(axis), "^", color=_BEFORE, label=before)
         axes.plot(ends[0], state.trials[0].distance(axis), "o", color=_DAMAGED, label="damaged")
     distances = [trial.distance(axis) for trial in state.trials[1:]]
     if distances:

@@ -15,7 +15,9 @@ from estexp_jax.recovery.state import RunState
 _COLUMNS = ("pass", "phase", "generation", "best", "median", "dominant")
 
 
-def record(state: RunState, axis: str, planted: Sequence[Change], config: Mapping[str, Any]) -> dict[str, Any]:
+def record(
+    state: RunState, axis: str, planted: Sequence[Change], config: Mapping[str, Any], *, stands_in: bool = False
+) -> dict[str, Any]:
     """The contents of `run.json`, versions apart; distances in m, forward positive.
 
     Args:
@@ -23,13 +25,15 @@ def record(state: RunState, axis: str, planted: Sequence[Change], config: Mappin
         axis: of the distance.
         planted: what was wrong.
         config: of the run; has `seed`.
+        stands_in: nobody knows how the robot was before: what the state tells of that is the simulator's.
     """
+    before = None if state.before is None or stands_in else state.before.distance(axis)
     return {
         "config": dict(config),
         "seed": config["seed"],
         "planted": [change.to_json() for change in planted],
         "distance": {
-            "before": None if state.before is None else state.before.distance(axis),
+            "before": before,
             "damaged": state.trials[0].distance(axis) if state.trials else None,
         },
         "passes": [

@@ -12,7 +12,7 @@ from estexp_jax.physics.changes import Change
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.cycle import Job
 from estexp_jax.recovery.state import RunState
-from estexp_jax.recovery.target import Filmed, SameTarget, Target
+from estexp_jax.recovery.target import Filmed, Remote, SameTarget, Target
 from estexp_jax.recovery.trial import Trial, distances
 from estexp_jax.report.film import can_film, captioned, film, source, strip
 from estexp_jax.report.gl import Shot, render
@@ -83,7 +83,7 @@ def walks_of(job: Job, state: RunState) -> list[Walked]:
     """Before, damaged and recovered, as far as there are such walks and their targets show how they went."""
     if state.before is None or not state.trials:
         return []
-    told: list[tuple[str, Target | None, int, Trial, tuple[Change, ...]]] = [
+    told: list[tuple[str, Target | Remote | None, int, Trial, tuple[Change, ...]]] = [
         ("before the damage", job.healthy, 0, state.before, ())
     ]
     told.append(("damaged", job.target, 0, state.trials[0], job.planted))

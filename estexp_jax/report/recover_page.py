@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite, isnan
 from typing import Any
 
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.registry import effect
 from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.report.film import source
-from estexp_jax.report.pages import capital, image, percent, probability, render
+from estexp_jax.report.pages import capital, image, metres, percent, probability, render
 from estexp_jax.report.recover_figure import path_figure, progress_figure
 from estexp_jax.report.recover_film import Film
 
@@ -21,21 +22,24 @@ _BELIED = 0.25
 
 def page(
     title: str,
-    planted: Sequence[Change],
+    planted: Sequence[Change] | None,
     state: RunState,
     axis: str,
     settings: Mapping[str, Any],
     film: Film | None = None,
+    *,
+    stands_in: bool = False,
 ) -> str:
     """HTML of a run that has had its damage.
 
     Args:
         title: of the run.
-        planted: what was wrong, where that is known.
+        planted: what was wrong; None where nobody knows.
         state: the run.
         axis: of the distance.
         settings: names to values, for the record.
         film: how it walks, where it could be drawn.
+        stands_in: what is told of the robot before the damage is the simulator's.
     """
     passes = state.passes(axis)
     last = passes[-1] if passes else None
@@ -43,15 +47,17 @@ def page(
         "recover_page.html",
         title=title,
         verdict=verdict(state, axis),
-        headline=headline(state, axis),
+        headline=headline(state, axis, stands_in),
         found=None if last is None else [_claim(change) for change in last.diagnosis],
         probability="" if last is None or last.probability is None else probability(last.probability),
         trials=len(state.trials) - 1,  # the last trial came after the last diagnosis
         alarm=last is not None and bool(last.alarm),
-        planted=[change.sentence() for change in planted],
+        known=planted is not None,
+        planted=[change.sentence() for change in planted or ()],
         nothing="nothing was planted",
-        progress=image(progress_figure(state, axis)),
-        paths=image(path_figure(state, axis)),
+        progress=image(progress_figure(state, axis, stands_in=stands_in)),
+        stands_in=stands_in,
+        paths=image(path_figure(state, axis, stands_in=stands_in)),
         rows=table(state, axis),
         others=[] if last is None else [_other(diagnosis, p) for diagnosis, p in last.rivals],
         advice=advice(state, axis),
@@ -66,6 +72,8 @@ def verdict(state: RunState, axis: str) -> str:
     regained = _regained(state, axis)
     if regained is None:
         return "The robot is damaged." if state.trials else "The robot has not been damaged yet."
+    if isnan(regained):
+        return "How far the robot walks is not known."
     if regained == float("inf"):
         return "The damage cost the robot nothing."
     if regained >= _RECOVERED:
@@ -74,20 +82,27 @@ def verdict(state: RunState, axis: str) -> str:
 
 
 def _regained(state: RunState, axis: str) -> float | None:
-    """Share of the distance lost that the last trial won back; infinite where none was lost, None before a trial."""
+    """Share of the distance lost that the last trial won back.
+
+    Infinite where none was lost, NaN where a distance is not known, None before a trial.
+    """
     if state.before is None or not state.trials[1:]:
         return None
     before, damaged, last = (trial.distance(axis) for trial in (state.before, state.trials[0], state.trials[-1]))
+    if isnan(before + damaged + last):
+        return float("nan")
     return (last - damaged) / (before - damaged) if before > damaged else float("inf")
 
 
-def headline(state: RunState, axis: str) -> str:
-    """The run in one sentence."""
+def headline(state: RunState, axis: str, stands_in: bool = False) -> str:
+    """The run in one sentence; `stands_in` as for `page`."""
     if state.before is None:
         return "The robot has not been damaged yet."
-    text = f"The robot walked {state.before.distance(axis):.2f} m before the damage"
-    text += f" and {state.trials[0].distance(axis):.2f} m after it"
-    return f"{text}; its last trial came {state.trials[-1].distance(axis):.2f} m." if state.trials[1:] else f"{text}."
+    before, damaged = metres(state.before.distance(axis)), metres(state.trials[0].distance(axis))
+    text = f"The robot walked {before} before the damage and {damaged} after it"
+    if stands_in:
+        text = f"The undamaged simulator walked {before}, the damaged robot {damaged}"
+    return f"{text}; its last trial came {metres(state.trials[-1].distance(axis))}." if state.trials[1:] else f"{text}."
 
 
 def table(state: RunState, axis: str) -> list[dict[str, Any]]:
@@ -98,7 +113,7 @@ def table(state: RunState, axis: str) -> list[dict[str, Any]]:
             "diagnosis": [change.sentence() for change in each.diagnosis],
             "probability": "" if each.probability is None else f"{each.probability:.2f}",
             "simulated": f"{each.simulated:.2f}",
-            "hardware": f"{each.hardware:.2f}",
+            "hardware": f"{each.hardware:.2f}" if isfinite(each.hardware) else "–",
         }
         for number, each in enumerate(state.passes(axis), start=1)
     ]
@@ -127,7 +142,7 @@ def advice(state: RunState, axis: str) -> list[str]:
 
 
 def _more(last: Pass, regained: float | None) -> list[str]:
-    if regained is None or regained >= _PARTLY or last.alarm:
+    if regained is None or not regained < _PARTLY or last.alarm:
         return []
     return ["A larger search (--generations, --population) may find a better gait for the robot as diagnosed."]
 

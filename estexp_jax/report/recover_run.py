@@ -76,15 +76,15 @@ class RecoverRun:
     def table(self) -> RecoverTable:
         """What each pass found, and how far the robot came."""
         axis = self.job.settings.axis
-        return RecoverTable(headline(self.state, axis), table(self.state, axis))
+        return RecoverTable(headline(self.state, axis, self.job.stands_in), table(self.state, axis))
 
     def plot(self) -> Picture:
         """Distance over the generations, in the shape of the paper's Figure 6."""
-        return Picture(progress_figure(self.state, self.job.settings.axis))
+        return Picture(progress_figure(self.state, self.job.settings.axis, stands_in=self.job.stands_in))
 
     def plot_paths(self) -> Picture:
         """The ways it went: before the damage, after it, and in the last trial."""
-        return Picture(path_figure(self.state, self.job.settings.axis))
+        return Picture(path_figure(self.state, self.job.settings.axis, stands_in=self.job.stands_in))
 
     def film(self) -> Film | None:
         """How it walks: before the damage, damaged, recovered; None before the damage, and of robots in the world.

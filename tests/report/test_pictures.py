@@ -15,7 +15,9 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import job_of
+from estexp_jax.recovery.foreign import ForeignTarget
 from estexp_jax.recovery.state import Row, RunState
+from estexp_jax.recovery.target import SameTarget
 from estexp_jax.report import gl, recover_film
 from estexp_jax.report.explain_ghosts import angles_of, ghosts_of, postures
 from estexp_jax.report.film import can_film, captioned, film, strip
@@ -107,7 +109,7 @@ def recovered():
     job = job_of(quadruped, Settings(situation=None, damage=("part_lost@lower_f",), **few))
     weights = np.random.default_rng(0).uniform(-1, 1, (2, job.simulator.n_weights)).astype(np.float32)
     first, last = (job.simulator.controller(w, 30) for w in weights)
-    assert job.healthy is not None
+    assert isinstance(job.healthy, SameTarget) and isinstance(job.target, SameTarget)
     trials = (job.target(first), job.target(last))
     rows = tuple(Row(number, "exploration", 1, 0.1, 0.0, 1) for number in (0, 1))
     return job, RunState("done", 1, None, tuple(weights), before=job.healthy(first), trials=trials, history=rows)
@@ -122,6 +124,7 @@ def test_motions_are_the_trials_themselves(recovered) -> None:
     for qpos, trial in zip(found, (state.before, state.trials[0]), strict=True):
         np.testing.assert_array_equal(qpos[:, :3].astype(np.float32), trial.position[rows].astype(np.float32))
     foreign = job_of(job.simulator.robot, replace(job.settings, robot="foreign"), world=job.simulator).target
+    assert isinstance(foreign, ForeignTarget)
     controller = job.simulator.controller(state.controllers[0], 30)
     np.testing.assert_allclose(foreign.motion(controller, rows)[:, :3], foreign(controller).position[rows])
 

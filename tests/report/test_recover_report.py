@@ -17,6 +17,7 @@ from estexp_jax.report.recover_figure import _captions
 from estexp_jax.report.recover_files import record, write_history, write_traces
 from estexp_jax.report.recover_page import advice, headline, page, verdict
 from estexp_jax.report.recover_run import RecoverTable, recover
+from estexp_jax.runs.files import plain
 from tests.report.examples import LOST, WEAK, recovered, trial
 
 
@@ -104,3 +105,16 @@ def test_a_run_can_be_looked_at_before_it_has_begun() -> None:
     run = recover(Robot.from_xml(model_path("quadruped")), quick=True, situation=5, seed=2, passes=2)
     assert run.job.settings.population == 64 and run.job.settings.passes == 2
     assert "not been damaged" in run._repr_html_()
+
+
+def test_a_robot_of_the_users_may_come_an_unknown_way(state: RunState) -> None:
+    unseen = replace(trial(0.0), position=np.full((30, 3), np.nan))
+    state = replace(state, trials=(unseen, unseen))
+    assert verdict(state, "x") == "How far the robot walks is not known."
+    told = headline(state, "x", stands_in=True)
+    assert told.startswith("The undamaged simulator walked 2.00 m, the damaged robot an unknown distance;")
+    html = page("run", None, state, "x", {}, stands_in=True)
+    assert "really done" not in html and "the undamaged simulator" in html and "nan m" not in html
+    assert advice(state, "x") == []
+    written = plain(record(state, "x", [], Settings().to_json(), stands_in=True))
+    assert written["distance"] == {"before": None, "damaged": None} and written["passes"][0]["hardware_m"] is None
