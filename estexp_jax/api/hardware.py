@@ -23,8 +23,8 @@ from estexp_jax.recordings.bind import read_recording
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.logged import Wanted, logged
+from estexp_jax.recovery.mismatch import SAMPLES
 from estexp_jax.recovery.onboard import Onboard
-from estexp_jax.recovery.reproduction import SAMPLES
 from estexp_jax.recovery.trial import Controller, Trial
 from estexp_jax.runs import Progress
 from estexp_jax.runs.files import replacing
