@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from math import isfinite, isnan
 from typing import Any
 
+import numpy as np
+
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.registry import effect
 from estexp_jax.recovery.state import Pass, RunState
@@ -57,7 +59,7 @@ def page(
         nothing="nothing was planted",
         progress=image(progress_figure(state, axis, stands_in=stands_in)),
         stands_in=stands_in,
-        paths=image(path_figure(state, axis, stands_in=stands_in)),
+        paths=image(path_figure(state, axis, stands_in=stands_in)) if _way_known(state) else None,
         rows=table(state, axis),
         others=[] if last is None else [_other(diagnosis, p) for diagnosis, p in last.rivals],
         advice=advice(state, axis),
@@ -92,6 +94,11 @@ def _regained(state: RunState, axis: str) -> float | None:
     if isnan(before + damaged + last):
         return float("nan")
     return (last - damaged) / (before - damaged) if before > damaged else float("inf")
+
+
+def _way_known(state: RunState) -> bool:
+    """Whether more is known of the damaged robot's way over the ground than how far it came."""
+    return any(np.all(np.isfinite(trial.position[[0, -1], :2])) for trial in (state.trials[0], state.trials[-1]))
 
 
 def headline(state: RunState, axis: str, stands_in: bool = False) -> str:

@@ -109,12 +109,13 @@ def test_a_run_can_be_looked_at_before_it_has_begun() -> None:
 
 def test_a_robot_of_the_users_may_come_an_unknown_way(state: RunState) -> None:
     unseen = replace(trial(0.0), position=np.full((30, 3), np.nan))
-    state = replace(state, trials=(unseen, unseen))
+    measured, state = state, replace(state, trials=(unseen, unseen))
     assert verdict(state, "x") == "How far the robot walks is not known."
     told = headline(state, "x", stands_in=True)
     assert told.startswith("The undamaged simulator walked 2.00 m, the damaged robot an unknown distance;")
     html = page("run", None, state, "x", {}, stands_in=True)
     assert "really done" not in html and "the undamaged simulator" in html and "nan m" not in html
+    assert "seen from above" not in html and "seen from above" in page("run", None, measured, "x", {})
     assert advice(state, "x") == []
     written = plain(record(state, "x", [], Settings().to_json(), stands_in=True))
     assert written["distance"] == {"before": None, "damaged": None} and written["passes"][0]["hardware_m"] is None
