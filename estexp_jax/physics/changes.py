@@ -156,9 +156,9 @@ def encode_all(robot: Robot, catalogue: Catalogue, sets: Sequence[Iterable[Chang
             e, sites = rows[change.effect]
             if (change.name or "") not in sites:
                 raise InputError(f"'{change.effect}' cannot act on '{change.name}'", right=known(sites))
-            row, given = values[change.effect][i, sites[change.name or ""]], change.values
+            row = values[change.effect][i, sites[change.name or ""]]
             for column, parameter in enumerate(e.parameters):
-                value = given[parameter.name]
+                value = change.parameters.get(parameter.name, parameter.neutral)
                 # Not simply added: a neutral value may be so large that single precision loses the rest.
                 row[column] = value if row[column] == parameter.neutral else row[column] + value - parameter.neutral
     return values
