@@ -144,6 +144,16 @@ def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recordi
     return lines
 
 
+def belied(changes: Sequence[Change]) -> list[str]:
+    """A line on claims under which the test recordings are predicted worse; none without claims."""
+    if not changes:
+        return []
+    return [
+        "The test recordings are predicted worse with this explanation than without: do not use it beyond the training "
+        "recordings' motions, and record more motions like those of the test to learn from."
+    ]
+
+
 def data_entries(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
     """What was read."""
     return [{"file": r.name, "role": r.role, "rows": r.rows, "hz": r.rate, "notes": list(r.notes)} for r in recordings]

@@ -16,7 +16,7 @@ from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.shown import Shown
-from estexp_jax.discovery.uncertainty import gain_interval
+from estexp_jax.discovery.uncertainty import gain_interval, ratio_interval
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.inference.noise import noise_floor
 
@@ -24,6 +24,9 @@ ROLES = ("train", "test")
 RIVALS = ("nominal", "parameters_only", "black_box", "placebo", "explained")
 """All that are compared, in the order in which they are told."""
 
+
+_WORSE = 1.2
+"""Squared error on test recordings, over the nominal simulator's, from which an explanation counts as refuted."""
 
 Base = tuple[Sequence[mujoco.MjModel], Sequence[ForceResidual]]
 """Each recording's robot in the C engine, and what its joints lack in the training recordings."""
@@ -68,6 +71,18 @@ def black_box_errors(case: Case, config: ExplainConfig, problem: Problem, bases:
     fitted, models, network = min(found, key=lambda each: each[0])
     whole = fitted if np.array_equal(exact.fitted, train) else error(models, network, train)
     return {"train": whole, "test": error(models, network, test)}
+
+
+def refuted(case: Case, config: ExplainConfig, shown: Shown) -> bool:
+    """Whether test recordings are plainly predicted worse by the explanation than by the nominal simulator.
+
+    They choose nothing, so the verdict stays what it is; but it has to be said.
+    """
+    test = shown.problem.windows_of(case.indices("test"))
+    if not np.isfinite(shown.error("explained", test)):
+        return np.isfinite(shown.error("nominal", test))
+    nominal, explained = (shown.costs(name, test) for name in ("nominal", "explained"))
+    return ratio_interval(explained, nominal, config.seed)[0] > _WORSE
 
 
 def fit_entry(

@@ -19,7 +19,7 @@ from estexp_jax.discovery.likely_laws import LawForces, law_forces
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.rivals import RIVALS, fit_entry
+from estexp_jax.discovery.rivals import RIVALS, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
 from estexp_jax.discovery.shown import Shown, shown_by
 from estexp_jax.discovery.telling_laws import law_advice, law_entries
@@ -151,7 +151,8 @@ def _told(
         "what": what,
         "alternatives": tell.alternatives(selection, shares, test_errors),
         "fit": errors,
-        "advice": tell.advice(judged, found.claimed, case.recordings, shares)
+        "advice": (tell.belied(found.claimed) if refuted(case, config, shown) else [])
+        + tell.advice(judged, found.claimed, case.recordings, shares)
         + tell.step_advice(selection, timestep)
         + tell.black_box_advice(judged, errors)
         + law_advice(what),

@@ -50,6 +50,12 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     return np.clip(np.stack([fitted.vector - reach, fitted.vector + reach], axis=1), low[:, None], high[:, None])
 
 
+def ratio_interval(a: np.ndarray, b: np.ndarray, seed: int, n: int = 2000) -> np.ndarray:
+    """90 % interval (2,) of the ratio of the means of a and b (windows,), from resampled windows."""
+    drawn = np.random.default_rng(seed).integers(0, len(a), size=(n, len(a)))
+    return np.percentile(a[drawn].mean(axis=1) / np.maximum(b[drawn].mean(axis=1), 1e-300), _ENDS_90)
+
+
 def gain_interval(nominal: np.ndarray, explained: np.ndarray, floor: float, seed: int, n: int = 2000) -> np.ndarray:
     """90 % interval (2,) of the gain, from resampled windows.
 

@@ -8,7 +8,7 @@ import pytest
 
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.export import explained_spec
-from tests.discovery.planted import CASES, TRUTH, case_of, explained, nominal, problem_of
+from tests.discovery.planted import CASES, TRUTH, Plant, case_of, explained, nominal, problem_of, record
 
 QUICK = ("coulomb_friction@shaft",)
 PLANTED = [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in TRUTH]
@@ -113,6 +113,17 @@ def test_test_recordings_decide_nothing(diagnosed):
         a["effects"] for a in before.findings["alternatives"]
     ]
     assert after.findings["fit"]["gain"] != before.findings["fit"]["gain"]
+
+
+def test_what_test_recordings_belie_is_said_and_changes_nothing(diagnosed):
+    """The joint rubs in the training recordings; in the test recording it has been oiled."""
+    before = diagnosed("coulomb_friction@shaft")
+    *train, _ = before.case.recordings
+    oiled = record("one", Plant(), 640, role="test")
+    after = explained(Case(before.case.robot, (*train, oiled), before.case.robots)).findings
+    assert after["verdict"] == "missing_physics" and after["what"] == before.findings["what"]
+    assert after["fit"]["gain"]["high"] < 0.0 and "worse with this explanation" in after["advice"][0]
+    assert not any("worse with this explanation" in line for line in before.findings["advice"])
 
 
 def test_recordings_differ_and_the_plant_is_no_effect_of_ours():
