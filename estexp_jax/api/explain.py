@@ -117,7 +117,7 @@ def explain(
     test: Sequence[str | Path] = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
     window: float = 2.0,
-    most: int = 3,
+    most: int = 5,
     effects: Sequence[str] | None = None,
     seed: int = 0,
     engine: str = "auto",

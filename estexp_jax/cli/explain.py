@@ -38,8 +38,8 @@ class Options:
     """A column of the logs that has another name than ours."""
     window: str = "2"
     """Length of the windows that are compared and written, s; or `full`, whole recordings."""
-    most: int = 3
-    """Largest number of effects in an explanation."""
+    most: int = 5
+    """Largest number of effects in an explanation; more than three only where these explain most of the mismatch."""
     effects: tuple[str, ...] = ()
     """Names of the effects to consider; without any, all."""
     engine: Annotated[str, tyro.conf.arg(metavar="auto|lanes|mjx")] = "auto"

@@ -61,7 +61,7 @@ class ExplainConfig:
     """
 
     window: float = 2.0
-    most: int = 3
+    most: int = 5
     effects: tuple[str, ...] = field(default_factory=explaining)
     seed: int = 0
     engine: str = "auto"

@@ -16,6 +16,8 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.screening import beside, extended, looked_at, simpler, slot, without
 from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, worth
 from estexp_jax.discovery.starts import RUNGS
+from estexp_jax.discovery.verdict import ENOUGH
+from estexp_jax.inference.accuracy import gain
 
 _NEAR = 2.0
 """Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out.
@@ -23,6 +25,8 @@ Where the best is `FAR` off, which is no matter of a step's own error, only its 
 _MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
 """Where the best single effect leaves more than so many deviations, up to so many that leave at most so many times as
 much are all added to."""
+_FEW, _BUDGET = 3, 300_000_000
+"""More effects than so many are looked for where these explain enough, until so many robot steps are simulated."""
 _MANY = 16
 """Windows of which every second one is enough for a rough fit."""
 _DONORS = 3
@@ -80,9 +84,10 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     nominal, corrected = (as_fitted(p, [start], search.folds)[0] for p in (replace(plain, step=None), plain))
     [own], problem = yield from _compared(search, problem, [bent], "parameters only")
     found = _Found(problem, own, ())
+    as_it_is = min(nominal, corrected, key=lambda e: e.error)
     for n in range(1, most + 1):
         before, bases = found.chosen, _bases(found)
-        if before.error <= NOISE:
+        if before.error <= NOISE or (n > _FEW and not _goes_on(problem, before, as_it_is)):
             break
         found = yield from _added(search, found, bases, n)
         if found.chosen is before:
@@ -91,6 +96,11 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
             found = yield from _exchanged(search, found)
     found = yield from _simplified(search, found)
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
+
+
+def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bool:
+    """Whether more than a few effects are looked for: not to pile up names that explain little, nor for too long."""
+    return gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH and problem.counted[0] < _BUDGET
 
 
 def one_more(

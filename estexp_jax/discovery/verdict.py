@@ -13,7 +13,7 @@ from estexp_jax.physics.effects.servo_damping import servo_damping, servos
 from estexp_jax.physics.effects.sites import joints_at
 from estexp_jax.physics.robot import Robot
 
-_ENOUGH = 0.6
+ENOUGH = 0.6
 """Share of the excess error on held-out windows that an explanation must remove to be called one."""
 QUIET = 2.5
 """Deviations up to which an error that nothing explains is put down to noise that lasts longer than thought."""
@@ -35,7 +35,7 @@ def verdict(robot: Robot, selection: Selection, changes: tuple[Change, ...]) -> 
         return "consistent"
     if not changes and min(as_it_is.error, chosen.error) <= QUIET and not worth(chosen, as_it_is):
         return "consistent"
-    explained = chosen.error <= QUIET or (changes and gain(chosen.error, as_it_is.error, 1.0) >= _ENOUGH)
+    explained = chosen.error <= QUIET or (changes and gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH)
     if not explained:
         return "unexplained"
     return "parameters" if all(is_wrong_value(robot, change) for change in changes) else "missing_physics"
