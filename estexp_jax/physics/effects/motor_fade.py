@@ -10,6 +10,11 @@ from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.robot import Robot
 
 
+_SOONEST = 0.5
+"""Time constant of the fastest heating, s. What weakens a motor sooner is no heat: nearly at once, the term would stand
+in for anything that grows with torque."""
+
+
 @final
 class MotorFade(Term):
     """dH/dt = ((tau / tau_max)^2 - H) / t with t = `tau`, force = (1 - loss H) nominal force.
@@ -31,7 +36,7 @@ class MotorFade(Term):
         return actuator_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return (0.0, 1.0), (0.1, 100.0)
+        return (0.0, 1.0), (_SOONEST, 100.0)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return (
