@@ -32,8 +32,10 @@ _MANY = 16
 _DONORS = 3
 """So many best fits lend the others their values of the model to start from."""
 _PROMISING, _LIKELIEST, _ONE_MORE = 8, 6, 3
-"""So many of a round's hypotheses, the most promising ones, are fitted in full; fewer where the best explanation is
-`FAR` off, of which any good part is welcome; and fewest where only the best of them is asked for."""
+"""So many of a round's hypotheses, the most promising ones, are fitted in full; fewer where the best explanation of a
+robot of many joints is `FAR` off; and fewest where only the best of them is asked for."""
+_JOINTS = 3
+"""Degrees of freedom beyond which simulating a robot takes long."""
 
 
 @final
@@ -141,7 +143,7 @@ def _at_first(
     """
     windows, name = problem.fitted, f"{stage}, at first"
     if roughly and len(windows) >= _MANY:
-        some, told = windows[::2], f"{name}, every second window"
+        some, told = _every_second(problem), f"{name}, every second window"
         rough = yield from fit(
             problem, tasks, some, problem.price_of(some), stage=told, iterations=iterations, first=True
         )
@@ -150,6 +152,16 @@ def _at_first(
     found = yield from fit(problem, tasks, windows, price, stage=name, iterations=iterations, first=True)
     better = {f.hypothesis: f for f in sorted(found, key=lambda f: f.cost, reverse=True)}
     return [f for f in found if better[f.hypothesis] is f]
+
+
+def _every_second(problem: Problem) -> np.ndarray:
+    """Every second fitted window of each recording, from its first or second one by turns.
+
+    Of recordings with two windows each, plainly every second one would be what all motions begin with.
+    """
+    owner = np.array([problem.segments[w].recording for w in problem.fitted])
+    rank = np.array([np.sum(owner[:i] == r) for i, r in enumerate(owner)])
+    return problem.fitted[(rank + np.unique(owner, return_inverse=True)[1]) % 2 == 0]
 
 
 def _refitted(
@@ -207,23 +219,32 @@ def _exchanged(search: _Search, found: _Found) -> Generator[Progress, None, _Fou
 
 
 def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
-    """The simplest explanation that the chosen one is not worth more than."""
+    """The simplest explanation that neither the chosen one nor any on the way to it is worth more than.
+
+    Of several small steps each may seem to cost nothing; together they must not cost what one would not be let.
+    """
+    richer = [found.chosen]
     while tasks := simpler(found.problem, search.parameters, found.chosen.fitted):
         stage = f"simpler than {found.chosen.fitted.hypothesis.label}"
         fewer = yield from _judged(search, found.problem, tasks, stage)
         best = min(fewer, key=lambda e: e.error)
         tried = (*found.tried, *fewer)
-        if worth(found.chosen, best):
+        if any(worth(one, best) for one in richer):
             return replace(found, tried=tried)
         found = _Found(about(found.problem, best.fitted), best, tried)
+        richer.append(best)
     return found
 
 
 def _grown(
     search: _Search, found: _Found, base: Fit, stage: str, most: int = _PROMISING
 ) -> Generator[Progress, None, list[Fit]]:
-    """The most promising hypotheses with one effect more than a fit, fitted; roughly where everything is `FAR` off."""
-    problem, hypothesis, far = found.problem, base.hypothesis, found.chosen.fitted.cost > FAR**2
+    """The most promising hypotheses with one effect more than a fit, fitted.
+
+    Where everything is `FAR` off and simulating the robot takes long, they are fewer, and first fits are rough.
+    """
+    problem, hypothesis = found.problem, base.hypothesis
+    far = found.chosen.fitted.cost > FAR**2 and problem.replayer.robot.model.nv > _JOINTS
     if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
         base = Fit(hypothesis, hypothesis.start(), np.inf)
     places = [p for p in problem.places if p not in hypothesis.places]

@@ -9,7 +9,6 @@ from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Par
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.robot import Robot
 
-
 _SOONEST = 0.5
 """Time constant of the fastest heating, s. What weakens a motor sooner is no heat: nearly at once, the term would stand
 in for anything that grows with torque."""
