@@ -24,7 +24,10 @@ TRIALS = (1, 2, 3, 4)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """All diagnoses and runs, then the tables and the figure of those that are there."""
+    """All diagnoses and runs, then the tables and the figure of those that are there.
+
+    Diagnoses that are published beside the README no machine does again.
+    """
     from experiments.common.options import parsed, publish
     from experiments.common.runs import each, run_all
 
@@ -38,12 +41,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     tasks, cases = tasks_of(situations, options.n), cases_of(situations, options.size, options.n)
     store = options.store.parent / "next_trial_diagnoses"
     store.mkdir(parents=True, exist_ok=True)
+    known = {} if options.size == "quick" else published()
     if "diagnosis" in parts:
-        todo = [task for task in tasks if not _path(task, store).is_file()]
+        todo = [task for task in tasks if not (_path(task, store).is_file() or _key(task) in known)]
         each("diagnoses", [(_kept, task, store) for task in todo], options)
     if "loop" in parts:
         run_all(cases, options)
-    report(_diagnoses(tasks, store), _runs(cases, options.store), options)
+    report(_diagnoses(tasks, store, known), _runs(cases, options.store), options)
     publish(options, __file__)
     return 0
 
@@ -85,13 +89,31 @@ def _kept(task, store: Path) -> None:
     write_json(_path(task, store), diagnose(task))
 
 
-def _diagnoses(tasks: Sequence, store: Path) -> list[dict[str, Any]]:
+def _key(task) -> tuple:
+    return _way(task), task.situation, task.seed
+
+
+def published() -> dict[tuple, list[dict[str, Any]]]:
+    """Rows of diagnoses in the table beside the README, by their tasks' keys."""
+    from experiments.common.tables import read_rows
+
+    found: dict[tuple, list[dict[str, Any]]] = {}
+    for row in read_rows(Path(__file__).with_name("next_trial.csv")):
+        if row["part"] == "diagnosis":
+            found.setdefault((row["next_trial"], row["situation"], row["seed"]), []).append(row)
+    return found
+
+
+def _diagnoses(tasks: Sequence, store: Path, known: dict[tuple, list[dict[str, Any]]]) -> list[dict[str, Any]]:
     """A row for each number of trials of each task that is done."""
     import json
 
-    done = [task for task in tasks if _path(task, store).is_file()]
-    found = [(_way(task), row) for task in done for row in json.loads(_path(task, store).read_text(encoding="utf-8"))]
-    return [{"part": "diagnosis", "next_trial": way, **{name: row[name] for name in _NAMES}} for way, row in found]
+    found = []
+    for task in tasks:
+        path = _path(task, store)
+        rows = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else known.get(_key(task), [])
+        found += [{"part": "diagnosis", "next_trial": _way(task), **{n: row[n] for n in _NAMES}} for row in rows]
+    return found
 
 
 def _runs(cases: Sequence, store: Path) -> list[dict[str, Any]]:
