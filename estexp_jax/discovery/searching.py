@@ -10,7 +10,7 @@ import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
 from estexp_jax.discovery.fitting import FAR, Fit, Progress, Task, fit
-from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.screening import beside, extended, looked_at, simpler, slot, without
@@ -25,8 +25,8 @@ Where the best is `FAR` off, which is no matter of a step's own error, only its 
 _MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
 """Where the best single effect leaves more than so many deviations, up to so many that leave at most so many times as
 much are all added to."""
-_FEW, _BUDGET = 3, 300_000_000
-"""More effects than so many are looked for where these explain enough, until so many robot steps are simulated."""
+_FEW, _BUDGET = 3, 800_000_000
+"""More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
 _MANY = 16
 """Windows of which every second one is enough for a rough fit."""
 _DONORS = 3
@@ -95,14 +95,16 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
         if found.chosen is before:
             break
         if n == 2 and len(bases) == 1 and found.chosen.error > NOISE:
-            found = yield from _exchanged(search, found)
+            found = yield from _exchanged(search, found, found.chosen.places[0])
+    found = yield from _all_exchanged(search, found, as_it_is)
     found = yield from _simplified(search, found)
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
 
 
 def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bool:
     """Whether more than a few effects are looked for: not to pile up names that explain little, nor for too long."""
-    return gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH and problem.counted[0] < _BUDGET
+    work = problem.counted[0] * problem.replayer.robot.model.nv
+    return gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH and work < _BUDGET
 
 
 def one_more(
@@ -205,10 +207,11 @@ def _added(search: _Search, found: _Found, bases: Sequence[Fit], n: int) -> Gene
     return _Found(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
 
 
-def _exchanged(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
-    """Another first effect beside the second, which was not known when the first one was chosen, if that is better."""
-    stage, chosen = "another first effect", found.chosen
-    hypothesis, [vector, *_] = without(found.problem, search.parameters, chosen.fitted, chosen.places[0])
+def _exchanged(search: _Search, found: _Found, place: Place) -> Generator[Progress, None, _Found]:
+    """Another effect in the place of one, which was chosen when not all of the others were known, if that is better."""
+    chosen, name = found.chosen, "@".join(filter(None, place))
+    hypothesis, [vector, *_] = without(found.problem, search.parameters, chosen.fitted, place)
+    stage = f"instead of {name}, beside {hypothesis.label}"
     grown = yield from _grown(search, found, Fit(hypothesis, vector, np.inf), stage)
     new = [f for f in grown if set(f.hypothesis.places) != set(chosen.places)]
     if not new:
@@ -216,6 +219,19 @@ def _exchanged(search: _Search, found: _Found) -> Generator[Progress, None, _Fou
     judged, problem = yield from _compared(search, found.problem, new, stage)
     tried, best = (*found.tried, *judged), simplest(judged)
     return _Found(problem, best, tried) if best.error < chosen.error else replace(found, tried=tried)
+
+
+def _all_exchanged(search: _Search, found: _Found, as_it_is: Explanation) -> Generator[Progress, None, _Found]:
+    """Where several effects leave much: each of them exchanged for another one, as long as that helps."""
+    asked = set[frozenset[Place]]()
+    while _goes_on(found.problem, found.chosen, as_it_is) and found.chosen.error > FAR:
+        claims = frozenset(found.chosen.places)
+        left = [p for p in found.chosen.places if claims - {p} not in asked]
+        if len(claims) < _FEW or not left:
+            break
+        asked.add(claims - {left[0]})
+        found = yield from _exchanged(search, found, left[0])
+    return found
 
 
 def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
