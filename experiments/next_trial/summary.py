@@ -80,6 +80,7 @@ def draw(rows: Sequence[Row], out: Path) -> None:
             label = f"{_WORDS[way]} (n = {told[way]['n']})"
             axes.errorbar(x + 0.06 * i, shares, error, fmt="o-", color=colour, capsize=3, markersize=4, label=label)
         axes.set_xticks([1, 2, 3, 4])
+        axes.set_ylim(0.0, 1.02)
         axes.set_xlabel("trials")
         axes.set_ylabel("exact set named, 90 % interval")
         axes.set_title({"diagnosis": "walkers of the library", "loop": "the whole loop"}[part], fontsize=9)
