@@ -1,4 +1,4 @@
-"""Searching for an explanation: effects are added while held-out windows agree, then taken away again."""
+"""Searching for an explanation: effects are added while held-out windows agree, exchanged, then taken away again."""
 
 from __future__ import annotations
 
@@ -64,12 +64,12 @@ class _Search:
 
 
 def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Progress, None, tuple[Selection, Problem]]:
-    """Forward selection of up to `most` effects, then backward.
+    """Forward selection of up to `most` effects, an exchange of each of several, then backward.
 
     Args:
         problem: the comparison.
         parameters: the hypothesis that only values of the model are off.
-        most: largest number of effects.
+        most: largest number of effects; more than a few only where these explain enough and simulating is cheap.
 
     Yields:
         Progress of each round's fits.
