@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from estexp_jax.recovery.config import Settings
     from estexp_jax.recovery.cycle import Job
     from estexp_jax.recovery.state import RunState
-    from estexp_jax.report.recover_film import Film
     from estexp_jax.runs import Progress, RunFolder
 
 _CHECKPOINT = "checkpoint.npz"
@@ -156,6 +155,7 @@ def run(options: Options) -> int:
         InputError: the robot, the damage, the settings or DIR cannot be used.
     """
     from estexp_jax.api.hardware import check_folder, take_folder
+    from estexp_jax.cli.recover_results import write_results
     from estexp_jax.cli.recover_story import Story
     from estexp_jax.package_data import model_path
     from estexp_jax.physics.robot import Robot
@@ -182,7 +182,7 @@ def run(options: Options) -> int:
         story.begin(model.name, state)
         state = _run(job, state, folder, story)
         story.end(state)
-        _write(folder, job, state, config, progress, pictures=options.pictures)
+        write_results(folder, job, state, config, progress, pictures=options.pictures)
     return 0
 
 
@@ -217,50 +217,3 @@ def _run(job: Job, state: RunState, folder: RunFolder, story: Any) -> RunState:
         story.tell(state, reached)
         state = reached
     return state
-
-
-def _film(folder: RunFolder, job: Job, state: RunState, progress: Progress) -> Film | None:
-    """How it walks, written; None, and said why, where it cannot be drawn."""
-    from estexp_jax.report.film import can_film
-    from estexp_jax.report.gl import NoGlError
-    from estexp_jax.report.recover_film import film_of
-    from estexp_jax.runs.files import replacing
-
-    progress.stage("pictures")
-    try:
-        film = film_of(job, state)
-    except NoGlError as error:
-        progress.say(f"No pictures: {error}")
-        return None
-    if film is None:
-        return None
-    for name, content in (("film.jpg", film.strip), ("film.mp4", film.video)):
-        if content is not None:
-            with replacing(folder.file(name)) as stream:
-                stream.write(content)
-    if not can_film():
-        progress.say("Pictures, but no film: pip install 'estexp_jax[video]'")
-    return film
-
-
-def _write(
-    folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: Progress, *, pictures: bool
-) -> None:
-    from estexp_jax.report.recover_files import record, write_history, write_traces
-    from estexp_jax.report.recover_page import page
-    from estexp_jax.runs import versions, write_json
-    from estexp_jax.runs.files import replacing
-
-    axis, simulator = job.settings.axis, job.simulator
-    with replacing(folder.file("history.parquet")) as stream:
-        write_history(stream, state)
-    with replacing(folder.file("traces.npz")) as stream:
-        write_traces(stream, state, simulator.robot, simulator.walker.interface)
-    told = record(state, axis, job.planted, config, stands_in=job.stands_in)
-    write_json(folder.file("run.json"), {**told, "versions": versions()})
-    film = _film(folder, job, state, progress) if pictures else None
-    title = f"{config['model']}: recovery, seed {job.settings.seed}"
-    planted = None if config["robot"] == "hardware" else job.planted
-    with replacing(folder.file("report.html")) as stream:
-        stream.write(page(title, planted, state, axis, config, film, stands_in=job.stands_in).encode())
-    progress.say(f"Report: {folder.path / 'report.html'}")

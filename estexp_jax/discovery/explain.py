@@ -36,7 +36,8 @@ from estexp_jax.discovery.problem import Problem, deviations
 from estexp_jax.discovery.replays import Replays
 from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
-from estexp_jax.discovery.searching import fitted, select
+from estexp_jax.discovery.rounds import fitted
+from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis

@@ -9,11 +9,12 @@ from typing import final
 import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
-from estexp_jax.discovery.fitting import FAR, Fit, Progress, Task, fit
+from estexp_jax.discovery.fitting import FAR, Fit, Progress, Task
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.screening import beside, extended, looked_at, simpler, slot, without
+from estexp_jax.discovery.rounds import at_first, fitted, refitted
+from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
 from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, worth
 from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
@@ -27,10 +28,6 @@ _MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
 much are all added to."""
 _FEW, _BUDGET = 3, 800_000_000
 """More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
-_MANY = 16
-"""Windows of which every second one is enough for a rough fit."""
-_DONORS = 3
-"""So many best fits lend the others their values of the model to start from."""
 _PROMISING, _LIKELIEST, _ONE_MORE = 8, 6, 3
 """So many of a round's hypotheses, the most promising ones, are fitted in full; fewer where the best explanation of a
 robot of many joints is `FAR` off; and fewest where only the best of them is asked for."""
@@ -124,62 +121,6 @@ def one_more(
     return before, min(judged, key=lambda e: e.error, default=before)
 
 
-def fitted(
-    problem: Problem, tasks: Sequence[Task], stage: str, iterations: int = 8
-) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
-    """Hypotheses fitted to all windows, first with the step's error as the comparison has it, then each with its own.
-
-    Returns:
-        The fits, and the comparison with their own corrections.
-    """
-    found = yield from _at_first(problem, tasks, stage, iterations)
-    return (yield from _refitted(problem, found, stage, iterations))
-
-
-def _at_first(
-    problem: Problem, tasks: Sequence[Task], stage: str, iterations: int = 8, *, roughly: bool = False
-) -> Generator[Progress, None, list[Fit]]:
-    """The best fit of each hypothesis, with the step's error as the comparison has it.
-
-    It is fitted to all windows, or roughly, to every second one where there are many; its cost is that of all.
-    """
-    windows, name = problem.fitted, f"{stage}, at first"
-    if roughly and len(windows) >= _MANY:
-        some, told = _every_second(problem), f"{name}, every second window"
-        rough = yield from fit(
-            problem, tasks, some, problem.price_of(some), stage=told, iterations=iterations, first=True
-        )
-        tasks, iterations = [(f.hypothesis, [f.vector]) for f in rough], 0
-    price = problem.price_of(windows)
-    found = yield from fit(problem, tasks, windows, price, stage=name, iterations=iterations, first=True)
-    better = {f.hypothesis: f for f in sorted(found, key=lambda f: f.cost, reverse=True)}
-    return [f for f in found if better[f.hypothesis] is f]
-
-
-def _every_second(problem: Problem) -> np.ndarray:
-    """Every second fitted window of each recording, from its first or second one by turns.
-
-    Of recordings with two windows each, plainly every second one would be what all motions begin with.
-    """
-    owner = np.array([problem.segments[w].recording for w in problem.fitted])
-    rank = np.array([np.sum(owner[:i] == r) for i, r in enumerate(owner)])
-    return problem.fitted[(rank + np.unique(owner, return_inverse=True)[1]) % 2 == 0]
-
-
-def _refitted(
-    problem: Problem, fits: Sequence[Fit], stage: str, iterations: int = 8
-) -> Generator[Progress, None, tuple[list[Fit], Problem]]:
-    """Fits to which the comparison was about something else, fitted on, each with its own step's error.
-
-    They may start from each other's values of the model.
-    """
-    there = problem.corrected([f.member for f in fits])
-    prices = there.prices([f.member for f in fits])
-    best = sorted(fits, key=lambda f: f.cost)[:_DONORS]
-    tasks: list[Task] = [(f.hypothesis, [f.vector, *(beside(f, d) for d in best if d is not f)]) for f in fits]
-    return (yield from fit(there, tasks, there.fitted, prices, stage=stage, iterations=iterations)), there
-
-
 def _bases(found: _Found) -> list[Fit]:
     """What to add an effect to: the best explanation; where a single effect leaves much, also others about as good.
 
@@ -267,7 +208,7 @@ def _grown(
     tasks = [extended(problem, search.parameters, base, p) for p in places]
     n = min(most, _LIKELIEST) if far else most
     promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, n)
-    return (yield from _at_first(problem, promising, stage, roughly=far))
+    return (yield from at_first(problem, promising, stage, roughly=far))
 
 
 def _compared(
@@ -281,7 +222,7 @@ def _compared(
     best = min(fits, key=lambda f: f.cost)
     there, close = about(problem, best), _close(fits, best)
     going = [f for f in close if best.cost <= FAR**2 or f.cost <= _RIVALS**2 * best.cost]
-    moved, there = yield from _refitted(there, going, stage)
+    moved, there = yield from refitted(there, going, stage)
     fitted_on = dict(zip(map(id, going), moved, strict=True))
     further = [fitted_on.get(id(f), f) for f in close]
     yield Progress(f"{stage}, held-out windows", 0, 1)

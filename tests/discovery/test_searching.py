@@ -7,32 +7,23 @@ import numpy as np
 
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.discovery.searching import _every_second, _goes_on
+from estexp_jax.discovery.searching import _goes_on
 from estexp_jax.discovery.selection import Explanation
 
 
-def problem(owners: list[int], steps: int = 0, joints: int = 1) -> Any:
+def problem(steps: int, joints: int = 1) -> Any:
     robot = SimpleNamespace(model=SimpleNamespace(nv=joints))
-    segments = [SimpleNamespace(recording=owner) for owner in owners]
-    return SimpleNamespace(
-        segments=segments, fitted=np.arange(len(owners)), counted=[steps], replayer=SimpleNamespace(robot=robot)
-    )
+    return SimpleNamespace(counted=[steps], replayer=SimpleNamespace(robot=robot))
 
 
 def explanation(error: float) -> Explanation:
     return Explanation(Fit(Hypothesis((), ()), np.zeros(0), error**2), np.full(4, error**2 / 4.0))
 
 
-def test_every_second_window_is_of_all_parts_of_motions() -> None:
-    """Of recordings with two windows each: the first of one, the second of the next."""
-    assert _every_second(problem([3, 3, 5, 5, 8, 8])).tolist() == [0, 3, 4]
-    assert _every_second(problem([1] * 5 + [2] * 4)).tolist() == [0, 2, 4, 6, 8]
-
-
 def test_more_effects_are_looked_for_where_some_explain_and_it_is_not_too_long() -> None:
     much, little = explanation(8.0), explanation(15.0)
     nominal = explanation(30.0)
-    assert _goes_on(problem([0], 10**8), much, nominal)
-    assert not _goes_on(problem([0], 10**8), little, nominal)
-    assert not _goes_on(problem([0], 10**9), much, nominal)
-    assert not _goes_on(problem([0], 2 * 10**8, joints=6), much, nominal)
+    assert _goes_on(problem(10**8), much, nominal)
+    assert not _goes_on(problem(10**8), little, nominal)
+    assert not _goes_on(problem(10**9), much, nominal)
+    assert not _goes_on(problem(2 * 10**8, joints=6), much, nominal)
