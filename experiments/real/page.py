@@ -44,7 +44,7 @@ def _withheld(plan: Plan, found: dict[str, dict[str, Any] | None]) -> dict[str, 
     findings, w = found[plan.name], plan.withheld
     assert w is not None
     told = (
-        {"found": False, "named_first": False, "error": None}
+        {"found": False, "as": None, "named_first": False, "error": None}
         if findings is None
         else score(w, findings, found.get(plan.base))
     )
@@ -84,7 +84,10 @@ def _lines(
     lines += [f"- {d.name}: {sentence}" for d in DEVICES.values() for sentence in d.published]
     ran = [t for t in told if t["ran"]]
     lines += ["", f"## Withheld truth: {sum(t['found'] for t in ran)} of {len(ran)} found", ""]
-    lines += ["| case | withheld | found | named first | value | relative error |", "|---|---|---|---|---|---|"]
+    lines += [
+        "| case | withheld | found | as | named first | value | relative error |",
+        "|---|---|---|---|---|---|---|",
+    ]
     for t in told:
         truth = (
             "nothing" if t["truth"] is None else f"{t['truth'][0]}@{t['truth'][1]} {t['truth'][2]} = {t['truth'][3]:g}"
@@ -93,6 +96,7 @@ def _lines(
             t["case"],
             truth,
             t["found"] if t["ran"] else "not run",
+            t.get("as") or "-",
             t["named_first"],
             _number(t.get("value")),
             _number(t["error"]),
