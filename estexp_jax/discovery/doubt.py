@@ -1,9 +1,10 @@
-"""What uncertain start states do to a window's residuals, taken out of the comparison.
+"""What uncertain starts and lost commands do to a window's residuals, taken out of the comparison.
 
-A window starts from a state read from noisy samples. To first order its error adds B z to the residuals, with z
-standard normal and B the readings' derivatives by the state times the square root of the state's covariance. Under
-white noise of deviation 1 the residuals' covariance is then I + B B', and multiplying them by its inverse square root
-makes them white again: what a slightly other start would explain counts for little, everything else in full.
+A window starts from a state read from noisy samples, and where a log lost a row nobody knows what was commanded. To
+first order such an error adds B z to the residuals, with z standard normal and B the readings' derivatives by what is
+uncertain times the square root of its covariance. Under white noise of deviation 1 the residuals' covariance is then
+I + B B', and multiplying them by its inverse square root makes them white again: what a slightly other start or command
+would explain counts for little, everything else in full.
 
 Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), section 2.7 (parameters integrated out).
 """
@@ -17,6 +18,8 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.inference.gaps import miscommanded
+from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.scales import joint_span
 from estexp_jax.physics.segment import Segment, Start
@@ -24,6 +27,8 @@ from estexp_jax.physics.segment import Segment, Start
 _POSITION = int(mujoco.mjtSensor.mjSENS_JOINTPOS)
 _AROUND, _PER_SECOND = 0.02, 10.0
 """Of a joint's range: how far from where it was told to be it may start; and in so many ways a second."""
+_MOST_LOST = 3
+"""So many lost commands of a window are in doubt at most: each costs a simulation."""
 _INFLATED = 2.0
 """Factor on the states' variance: jolts are smoothed away more than steady motion."""
 
@@ -66,6 +71,33 @@ def _shifted(model: mujoco.MjModel, start: Start, dof: int, k: int) -> Start:
     mujoco.mj_integratePos(model, qpos, move, 1.0)
     qvel[dof] += shift[1]
     return start._replace(qpos=qpos, qvel=qvel)
+
+
+def other_commands(recordings: Sequence[Recording], segments: Sequence[Segment]) -> list[list[Segment | None]]:
+    """Each segment with the command of a lost row a deviation off: a copy for each of these, None where one has fewer.
+
+    Of a segment with many lost rows only some count, those where the command changes most.
+    """
+    found: list[list[Segment]] = [[] for _ in segments]
+    spread = [miscommanded(r) for r in recordings]
+    for s, copies in zip(segments, found, strict=True):
+        recording = recordings[s.recording]
+        for row in _lost_rows(recording, s):
+            for actuator in np.flatnonzero(spread[s.recording] > 0.0):
+                ctrl = s.history.logged.copy()
+                ctrl[row, actuator] += spread[s.recording][actuator]
+                copies.append(replace(s, history=s.history.told(ctrl)))
+    most = max(map(len, found), default=0)
+    return [[copies[k] if k < len(copies) else None for copies in found] for k in range(most)]
+
+
+def _lost_rows(recording: Recording, s: Segment) -> list[int]:
+    """Rows of a segment whose commands nobody logged, at most `_MOST_LOST`."""
+    if recording.guessed is None:
+        return []
+    rows = s.first + np.flatnonzero(recording.guessed[s.first : s.last])
+    change = np.abs(recording.ctrl[rows + 1] - recording.ctrl[np.maximum(rows - 1, 0)]).max(axis=1, initial=0.0)
+    return rows[np.argsort(-change, kind="stable")[:_MOST_LOST]].tolist()
 
 
 def directions(effect: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

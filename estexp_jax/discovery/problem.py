@@ -9,7 +9,7 @@ from typing import Any, final
 
 import numpy as np
 
-from estexp_jax.discovery.doubt import blinded, directions, other_starts, whitened
+from estexp_jax.discovery.doubt import blinded, directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
@@ -178,17 +178,20 @@ class Problem:
         """`doubt` of all windows about one member, whose readings in fitted windows are known."""
         windows = self.fitted
         robot = self.replayer.robot
-        starts = other_starts(robot.model, blinded(robot, member[0], self.segments))
-        if not starts:
+        known = [self.segments[w] for w in windows]
+        others = [*other_starts(robot.model, blinded(robot, member[0], known)), *other_commands(self.recordings, known)]
+        if not others:
             return None
-        every = [s for segments in starts for s in segments]
-        which = np.concatenate([windows + k * len(self.segments) for k in range(len(starts))])
-        [found] = self.replays.readings([member], which, every)
-        others = np.moveaxis(found.reshape(len(starts), len(windows), *simulated.shape[1:]), 0, -1)
-        change = (others - simulated[..., None]) / self.deviation(windows, simulated.shape[1])[..., None]
+        changed = [(k, i, s) for k, copies in enumerate(others) for i, s in enumerate(copies) if s is not None]
+        [found] = self.replays.readings([member], np.arange(len(changed)), [s for _, _, s in changed])
+        rows = found.shape[1]
+        change = np.zeros((*simulated.shape, len(others)))
+        for (k, i, _), readings in zip(changed, found, strict=True):
+            change[i, :rows, :, k] = readings - simulated[i, :rows]
+        change /= self.deviation(windows, simulated.shape[1])[..., None]
         sampled = np.isfinite(self._compared(windows))[..., None]
         effect = np.where(sampled, np.clip(np.nan_to_num(change), -_FAR, _FAR), 0.0)
-        basis, kept = directions(self._longest(effect).reshape(len(windows), -1, len(starts)))
+        basis, kept = directions(self._longest(effect).reshape(len(windows), -1, len(others)))
         return self._spread(basis), 1.0 + self._spread(kept - 1.0)
 
     def heard(self, member: Member) -> Problem:

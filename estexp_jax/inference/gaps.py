@@ -70,3 +70,12 @@ def recommanded(recording: Recording, side: np.ndarray) -> Recording:
             slope = (ctrl[first] - ctrl[second]) / max(abs(first - second), 1)
             ctrl[row] = ctrl[first] + slope * abs(row - first)
     return replace(recording, ctrl=ctrl)
+
+
+def miscommanded(recording: Recording) -> np.ndarray:
+    """How far off a command (nu,) half-way between its neighbours is, root mean square over the logged rows."""
+    ctrl = recording.ctrl if recording.guessed is None else recording.ctrl[~recording.guessed]
+    if len(ctrl) < 3:
+        return np.zeros(ctrl.shape[1])
+    off = ctrl[1:-1] - 0.5 * (ctrl[:-2] + ctrl[2:])
+    return np.sqrt(np.mean(off**2, axis=0))

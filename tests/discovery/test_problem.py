@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.doubt import directions, other_starts, whitened
+from estexp_jax.discovery.doubt import directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.inference.windows import segments_of
 from tests.discovery.planted import CASES, case_of, problem_of
@@ -92,6 +92,25 @@ def test_what_another_start_would_explain_counts_little(setting):
         size, left = sizes
         np.testing.assert_array_less(left, 1.2)
         assert np.all(left < size)
+
+
+def test_what_another_command_in_a_lost_row_would_explain_counts_little(setting):
+    case, _, (hypothesis, start) = setting
+    first = case.recordings[0]
+    columns = ("time", "ctrl", "enable", "sensor", "qpos", "qvel")
+    thin = {name: np.delete(getattr(first, name), [40, 190], axis=0) for name in columns}
+    problem = problem_of(replace(case, recordings=(replace(first, **thin), *case.recordings[1:])))
+    about, member = problem.about((hypothesis, start)), (hypothesis, start)
+    [copies] = other_commands(problem.recordings, problem.segments)
+    assert [s is not None for s in copies] == [s.recording == 0 for s in problem.segments]
+    lost = np.array([i for i, s in enumerate(copies) if s is not None])
+    there = [c or s for c, s in zip(copies, problem.segments, strict=True)]
+    size, left = (
+        np.square(at(p, there).residuals([member], lost) - p.residuals([member], lost))[0].sum(axis=1)
+        for p in (replace(about, doubt=None), about)
+    )
+    size, left = (x * problem.samples(lost).sum() for x in (size, left))
+    assert np.all(size > 4.0) and np.all(left < 1.5)
 
 
 def test_whitening_makes_noise_with_uncertain_starts_white():

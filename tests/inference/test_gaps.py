@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estexp_jax.inference.gaps import bridged, recommanded
+from estexp_jax.inference.gaps import bridged, miscommanded, recommanded
 
 
 def test_lost_rows_come_back_where_the_clock_lacks_them(mixed, blank):
@@ -41,3 +41,12 @@ def test_lost_commands_go_on_as_before_or_lead_to_what_came_after(mixed, blank):
         assert told.ctrl[40] == pytest.approx(after[40])
         np.testing.assert_array_equal(told.ctrl[kept], recording.ctrl)
     assert recommanded(recording, np.ones(57)) is recording
+
+
+def test_lost_commands_are_as_uncertain_as_logged_ones_would_be(mixed, blank):
+    kept = np.delete(np.arange(60), [20, 41])
+    recording = blank(kept / 50.0)
+    for ctrl, expected in ((np.where(kept % 2 == 0, 0.5, -0.5), 1.0), (0.1 * kept, 0.0)):
+        recording.ctrl[:] = ctrl[:, None]
+        assert miscommanded(bridged(recording)) == pytest.approx([expected], abs=0.05)
+    assert not miscommanded(blank(np.arange(2) / 50.0)).any()
