@@ -21,7 +21,9 @@ from estexp_jax.discovery.problem import Problem
 _STEP = 0.01
 """Finite-difference step, as a share of a parameter's present size ..."""
 _LEAST_STEP = 1e-3
-"""... and at least this share of its largest."""
+"""... and at least this share of its largest, ..."""
+_LARGEST_STEP = 0.05
+"""... but of what is always positive, at most this share: some of these span orders of magnitude."""
 DAMPINGS = (1e-7, 1e-4, 1e-2, 1.0)
 _SMALL = 0.7
 """Steps up to this share of a value are taken by factors."""
@@ -310,6 +312,7 @@ def _steps(hypothesis: Hypothesis, vector: np.ndarray) -> np.ndarray:
     found = []
     for f, v in zip(hypothesis.free, vector, strict=True):
         step = max(_STEP * abs(v - f.origin), _LEAST_STEP * f.size)
+        step = min(step, _LARGEST_STEP * max(v, f.low)) if f.low > 0.0 else step
         found.append(-step if v + step > f.high else step)
     return np.array(found)
 

@@ -69,7 +69,7 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
         case "load_bristles":
             return [(mu, 2e-3) for mu in (0.03, 0.1, 0.3)]
         case "hysteresis":
-            shares, ways = (0.01, 0.03, 0.1, 0.3), (0.0015, 0.01, 0.05, 0.2)
+            shares, ways = (0.004, 0.02, 0.07, 0.3), (0.0015, 0.01, 0.05, 0.2)
             return [(s * bounds[0][1], s * bounds[0][1] / x) for s, x in product(shares, ways)]
         case "joint_stiffness":
             low, high = _range(robot, site, seen)

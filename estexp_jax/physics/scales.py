@@ -36,6 +36,11 @@ def joint_span(robot: Robot, joint: int) -> tuple[float, float]:
     return home - reach, home + reach
 
 
+def joint_speed(robot: Robot, joint: int) -> float:
+    """A moderate speed of a one-coordinate joint: 1 rad/s, or 0.2 m/s of a slide."""
+    return 0.2 if int(robot.model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE) else 1.0
+
+
 def command_reach(robot: Robot, actuator: int) -> float:
     """Size of a motor's commands: half its control range, else what gives it its largest torque."""
     model = robot.model

@@ -31,8 +31,8 @@ class BodyMass(Edit):
         return body_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        mass = float(robot.model.body_mass[robot.index("body", site)])
-        return ((-0.9 * mass, 2.0 * mass),)
+        mass, whole = float(robot.model.body_mass[robot.index("body", site)]), float(robot.model.body_mass.sum())
+        return ((-0.9 * mass, max(2.0 * mass, 0.5 * whole)),)  # a light hand may carry much
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         dm = values["dm"]

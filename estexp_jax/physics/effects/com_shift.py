@@ -31,7 +31,7 @@ class ComShift(Edit):
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         body = robot.index("body", site)
-        reach = 2.0 * float(np.sqrt(robot.model.body_inertia[body].max() / robot.model.body_mass[body]))
+        reach = 3.0 * float(np.sqrt(robot.model.body_inertia[body].max() / robot.model.body_mass[body]))
         return ((-reach, reach),) * 3
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:

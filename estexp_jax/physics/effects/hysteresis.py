@@ -34,7 +34,7 @@ class Hysteresis(Term):
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         torque = scales.joint_torque(robot, robot.index("joint", site))
-        return (0.0, 0.8 * torque), (0.2 * torque, 200.0 * torque)
+        return (0.0, 0.8 * torque), (0.01 * torque, 200.0 * torque)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return (

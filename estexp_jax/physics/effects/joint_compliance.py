@@ -42,7 +42,7 @@ class _Compliance(Term):
         joint = robot.index("joint", site)
         inertia, step = scales.joint_inertia(robot, joint), float(robot.model.opt.timestep)
         stiffest = inertia / step**2  # beyond, the joint's own explicit step could not follow
-        return (1e-3 * stiffest, stiffest), (0.0, 0.2 * inertia / step), (0.01 * inertia, 3.0 * inertia)
+        return (7e-4 * stiffest, stiffest), (0.0, 0.2 * inertia / step), (0.01 * inertia, 3.0 * inertia)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return (

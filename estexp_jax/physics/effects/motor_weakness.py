@@ -29,7 +29,7 @@ class MotorWeakness(Edit):
         return with_all(actuator_sites(robot))
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return ((-1.0, 1.0),)
+        return ((-4.0, 1.0),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         loss = values["loss"]

@@ -25,7 +25,8 @@ class QuadraticDrag(Term):
         return scalar_joint_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return ((0.0, scales.joint_torque(robot, robot.index("joint", site))),)
+        joint = robot.index("joint", site)
+        return ((0.0, scales.joint_torque(robot, joint) / scales.joint_speed(robot, joint) ** 2),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} resists motion with {values['c']:.3g} N m at 1 rad/s, growing with the speed squared"

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, final
 
 import jax
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Distortion, Parameter
@@ -25,7 +26,9 @@ class SensorBias(Distortion):
         return scalar_sensor_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return ((-0.5, 0.5),)
+        shows_position = robot.model.sensor_type[robot.index("sensor", site)] == mujoco.mjtSensor.mjSENS_JOINTPOS
+        most = 0.5 if shows_position else 10.0
+        return ((-most, most),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the sensor {site} reads {values['bias']:+.3g} too much"

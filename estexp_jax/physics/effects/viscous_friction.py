@@ -34,8 +34,8 @@ class ViscousFriction(Edit):
         return rubbing_joint_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        most = max(scales.joint_torque(robot, robot.index("joint", one)) for one in joints_at(robot, site))
-        return ((0.0, most),)
+        joints = [robot.index("joint", one) for one in joints_at(robot, site)]
+        return ((0.0, max(scales.joint_torque(robot, j) / scales.joint_speed(robot, j) for j in joints)),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"{joint_sentence(site)} resists motion with {values['c']:.3g} N m for each rad/s of speed"
