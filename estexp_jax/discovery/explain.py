@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -27,7 +28,7 @@ from estexp_jax.discovery.hypotheses import (
     singles,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
-from estexp_jax.discovery.laws import Unnamed, needed, unknown_law
+from estexp_jax.discovery.laws import Unnamed, crowded, needed, single_term, unknown_law
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
@@ -147,7 +148,7 @@ def explain(
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if not began and verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
         selection = _frozen(problem, parameters, selection)
-    if needed(case.robot, selection):
+    if needed(case.robot, selection) or crowded(case.robot, selection):
         selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
         whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
@@ -203,15 +204,20 @@ def _unnamed(
     named: tuple[Selection, Problem, dict[int, float]],
     parameters: Hypothesis,
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
-    """What no name explains, as an unknown law if there is one: the selection with its comparison."""
+    """What no name explains, or several at one joint, as an unknown law if there is one: with its comparison."""
     selection, problem, began = named
     fresh = _to_fit(case, config, whole)
     fresh = starting_late(case, config, fresh, began) if began else fresh
     seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
     apart = _apart(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
-    found = yield from unknown_law(unnamed, lambda effects: _replayer(case, config, effects, apart))
-    return found or (selection, problem)
+    simulator = partial(_replayer, case, config, apart=apart)
+    if needed(case.robot, selection):
+        return (yield from unknown_law(unnamed, simulator)) or (selection, problem)
+    for joint in crowded(case.robot, selection):
+        found = yield from single_term(replace(unnamed, problem=problem, selection=selection), joint, simulator)
+        selection, problem = found or (selection, problem)
+    return selection, problem
 
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:

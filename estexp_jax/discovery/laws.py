@@ -23,8 +23,10 @@ from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.location import element, where
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.rounds import at_first
+from estexp_jax.discovery.screening import keeping
 from estexp_jax.discovery.searching import one_more, select
-from estexp_jax.discovery.selection import Explanation, Selection, worth
+from estexp_jax.discovery.selection import Explanation, Selection, simplest, worth
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.physics import scales
@@ -58,7 +60,8 @@ class Unnamed:
 
     Attributes:
         robot: the nominal robot.
-        problem: the comparison of which nothing is known yet, claims acting from their onset on.
+        problem: the comparison, claims acting from their onset on; for laws of several terms one of which nothing is
+            known yet.
         parameters: the hypothesis that only values of the model are off.
         selection: of named effects.
         seen: what the joints lack, in each training recording.
@@ -107,9 +110,7 @@ def unknown_law(
     plain = [p for p in unnamed.problem.places if p[0] in _BESIDE and p[1] in joints]
     places = tuple(dict.fromkeys((*starts, *plain, *named.chosen.places)))
     kept = _kept(robot, named)
-    names = {name for e in kept for name, _ in e.places} | {name for name, _ in places} | set(BENT)
-    simulator = replayer([e.name for e in every() if e.name in names])
-    problem = _among(unnamed.problem, simulator, places, starts)
+    problem = _among(unnamed.problem, replayer(_names(kept, places)), places, starts)
     if verdict(robot, named, named.chosen.claims) == "missing_physics":
         before, after = yield from _told(one_more(problem, unnamed.parameters, named.chosen.fitted))
         if after.held_out.sum() > _PROMISE * before.held_out.sum():
@@ -122,6 +123,43 @@ def unknown_law(
     if fewest.chosen is found.chosen or not believed(robot, fewest, named, there):
         return found, there
     return fewest, about(there, fewest.chosen.fitted)
+
+
+def crowded(robot: Robot, selection: Selection) -> list[str]:
+    """Joints at which an explanation claims several forces: what no name says may be put together of them."""
+    if verdict(robot, selection, selection.chosen.claims) != "missing_physics" or selection.seen:
+        return []
+    sites = [site for name, site in selection.chosen.places if effect(name).kind == "joint"]
+    return [joint for joint in dict.fromkeys(sites) if joint in robot.names("joint") and sites.count(joint) > 1]
+
+
+def single_term(
+    unnamed: Unnamed, joint: str, replayer: Callable[[Sequence[str]], Replayer]
+) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
+    """One term of a law in the place of several named forces at a joint, if that predicts as well with less.
+
+    Yields:
+        Progress.
+
+    Returns:
+        The selection with it and the comparison about it; None where the names stand.
+    """
+    robot, named = unnamed.robot, unnamed.selection
+    chosen = named.chosen
+    starts = likely(robot, unnamed.seen, joint, _TERMS, {name for name, _ in unnamed.problem.places})
+    if not starts:
+        return None
+    kept = _kept(robot, named)
+    problem = _among(unnamed.problem, replayer(_names(kept, tuple(starts))), tuple(starts), starts)
+    rest = [p for p in chosen.places if effect(p[0]).kind != "joint" or p[1] != joint]
+    task = keeping(problem, unnamed.parameters, chosen.fitted, rest)
+    [base] = yield from _told(at_first(about(problem, chosen.fitted), [task], f"without several forces at {joint}"))
+    before, best = yield from _told(one_more(problem, unnamed.parameters, base, chosen.fitted, _TERMS))
+    kept = [before if e is chosen else e for e in kept]
+    found = replace(named, tried=(*kept, best), chosen=best)
+    if simplest([before, best]) is before or verdict(robot, found, best.claims) != "missing_physics":
+        return None
+    return found, about(problem, best.fitted)
 
 
 def fewest_terms(found: Selection) -> Explanation:
@@ -178,6 +216,12 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
     plain = replace(problem, step=None, own={})
     windows = problem.fitted
     return plain.error(chosen.fitted.member, windows) < plain.error(found.nominal.fitted.member, windows)
+
+
+def _names(kept: Sequence[Explanation], places: Sequence[Place]) -> list[str]:
+    """Names of all effects that must be simulated, in the registry's order."""
+    names = {name for e in kept for name, _ in e.places} | {name for name, _ in places} | set(BENT)
+    return [e.name for e in every() if e.name in names]
 
 
 def _among(problem: Problem, simulator: Replayer, places: Sequence[Place], starts: Mapping[Place, Vectors]) -> Problem:

@@ -35,8 +35,12 @@ def extended(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place
 
 def without(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place) -> Task:
     """A hypothesis with one place fewer, started from what the others were; a value of the model stays bent."""
-    left = [p for p in chosen.hypothesis.places if p != place]
-    hypothesis = claiming(problem.replayer.robot, parameters, left)
+    return keeping(problem, parameters, chosen, [p for p in chosen.hypothesis.places if p != place])
+
+
+def keeping(problem: Problem, parameters: Hypothesis, chosen: Fit, places: Sequence[Place]) -> Task:
+    """A hypothesis with some of a fit's places only, started from what these were; a value of the model stays bent."""
+    hypothesis = claiming(problem.replayer.robot, parameters, places)
     known = dict(zip(_keys(chosen.hypothesis), chosen.vector, strict=True))
     low, high = np.array([[f.low, f.high] for f in hypothesis.free]).T
     kept = [known.get(k, f.neutral) for k, f in zip(_keys(hypothesis), hypothesis.free, strict=True)]

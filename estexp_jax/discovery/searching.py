@@ -105,7 +105,7 @@ def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bo
 
 
 def one_more(
-    problem: Problem, parameters: Hypothesis, base: Fit
+    problem: Problem, parameters: Hypothesis, base: Fit, rival: Fit | None = None, most: int = _ONE_MORE
 ) -> Generator[Progress, None, tuple[Explanation, Explanation]]:
     """A fit, and the best explanation that has one effect more, judged alike.
 
@@ -113,11 +113,13 @@ def one_more(
         problem: the comparison, of whose step and starts nothing need be known.
         parameters: the hypothesis that only values of the model are off.
         base: the fit.
+        rival: another fit, judged instead of it.
+        most: so many of the most promising effects are fitted in full.
     """
     search, there, stage = _Search(parameters, folds_of(problem)), about(problem, base), "one effect more"
     found = _Found(there, as_fitted(there, [base], search.folds)[0], ())
-    grown = yield from _grown(search, found, base, stage, _ONE_MORE)
-    (before, *judged), _ = yield from _compared(search, there, [base, *grown], stage)
+    grown = yield from _grown(search, found, base, stage, most)
+    (before, *judged), _ = yield from _compared(search, there, [rival or base, *grown], stage)
     return before, min(judged, key=lambda e: e.error, default=before)
 
 
@@ -143,6 +145,8 @@ def _added(search: _Search, found: _Found, bases: Sequence[Fit], n: int) -> Gene
         grown += yield from _grown(search, found, base, name)
     best = {frozenset(f.hypothesis.places): f for f in sorted(grown, key=lambda f: f.cost, reverse=True)}
     grown = [f for f in grown if best[frozenset(f.hypothesis.places)] is f]
+    if not grown:
+        return found
     (before, *judged), problem = yield from _compared(search, found.problem, [found.chosen.fitted, *grown], stage)
     tried, best = (*found.tried, *judged), simplest(judged)
     return _Found(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
@@ -205,6 +209,8 @@ def _grown(
     if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
         base = Fit(hypothesis, hypothesis.start(), np.inf)
     places = [p for p in problem.places if p not in hypothesis.places]
+    if not places:
+        return []
     tasks = [extended(problem, search.parameters, base, p) for p in places]
     n = min(most, _LIKELIEST) if far else most
     promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, n)

@@ -15,7 +15,7 @@ from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.laws import believed, fewest_terms, needed, suspects
+from estexp_jax.discovery.laws import believed, crowded, fewest_terms, needed, suspects
 from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
@@ -34,6 +34,10 @@ def detent(_: float, q: np.ndarray, __: np.ndarray) -> np.ndarray:
 def harder_one_way(_: float, __: np.ndarray, w: np.ndarray) -> np.ndarray:
     way = np.tanh(w[1] / 0.02)
     return np.array([0.0, -0.06 * (1.0 + 0.5 * way) * way])
+
+
+def hardening(_: float, q: np.ndarray, __: np.ndarray) -> np.ndarray:
+    return np.array([0.0, -1.5 * q[1] ** 3])
 
 
 def stirred(_: float, __: np.ndarray, w: np.ndarray) -> np.ndarray:
@@ -192,6 +196,23 @@ def test_only_what_is_left_without_a_name_needs_a_law():
     friction = (("coulomb_friction", "elbow"),)
     assert not needed(nominal("two"), selection({(): 20.0, friction: 2.0}, friction))
     assert needed(nominal("two"), selection({(): 20.0, friction: 4.0}, friction))
+
+
+def test_several_forces_at_one_joint_make_a_law_likely():
+    robot, spring, wave = nominal("two"), ("joint_stiffness", "elbow"), ("cogging", "elbow")
+    both, apart = (spring, wave), (("coulomb_friction", "shoulder"), spring)
+    assert crowded(robot, selection({(): 20.0, both: 1.2}, both)) == ["elbow"]
+    assert crowded(robot, selection({(): 20.0, apart: 1.2}, apart)) == []
+    assert crowded(robot, selection({(): 20.0, both: 15.0}, both)) == [], "that is no explanation yet"
+
+
+def test_a_law_takes_the_place_of_names_that_are_put_together_for_it():
+    config = replace(CONFIG, effects=("joint_stiffness", "cogging"))
+    findings = explained(case_of("two", Plant(law=hardening), 27), config).findings
+    [law] = findings["what"]
+    assert (law["effect"], law["name"]) == ("unknown_law", "elbow") and "^3" in law["equation"]
+    assert law["parameters"]["k"]["value"] == pytest.approx(1.5, rel=0.05)
+    assert findings["alternatives"][0]["effects"] == ["joint_stiffness@elbow", "cogging@elbow"]
 
 
 def test_a_term_that_does_not_halve_the_error_is_left_out():
