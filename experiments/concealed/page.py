@@ -37,47 +37,67 @@ def judged(out: Path) -> tuple[list[Row], dict[str, dict[str, Any]]]:
 
 def write_page(out: Path) -> Path:
     """Score a set; gives the path of the Markdown page."""
+    rows, answers = judged(out)
+    return write_scored(out, _read(out / "commitment.json"), rows, answers, _read(out / "rivals.json"))
+
+
+def write_scored(
+    out: Path,
+    public: Mapping[str, Any],
+    rows: Sequence[Row],
+    answers: Mapping[str, Any],
+    rivals: Mapping[str, Any],
+) -> Path:
+    """Write the page of judged cases into `out/scored/`; gives its path.
+
+    Args:
+        out: folder of the set.
+        public: its seed, size, robots, and the commit that it was sealed at or None.
+        rows: the cases.
+        answers: effects and visibility of each.
+        rivals: what rivals made of some.
+    """
     from experiments.concealed.figures import draw_confusion, draw_page
 
-    rows, answers = judged(out)
-    rivals = _read(out / "rivals.json")
     oracle = {case: r["oracle"]["gain"] for case, r in rivals.items() if r.get("oracle", {}).get("gain")}
     scores = board(rows, oracle) | {"absorbed": absorbed(rows, answers, rivals), "rivals": beside(rows, rivals)}
     scored = out / "scored"
-    scored.mkdir(exist_ok=True)
+    scored.mkdir(parents=True, exist_ok=True)
     told = {"scores": scores, "rows": [asdict(r) for r in rows]}
     (scored / "scores.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
     draw_page(rows, scores, scored / "scores.png")
     draw_confusion(scores, scored / "confusion.png")
     page = scored / "scores.md"
     page.write_text(
-        "\n".join([*_head(out, scores), *_table(scores), *_rivals(scores), *_gallery(rows, answers)]), encoding="utf-8"
+        "\n".join([*_head(public, scores), *_table(scores), *_rivals(scores), *_gallery(rows, answers)]),
+        encoding="utf-8",
     )
     return page
 
 
 def log_opening(out: Path, log: Path) -> None:
     """Append the opening of a sealed set to the committed log; a set once opened is spent."""
-    public = _read(out / "commitment.json")
+    log_opened(out, _read(out / "commitment.json"), log)
+
+
+def log_opened(out: Path, public: Mapping[str, Any], log: Path) -> None:
+    """Append to the log that the set in a folder, scored there, was opened."""
     scores = _read(out / "scored" / "scores.json")["scores"]
     short = {
         k: scores[k]
         for k in ("cases", "failed", "false_alarms", "detected", "place_first", "name_first", "gain", "calibration")
     }
-    line = {
-        "commit": public["commit"],
-        "seed": public["seed"],
-        "answers_sha256": public["answers_sha256"],
-        "scores": short,
-    }
+    known = {k: public[k] for k in ("commit", "seed", "answers_sha256") if k in public}
     with log.open("a", encoding="utf-8") as file:
-        file.write(json.dumps(line, sort_keys=True) + "\n")
+        file.write(json.dumps(known | {"scores": short}, sort_keys=True) + "\n")
 
 
 def absorbed(rows: Sequence[Row], answers: Mapping[str, Any], rivals: Mapping[str, Any]) -> dict[str, Any]:
     """Cases whose training recordings a refit of all parameters explains, though held-out ones show the effect."""
     inside = []
     for r in rows:
+        if r.case not in answers:  # the program failed
+            continue
         refit = answers[r.case]["visibility"]["refit"]
         if answers[r.case]["effects"] and refit["train"] <= 1.2 and refit["test"] >= 3.0:
             inside.append(r)
@@ -112,8 +132,7 @@ def beside(rows: Sequence[Row], rivals: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _head(out: Path, scores: Mapping[str, Any]) -> list[str]:
-    public = _read(out / "commitment.json")
+def _head(public: Mapping[str, Any], scores: Mapping[str, Any]) -> list[str]:
     kind = f"sealed at commit {public['commit']}" if public["commit"] else f"development set, seed {public['seed']}"
     return [
         "# Concealed effects: scores",
@@ -198,7 +217,8 @@ def _gallery(rows: Sequence[Row], answers: Mapping[str, Any]) -> list[str]:
         "|---|---|---|---|---|---|---|---|",
     ]
     for r in worst:
-        truth = ", ".join(f"{e['law'] or e['effect']}@{e['name']}" for e in answers[r.case]["effects"]) or "nothing"
+        effects = answers[r.case]["effects"] if r.case in answers else []
+        truth = ", ".join(f"{e['law'] or e['effect']}@{e['name']}" for e in effects) or r.truth
         claimed = ", ".join(r.claimed) or "-"
         cells = [r.case, r.robot, r.group, truth, f"{r.shown:.1f}", r.verdict, claimed, _number(r.gain)]
         lines.append(f"| {' | '.join(cells)} |")

@@ -93,13 +93,14 @@ def recordings_hash(folder: Path) -> str:
     return total.hexdigest()
 
 
-def frozen_commit(repository: Path) -> str:
-    """The commit everything is frozen at.
+def frozen_commit(repository: Path, but: Path | None = None) -> str:
+    """The commit everything is frozen at, but for a file of results.
 
     Raises:
         RuntimeError: there are changes that no commit holds.
     """
-    if _git(repository, "status", "--porcelain"):
+    except_it = [] if but is None else [f":(exclude){but.relative_to(repository)}"]
+    if _git(repository, "status", "--porcelain", "--", ".", *except_it):
         raise RuntimeError("commit everything first: a sealed set's seed is the commit that froze the package")
     return _git(repository, "rev-parse", "HEAD")
 
