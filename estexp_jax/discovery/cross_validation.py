@@ -14,6 +14,9 @@ from estexp_jax.discovery.fitting import DAMPINGS, Fit, candidates, jacobians, m
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Fold
 
+_THROWN, _SINGLE = 9.0, 0.1
+"""A window's squared error may grow by this factor when it is held out; more is bounded, if so few windows do."""
+
 
 def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]) -> list[Explanation]:
     """Each hypothesis fitted anew without each fold's held-out windows, and judged on them.
@@ -27,10 +30,12 @@ def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]
     prices = problem.prices([f.member for f in fits])
     samples, moving = problem.samples(windows), [movable(f.hypothesis) for f in fits]
     slopes = list(jacobians(problem, fits, windows, moving))
-    parts: list[list[np.ndarray]] = [[] for _ in fits]
+    left = [np.sum(residual**2, axis=1) for residual, _ in slopes]
+    judged = np.zeros((len(fits), len(windows)))
+    shares = np.zeros(len(windows))
     for part, held in folds:
         inside, outside = np.isin(windows, part), np.isin(windows, held)
-        share = samples.sum() / samples[outside].sum() / len(folds)
+        shares[outside] = samples.sum() / samples[outside].sum() / len(folds)
         tried = [
             candidates(f, own, *normal_equations(f, price, residual[inside], derivative[inside]))
             for f, own, (residual, derivative), price in zip(fits, moving, slopes, prices, strict=True)
@@ -43,8 +48,28 @@ def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]
                 square[inside].sum() + prior_cost(f.hypothesis, vector, price)
                 for square, vector in zip(own, tried[i], strict=True)
             ]
-            parts[i].append(own[int(np.argmin(costs)), outside] * share)
-    return [Explanation(f, np.concatenate(part)) for f, part in zip(fits, parts, strict=True)]
+            judged[i, outside] = own[int(np.argmin(costs)), outside]
+    order = np.concatenate([np.flatnonzero(np.isin(windows, held)) for _, held in folds])
+    return [
+        Explanation(f, (bounded(own, fitted) * shares)[order])
+        for f, own, fitted in zip(fits, judged, left, strict=True)
+    ]
+
+
+def bounded(held_out: np.ndarray, fitted: np.ndarray) -> np.ndarray:
+    """Squared errors of held-out windows without those of single windows that the step throws far off.
+
+    Where a motion hangs on a hair, such as whether a stop is touched, parameters that moved within their doubt end
+    elsewhere. That tells nothing of a hypothesis; what predicts many windows badly is told by them.
+
+    Args:
+        held_out: (windows,) sums of squared residuals.
+        fitted: (windows,) the same, of the fit to all windows.
+    """
+    n = len(held_out)
+    most = _THROWN * np.maximum(fitted, 1.0 / n)
+    far = held_out > most
+    return np.where(far, most, held_out) if far.sum() <= _SINGLE * n else held_out
 
 
 def as_fitted(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]) -> list[Explanation]:
