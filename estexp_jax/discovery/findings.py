@@ -9,11 +9,13 @@ import numpy as np
 
 from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection
+from estexp_jax.physics import units
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import effect
+from estexp_jax.physics.robot import Robot
 
 TOLD = 0.01
 """Smallest probability of an alternative worth a line."""
@@ -45,7 +47,7 @@ def told_places(explanation: Explanation) -> list[str]:
     return list(dict.fromkeys(map(told_place, explanation.claims)))
 
 
-def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: float) -> dict[str, Any]:
+def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray, probability: float) -> dict[str, Any]:
     """One claimed effect with its numbers."""
     e = effect(change.effect)
     told = told_change(change)
@@ -54,13 +56,13 @@ def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: 
         for i, f in enumerate(fitted.hypothesis.free)
         if (f.effect, f.site) == (e.name, change.name or "")
     }
-    units = {p.name: p.unit for p in effect(told.effect).parameters}
+    own_units = {p.name: p.unit for p in effect(told.effect).parameters}
     parameters = {
         name: {
             "value": value,
             "low": float(intervals[rows[name], 0]),
             "high": float(intervals[rows[name], 1]),
-            "unit": units[name],
+            "unit": units.told_of(robot, e.kind, change.name, own_units[name]),
         }
         for name, value in told.parameters.items()
     }
@@ -70,7 +72,7 @@ def what_entry(change: Change, fitted: Fit, intervals: np.ndarray, probability: 
         "name": change.name,
         "probability": probability,
         "in_mjcf": effect(told.effect).in_mjcf,
-        "sentence": told.sentence(),
+        "sentence": units.told_of(robot, e.kind, change.name, told.sentence()),
         "equation": effect(told.effect).equation,
         "parameters": parameters,
     }

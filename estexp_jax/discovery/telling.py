@@ -168,11 +168,11 @@ def _what(case: Case, found: Found, judged: str, shares: np.ndarray) -> tuple[tu
     terms = tuple(c for c in claimed if is_law((c.effect, c.name or "")))
     named = tuple(c for c in claimed if c not in terms)
     bent = bent_values(case.robot, final, intervals) if judged == "parameters" else ()
-    entries = [tell.what_entry(c, final, intervals, tell.presence(found.selection, shares, c)) for c in named]
+    shown = [(c, tell.presence(found.selection, shares, c)) for c in named] + [(c, 1.0) for c in bent]
+    entries = [tell.what_entry(case.robot, c, final, intervals, p) for c, p in shown]
     laws = law_entries(
         case.robot, found.seen, (final, intervals), [(c, tell.presence(found.selection, shares, c)) for c in terms]
     )
-    entries += [tell.what_entry(c, final, intervals, 1.0) for c in bent]
     if claimed[:1] == terms[:1]:
         return (*terms, *named, *bent), laws + entries
     return (*named, *bent, *terms), entries + laws

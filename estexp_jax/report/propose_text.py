@@ -12,6 +12,7 @@ from estexp_jax.discovery.contest import Rival
 from estexp_jax.discovery.findings import TOLD
 from estexp_jax.discovery.propose import PLAIN, SLACK, Proposed
 from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.units import told_of
 from estexp_jax.report.pages import probability
 
 _UNITS = {
@@ -28,7 +29,6 @@ _UNITS = {
 }
 _ELSE = "Wider limits (--speed, --margin), a motor switched off, a known load or another sensor may."
 _STILL = "Still record it: what is faint at each moment adds up over a recording. "
-_SLIDES = {"rad": "m", "rad/s": "m/s", "N m": "N"}
 
 
 def column_of(robot: Robot, channel: str) -> str:
@@ -56,8 +56,7 @@ def unit_of(robot: Robot, channel: str) -> str:
 
 
 def _on_joint(robot: Robot, joint: int, unit: str) -> str:
-    slides = int(robot.model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
-    return _SLIDES[unit] if slides else unit
+    return told_of(robot, "joint", robot.names("joint")[joint], unit)
 
 
 def rows(proposed: Proposed) -> list[dict[str, Any]]:
