@@ -21,6 +21,9 @@ from estexp_jax.physics.robot import Robot
 SHARES = (0.004, 0.04, 0.3)
 """Between neutral and a bound: landscapes differ in scale by orders of magnitude."""
 
+_STIFF, _SOFT = (0.01, 500.0), (0.3, 33.0)
+"""Time constant (s) and frequency (rad/s) of stops that throw a joint back at once, or after they gave way."""
+
 Vectors = list[tuple[float, ...]]
 """Values of an effect's parameters, in its order."""
 Bounds = Sequence[tuple[float, float]]
@@ -81,7 +84,8 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             inside = [share * (high - low) for share in (0.05, 0.15, 0.3)]
             return [(low + x, bounds[1][1]) for x in inside] + [(bounds[0][0], high - x) for x in inside]
         case "rebound_limit":
-            return [(*stop, 0.01, 0.2) for stop in starts(robot, effect("joint_limit"), site, seen)]
+            hard = starts(robot, effect("joint_limit"), site, seen)
+            return [(*stop, *bounce) for stop, bounce in product(hard, (_STIFF, _SOFT))]
         case "torque_saturation" | "ground_friction":
             return [(float(x),) for x in np.geomspace(*bounds[0], 8)]
         case "part_lost" | "part_stub":
@@ -124,7 +128,7 @@ def climbed(name: str, simpler: Mapping[str, float]) -> Vectors:
             return [(simpler["loss"], simpler["tau"], share) for share in (0.6, 0.3, 0.15)]
         case "rebound_limit":
             stop = simpler["low"], simpler["high"]
-            return [(*stop, time, ratio) for time, ratio in product((0.006, 0.02), (0.03, 0.2))]
+            return [(*stop, *bounce) for bounce in (*product((0.006, 0.02), (250.0, 1500.0)), _SOFT)]
         case "motor_fade":
             return [(min(max(2.0 * simpler["loss"], 0.05), 0.95), tau) for tau in (1.0, 5.0)]
         case _:
