@@ -148,7 +148,7 @@ def explain(
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if not began and verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
         selection = _frozen(problem, parameters, selection)
-    if needed(case.robot, selection) or crowded(case.robot, selection):
+    if needed(case.robot, selection) or crowded(case.robot, selection) is not None:
         selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
         whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
@@ -212,12 +212,12 @@ def _unnamed(
     apart = _apart(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
     simulator = partial(_replayer, case, config, apart=apart)
-    if needed(case.robot, selection):
-        return (yield from unknown_law(unnamed, simulator)) or (selection, problem)
-    for joint in crowded(case.robot, selection):
-        found = yield from single_term(replace(unnamed, problem=problem, selection=selection), joint, simulator)
-        selection, problem = found or (selection, problem)
-    return selection, problem
+    joint = None if needed(case.robot, selection) else crowded(case.robot, selection)
+    if joint is None:
+        found = yield from unknown_law(unnamed, simulator)
+    else:
+        found = yield from single_term(replace(unnamed, problem=problem), joint, simulator)
+    return found or (selection, problem)
 
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:

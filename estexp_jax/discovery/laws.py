@@ -125,12 +125,13 @@ def unknown_law(
     return fewest, about(there, fewest.chosen.fitted)
 
 
-def crowded(robot: Robot, selection: Selection) -> list[str]:
-    """Joints at which an explanation claims several forces: what no name says may be put together of them."""
+def crowded(robot: Robot, selection: Selection) -> str | None:
+    """The joint where an explanation claims several forces, if any: what no name says may be put together of them."""
     if verdict(robot, selection, selection.chosen.claims) != "missing_physics" or selection.seen:
-        return []
+        return None
     sites = [site for name, site in selection.chosen.places if effect(name).kind == "joint"]
-    return [joint for joint in dict.fromkeys(sites) if joint in robot.names("joint") and sites.count(joint) > 1]
+    joint = max((s for s in sites if s in robot.names("joint")), key=sites.count, default=None)
+    return joint if joint is not None and sites.count(joint) > 1 else None
 
 
 def single_term(

@@ -201,9 +201,9 @@ def test_only_what_is_left_without_a_name_needs_a_law():
 def test_several_forces_at_one_joint_make_a_law_likely():
     robot, spring, wave = nominal("two"), ("joint_stiffness", "elbow"), ("cogging", "elbow")
     both, apart = (spring, wave), (("coulomb_friction", "shoulder"), spring)
-    assert crowded(robot, selection({(): 20.0, both: 1.2}, both)) == ["elbow"]
-    assert crowded(robot, selection({(): 20.0, apart: 1.2}, apart)) == []
-    assert crowded(robot, selection({(): 20.0, both: 15.0}, both)) == [], "that is no explanation yet"
+    assert crowded(robot, selection({(): 20.0, both: 1.2}, both)) == "elbow"
+    assert crowded(robot, selection({(): 20.0, apart: 1.2}, apart)) is None
+    assert crowded(robot, selection({(): 20.0, both: 15.0}, both)) is None, "that is no explanation yet"
 
 
 def test_a_law_takes_the_place_of_names_that_are_put_together_for_it():
