@@ -52,7 +52,8 @@ def _slow(folder, name, shares):
             time.sleep(2.1)
 
 
-def test_the_view_counts_what_is_under_way(tmp_path):
+def test_the_view_counts_what_is_under_way(tmp_path, monkeypatch):
+    monkeypatch.setattr("estexp_jax.runs.fleet._EVERY", 0.1)  # many looks while a run sleeps
     out, err = io.StringIO(), io.StringIO()
     calls = [(_slow, (tmp_path, "b", (0.5,))), (_slow, (tmp_path, "c", ()))]
     with Beat(tmp_path, "a") as other:
