@@ -217,8 +217,10 @@ def _gallery(rows: Sequence[Row], answers: Mapping[str, Any]) -> list[str]:
         "|---|---|---|---|---|---|---|---|",
     ]
     for r in worst:
-        effects = answers[r.case]["effects"] if r.case in answers else []
-        truth = ", ".join(f"{e['law'] or e['effect']}@{e['name']}" for e in effects) or r.truth
+        truth = r.truth  # all that is known where the program failed
+        if r.case in answers:
+            effects = answers[r.case]["effects"]
+            truth = ", ".join(f"{e['law'] or e['effect']}@{e['name']}" for e in effects) or "nothing"
         claimed = ", ".join(r.claimed) or "-"
         cells = [r.case, r.robot, r.group, truth, f"{r.shown:.1f}", r.verdict, claimed, _number(r.gain)]
         lines.append(f"| {' | '.join(cells)} |")

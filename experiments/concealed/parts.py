@@ -50,7 +50,7 @@ def sealed_set(seed: int) -> CaseSet:
         quick=QUICK,
         published=_PUBLISHED,
         command=command,
-        write_scores=opened,
+        write_scores=partial(opened, _OPENINGS if seed != QUICK[0] else None),
         more=partial(beside, rivalled(seed)),
     )
 
@@ -85,11 +85,11 @@ def beside(rivalled: Collection[str], out: Path, case: str, answer: dict[str, An
     }
 
 
-def opened(out: Path, entries: Sequence[Mapping[str, Any]], whole: int) -> Path:
-    """The page of a whole set; that it was opened is noted.
+def opened(log: Path | None, out: Path, entries: Sequence[Mapping[str, Any]], whole: int) -> Path:
+    """The page of a whole set; that it was opened is noted in a log, unless it is one for development (None).
 
     Raises:
-        InputError: some cases have not been explained yet.
+        InputError: some cases have not been explained yet, or not all at one commit.
     """
     from estexp_jax.errors import InputError
     from experiments.concealed.page import log_opened, write_scored
@@ -100,9 +100,14 @@ def opened(out: Path, entries: Sequence[Mapping[str, Any]], whole: int) -> Path:
     rows, answers = [row_of(e) for e in entries], {e["case"]: e["answer"] for e in entries if "answer" in e}
     rivals = {e["case"]: e["rivals"] for e in entries if e.get("rivals")}
     commits = sorted({str(e["commit"]) for e in entries})
-    public = {"seed": seed_of(commits[0]), "cases": whole, "robots": list(SEALED), "commit": " and ".join(commits)}
+    if len(commits) > 1:
+        raise InputError(f"cases of {len(commits)} commits: {', '.join(commits)}", right="a sealed set has one")
+    [commit] = commits
+    sealed = {"seed": seed_of(commit), "commit": commit} if log else {"seed": QUICK[0], "commit": None}
+    public = sealed | {"cases": whole, "robots": list(SEALED)}
     page = write_scored(out, public, rows, answers, rivals)
-    log_opened(out, public, _OPENINGS)
+    if log:
+        log_opened(out, public, log)
     return page
 
 

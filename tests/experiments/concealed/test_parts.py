@@ -49,18 +49,20 @@ def test_results_may_grow_while_everything_else_is_frozen(repository, monkeypatc
         parts._seed()
 
 
-def test_a_set_is_opened_only_when_it_is_whole(tmp_path, monkeypatch):
+def test_a_set_is_opened_only_when_it_is_whole(tmp_path):
     log = tmp_path / "openings.jsonl"
-    monkeypatch.setattr(parts, "_OPENINGS", log)
     found = _entry("c000", verdict="missing_physics", claimed=("armature@knee",), detected=True, place_first=True)
     rivals = {"oracle": {"gain": 0.9}, "sysid": {"gain": 0.1, "noticed": False}}
     found |= {"gain": 0.8, "errors": {"nominal": 1.0, "explained": 0.2}, "floor": 0.01, "rivals": rivals}
     failed = _entry("c001", verdict="none")
     del failed["answer"], failed["rivals"]
     with pytest.raises(InputError, match="1 of 2 cases"):
-        parts.opened(tmp_path, [found], 2)
-    assert not log.exists()
-    page = parts.opened(tmp_path, [found, failed], 2).read_text(encoding="utf-8")
+        parts.opened(log, tmp_path, [found], 2)
+    with pytest.raises(InputError, match="2 commits"):
+        parts.opened(log, tmp_path, [found, failed | {"commit": "c1"}], 2)
+    page = parts.opened(None, tmp_path, [found, failed], 2).read_text(encoding="utf-8")
+    assert "development set" in page and not log.exists(), "only sealed sets are spent"
+    page = parts.opened(log, tmp_path, [found, failed], 2).read_text(encoding="utf-8")
     assert "2 of 2 cases (sealed at commit c0" in page and "| c001 | leg | single | armature |" in page
     assert "mujoco.sysid in 0 of 1" in page
     assert json.loads(log.read_text(encoding="utf-8"))["commit"] == "c0"
