@@ -18,6 +18,7 @@ from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.frozen import frozen
+from estexp_jax.discovery.horizon import SHARE, hangs_on_hairs, select_nearer
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claimable,
@@ -115,6 +116,13 @@ def _to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     return whole.with_windows(cut_of(case.robots, whole.recordings, window))
 
 
+def _shortened(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
+    """The comparison in shorter windows than usual."""
+    cut = cut_of(case.robots, whole.recordings, SHARE * config.window)
+    memory = whole.memory.setdefault("shorter windows", {})
+    return replace(whole.with_windows(cut), memory=memory, most=_most_windows(case.robot, cut.whole))
+
+
 def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:
     """A change of each robot, of the same one only once."""
     known = {id(r): change(r) for r in {id(r): r for r in robots}.values()}
@@ -145,6 +153,9 @@ def explain(
     nominal = Fit(parameters, parameters.start(), np.inf)
     whole = _with_waves(case, commanded(whole, nominal.member))
     selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
+    if fitting_window(case.robot, config.window) == config.window and hangs_on_hairs(problem, selection):
+        shorter = _shortened(case, config, whole)
+        selection, problem = yield from select_nearer(shorter, problem, parameters, selection, config.most)
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if not began and verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
         selection = _frozen(problem, parameters, selection)

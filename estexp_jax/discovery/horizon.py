@@ -1,0 +1,89 @@
+"""Shorter windows as a guide, where long ones have too many valleys.
+
+Where a motion hangs on hairs, such as which of two teeth of its cogging a joint comes to rest on, the error of long
+windows has countless valleys, and the right explanation with values a little off is no better than wrong ones. Over a
+shorter time errors grow less, and its valley is wide. What is chosen there counts if long windows, too, are predicted
+better by it.
+
+Source: Ribeiro et al., Automatica 121 (2020): the cost of long simulations of a nearly chaotic system is no guide to
+its parameters, that of short ones is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import replace
+
+import numpy as np
+
+from estexp_jax.discovery.cross_validation import cross_validated
+from estexp_jax.discovery.doubt import blinded, other_starts
+from estexp_jax.discovery.fitting import FAR, Progress
+from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.marginal import about
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.replays import Member
+from estexp_jax.discovery.rounds import fitted
+from estexp_jax.discovery.searching import select
+from estexp_jax.discovery.selection import Selection, folds_of, worth
+
+SHARE = 0.2
+"""Length of the shorter windows, of the usual ones."""
+_LEAST = 16
+"""Rows that a shorter window has at least."""
+_PARTS, _FEW = 1.5, 0.1
+"""Slightly other starts move the end of a window by this factor more than its beginning, in at least this share."""
+_BEST = 3
+"""So many of the best explanations are asked."""
+
+
+def hangs_on_hairs(problem: Problem, selection: Selection) -> bool:
+    """Whether shorter windows are worth a try: nothing explains these well, and motions that start alike part in them.
+
+    Args:
+        problem: the comparison in the usual windows.
+        selection: what was chosen by them.
+    """
+    rows = np.median([problem.segments[w].rows for w in problem.fitted])
+    if selection.chosen.error <= FAR or SHARE * rows < _LEAST:
+        return False
+    best = sorted((e for e in selection.tried if e.error > 0.0), key=lambda e: e.error)[:_BEST]
+    return any(np.quantile(_parting(problem, e.fitted.member), 1.0 - _FEW) > _PARTS for e in (selection.chosen, *best))
+
+
+def _parting(problem: Problem, member: Member) -> np.ndarray:
+    """How much more other starts move the last quarter of each fitted window (windows,) than the first one."""
+    windows, own = problem.fitted, [problem.segments[w] for w in problem.fitted]
+    robot = problem.replayer.robot
+    every = [own, *other_starts(robot.model, blinded(robot, member[0], own))]
+    usual, *others = (problem.replays.readings([member], np.arange(len(own)), copies)[0] for copies in every)
+    moved = np.square((np.array(others) - usual) / problem.deviation(windows, usual.shape[1])).sum(axis=(0, 3))
+    quarter = [(s.rows + 3) // 4 for s in own]
+    quarters = [(m[:n].mean(), m[s.rows - n : s.rows].mean()) for m, s, n in zip(moved, own, quarter, strict=True)]
+    first, last = np.nan_to_num(np.sqrt(quarters)).T
+    return last / np.maximum(first, np.finfo(float).tiny)
+
+
+def select_nearer(
+    shorter: Problem, problem: Problem, parameters: Hypothesis, usual: Selection, most: int
+) -> Generator[Progress, None, tuple[Selection, Problem]]:
+    """The selection with what shorter windows choose, if the usual ones are predicted enough better by it.
+
+    Args:
+        shorter: the comparison in shorter windows.
+        problem: the comparison in the usual ones.
+        parameters: the hypothesis that only values of the model are off.
+        usual: what was chosen by the usual windows.
+        most: largest number of effects.
+
+    Returns:
+        The selection by the usual windows, and the comparison about what is chosen.
+    """
+    nearer, _ = yield from select(shorter, parameters, most)
+    found = nearer.chosen.fitted
+    tasks = [(found.hypothesis, [found.vector])]
+    fits, there = yield from fitted(about(problem, found), tasks, "as by shorter windows", 20)
+    [better] = cross_validated(there, fits, folds_of(there))
+    if not worth(better, usual.chosen):
+        return usual, problem
+    return replace(usual, tried=(*usual.tried, better), chosen=better), about(there, better.fitted)

@@ -1,0 +1,49 @@
+"""Where teeth of cogging hold a joint now here, now there, shorter windows show which cogging it is."""
+
+from dataclasses import replace
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery import explain as explain_module
+from estexp_jax.discovery.diagnosis import Case
+from estexp_jax.discovery.fitting import FAR
+from estexp_jax.discovery.horizon import hangs_on_hairs
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.selection import Selection
+from tests.discovery.planted import CONFIG, Plant, case_of, explained
+
+TEETH, STRENGTH = 14.0, 0.3
+FEW = replace(CONFIG, effects=("viscous_friction", "coulomb_friction", "cogging"), most=1)
+
+
+def asked(case: Case) -> tuple[list[bool], dict[str, float]]:
+    """Whether shorter windows were found worth a try, if that was asked; values of the first finding."""
+    answers = list[bool]()
+
+    def spy(problem: Problem, selection: Selection) -> bool:
+        assert selection.chosen.error > FAR
+        answers.append(hangs_on_hairs(problem, selection))
+        return answers[-1]
+
+    with patch.object(explain_module, "hangs_on_hairs", spy):
+        [first, *_] = explained(case, FEW).findings["what"]
+    return answers, {name: p["value"] for name, p in first["parameters"].items()}
+
+
+def test_shorter_windows_find_teeth_that_throw_the_joint_about():
+    def teeth(_: float, q: np.ndarray, __: np.ndarray) -> list[float]:
+        return [0.0, STRENGTH * np.sin(TEETH * q[1] + 0.8)]
+
+    answers, found = asked(case_of("two", Plant(law=teeth), 641))
+    assert answers == [True]
+    assert found["n"] == pytest.approx(TEETH, rel=0.01) and found["A"] == pytest.approx(STRENGTH, rel=0.05)
+
+
+def test_a_servo_that_holds_its_joint_needs_no_shorter_windows():
+    def pull(time: float, _: np.ndarray, __: np.ndarray) -> list[float]:
+        return [0.5 * np.sign(np.sin(9.0 * time))]
+
+    answers, _ = asked(case_of("one", Plant('damping="0.02"', 'damping="0.12"', law=pull), 642))
+    assert answers == [False]
