@@ -59,7 +59,7 @@ def write_scored(
     """
     from experiments.concealed.figures import draw_confusion, draw_page
 
-    oracle = {case: r["oracle"]["gain"] for case, r in rivals.items() if r.get("oracle", {}).get("gain")}
+    oracle = {case: g for case, r in rivals.items() if (g := r.get("oracle", {}).get("gain") or 0.0) > 0.0}
     scores = board(rows, oracle) | {"absorbed": absorbed(rows, answers, rivals), "rivals": beside(rows, rivals)}
     scored = out / "scored"
     scored.mkdir(parents=True, exist_ok=True)
@@ -172,7 +172,8 @@ def _table(scores: Mapping[str, Any]) -> list[str]:
     ]
     gain, cost = scores["gain"], scores["cost"]
     numbers = (
-        ("median held-out gain, share of the oracle's", gain["median_share_of_oracle"]),
+        ("held-out gain, median", gain["median"]),
+        (f"held-out gain as a share of the oracle's, median of {gain['with_oracle']}", gain["median_share_of_oracle"]),
         ("parameter error, median", scores["sizes"]["median"]),
         ("parameter error, 90th percentile", scores["sizes"]["p90"]),
         ("onset error, share of the recording", scores["onset"]["median"]),

@@ -61,7 +61,7 @@ def board(rows: Sequence[Row], oracle: Mapping[str, float] | None = None) -> dic
 
     Args:
         rows: judged cases.
-        oracle: held-out gain of the true model by case; 1 where it is not given.
+        oracle: held-out gain of the true model, by those cases where it is known.
     """
     quiet = [r for r in rows if r.group in QUIET]
     shown = [r for r in rows if r.visible and r.group not in ("hidden", *UNNAMED)]
@@ -168,13 +168,16 @@ def onset(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def gains(rows: Sequence[Row], oracle: Mapping[str, float]) -> dict[str, Any]:
-    """Held-out gain as a share of the oracle's, and how often the explanation beats each rival."""
-    shares = [r.gain / oracle.get(r.case, 1.0) for r in rows if r.gain is not None]
+    """Held-out gain, its share of the oracle's where that is known, and how often the explanation beats each rival."""
+    own = {r.case: r.gain for r in rows if r.gain is not None}
+    shares = [gain / oracle[case] for case, gain in own.items() if case in oracle]
     rivals = sorted({n for r in rows for n in r.errors} - {"explained"})
     return {
-        "cases": len(shares),
+        "cases": len(own),
+        "median": float(np.median(list(own.values()))) if own else None,
+        "quartiles": np.quantile(list(own.values()), [0.25, 0.75]).tolist() if own else None,
+        "with_oracle": len(shares),
         "median_share_of_oracle": float(np.median(shares)) if shares else None,
-        "quartiles": np.quantile(shares, [0.25, 0.75]).tolist() if shares else None,
         "better_than": {
             n: share(
                 [r for r in rows if n in r.errors and "explained" in r.errors],
