@@ -104,6 +104,8 @@ class CaseSet:
         options = self._parsed(about, sys.argv[1:] if arguments is None else arguments)
         if options.step in ("all", "run"):
             self._run(options)
+        if options.publish:
+            self.publish(self.entries(options.out, options.seed), options.seed)
         if options.step in ("all", "score"):
             self._score(options)
         return 0
@@ -129,6 +131,8 @@ class CaseSet:
         options.out = (options.out or ROOT / "out" / self.name / ("quick" if options.quick else "full")).resolve()
         options.seed = options.seed or (self.quick[0] if options.quick else self.seed)
         options.part = options.part or (self.quick[1] if options.quick else "all")
+        if options.publish and (options.quick or options.seed != self.seed):
+            parser.error(f"--publish is for the reported set, seed {self.seed}")
         return options
 
     def _run(self, options: argparse.Namespace) -> None:
@@ -149,10 +153,8 @@ class CaseSet:
 
     def _score(self, options: argparse.Namespace) -> None:
         wanted = self.numbered(options.seed, options.part)
-        entries = {case: e for case, e in self.entries(options.out, options.seed).items() if case in wanted}
-        print(f"scores: {self.write_scores(options.out, list(entries.values()), len(wanted))}")
-        if options.publish:
-            self.publish(entries, options.seed)
+        entries = [e for case, e in self.entries(options.out, options.seed).items() if case in wanted]
+        print(f"scores: {self.write_scores(options.out, entries, len(wanted))}")
 
 
 def row_of(entry: Mapping[str, Any]) -> Row:

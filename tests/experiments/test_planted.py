@@ -107,7 +107,7 @@ FINDINGS = {
 def test_a_case_becomes_a_row_and_what_is_published_is_not_done_again(tmp_path, monkeypatch) -> None:
     command = (sys.executable, "-c", EXPLAIN.replace("FINDINGS", repr(FINDINGS)))
     monkeypatch.setattr(runner, "_die_with_worker", None)  # it forks, which JAX, if another test loaded it, warns of
-    some = replace(PLANTED, published=tmp_path / "rows.json", command=lambda _: command)
+    some = replace(PLANTED, seed=4, published=tmp_path / "rows.json", command=lambda _: command)
     plan = planned(4, "nothing")[0]
     for case in ("c000", "c001"):
         (tmp_path / "cases" / case).mkdir(parents=True)
@@ -118,7 +118,9 @@ def test_a_case_becomes_a_row_and_what_is_published_is_not_done_again(tmp_path, 
     entries = some.entries(tmp_path, 4)
     rows = [row_of(entry) for entry in entries.values()]
     assert [r.verdict for r in rows] == ["parameters", "none"] and rows[0].robot_steps == 7
-    some.publish(entries, 4)
+    assert some.main(None, ["run", "--most", "0", "--publish", "--resume", "--out", str(tmp_path)]) == 0
+    with pytest.raises(SystemExit):
+        some.main(None, ["score", "--publish", "--seed", "5", "--out", str(tmp_path)])
     elsewhere = some.entries(tmp_path / "elsewhere", 4)
     assert elsewhere == entries and some.entries(tmp_path / "elsewhere", 5) == {}
     page = write_scores(tmp_path, rows, 490).read_text()
