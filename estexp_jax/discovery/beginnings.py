@@ -52,7 +52,7 @@ def parted(case: Case, problem: Problem, parameters: Hypothesis) -> Generator[Pr
     began, growth = {}, []
     for recording in np.unique(owner).tolist():
         own = np.flatnonzero(owner == recording)
-        at, grows = _split(squares[own], short.samples(short.fitted[own]))
+        at, grows = _split(squares[own], short.recorded.samples(short.fitted[own]))
         growth.append(grows)
         s = short.segments[short.fitted[own[at]]]
         began[recording] = float(short.recordings[recording].time[s.first])

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import DAMPINGS, Fit, candidates, jacobians, movable, normal_equations, prior_cost
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Fold
+from estexp_jax.discovery.slopes import DAMPINGS, Fit, candidates, jacobians, movable, normal_equations, prior_cost
 
 _THROWN, _SINGLE = 9.0, 0.1
 """A window's squared error may grow by this factor when it is held out; more is bounded, if so few windows do."""
@@ -28,7 +28,7 @@ def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]
     """
     windows = np.sort(np.concatenate([held for _, held in folds]))
     prices = problem.prices([f.member for f in fits])
-    samples, moving = problem.samples(windows), [movable(f.hypothesis) for f in fits]
+    samples, moving = problem.recorded.samples(windows), [movable(f.hypothesis) for f in fits]
     slopes = list(jacobians(problem, fits, windows, moving))
     left = [np.sum(residual**2, axis=1) for residual, _ in slopes]
     judged = np.zeros((len(fits), len(windows)))

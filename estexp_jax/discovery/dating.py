@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from estexp_jax.discovery.diagnosis import Case
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.inference.windows import cut_of
 
 _SHORT, _SHARE_OF_ALL = 0.2, 0.005

@@ -15,7 +15,7 @@ from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.dating import dated, short_windows
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.export import expressible
-from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.frozen import frozen
 from estexp_jax.discovery.horizon import SHARE, hangs_on_hairs, select_nearer
@@ -34,13 +34,15 @@ from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.possible import possible
-from estexp_jax.discovery.problem import Problem, deviations
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.recorded import deviations
 from estexp_jax.discovery.replays import Replays
 from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.rounds import fitted
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import verdict

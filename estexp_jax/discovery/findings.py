@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics import units
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of
+from estexp_jax.discovery.slopes import Fit
 
 _MOVES = 20.0
 """Deviations of its noise by which a reading must be simulated to move in half of the windows."""
@@ -32,7 +32,7 @@ def frozen(problem: Problem, parameters: Hypothesis, selection: Selection) -> Ex
     [simulated] = problem.simulated([selection.nominal.fitted.member], problem.fitted)
     known = np.isfinite(simulated)
     spread = np.ma.masked_array(simulated, ~known).std(axis=1).filled(np.inf)  # of what blew up, or has no sample
-    moved = spread / problem.deviation(problem.fitted, 1)[:, 0]
+    moved = spread / problem.recorded.deviation(problem.fitted, 1)[:, 0]
     for place in problem.places:  # a sensor that moves has no such place
         if place[0] != "sensor_stuck" or place[1] not in names:
             continue

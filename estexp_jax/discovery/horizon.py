@@ -57,7 +57,7 @@ def _parting(problem: Problem, member: Member) -> np.ndarray:
     robot = problem.replayer.robot
     every = [own, *other_starts(robot.model, blinded(robot, member[0], own))]
     usual, *others = (problem.replays.readings([member], np.arange(len(own)), copies)[0] for copies in every)
-    moved = np.square((np.array(others) - usual) / problem.deviation(windows, usual.shape[1])).sum(axis=(0, 3))
+    moved = np.square((np.array(others) - usual) / problem.recorded.deviation(windows, usual.shape[1])).sum(axis=(0, 3))
     quarter = [(s.rows + 3) // 4 for s in own]
     quarters = [(m[:n].mean(), m[s.rows - n : s.rows].mean()) for m, s, n in zip(moved, own, quarter, strict=True)]
     first, last = np.nan_to_num(np.sqrt(quarters)).T

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit, jacobian
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slack import slack_of
+from estexp_jax.discovery.slopes import Fit, jacobian
 
 _LACKING = (1.0, 0.9, 0.8, 0.0)
 """Shares of the coarse step's error that a robot may lack: all of it, or it was simulated itself, at a tenth, a fifth

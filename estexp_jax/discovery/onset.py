@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.slopes import Fit
 
 _BIN, _BLOCK = 0.1, 5
 """Length of time whose mean square counts as one, s; so many are shuffled together."""

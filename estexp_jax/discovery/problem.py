@@ -11,12 +11,12 @@ import numpy as np
 
 from estexp_jax.discovery.doubt import blinded, directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
+from estexp_jax.discovery.recorded import Recorded
 from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
 from estexp_jax.discovery.starts import Seen, Vectors
-from estexp_jax.inference.accuracy import nrmse
-from estexp_jax.inference.channels import Channels, spans
-from estexp_jax.inference.noise import correlation_rows, loudness, noise_deviation
+from estexp_jax.inference.channels import Channels
+from estexp_jax.inference.noise import correlation_rows, loudness
 from estexp_jax.inference.windows import Cut
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
@@ -28,18 +28,6 @@ _FAR = 1e6
 """Deviations; further is a simulation that blew up."""
 _LOUDEST = 3.0
 """Factor by which noise may be louder than it seems in a reading."""
-_LEAST_SHARE = 5e-4
-"""Of a channel's range: no simulator is right to more."""
-
-
-def deviations(channels: Channels, recordings: Sequence[Recording]) -> np.ndarray:
-    """`Problem.noise` of recordings: what sensors add, and what no simulator gets right."""
-    found = []
-    for recording in recordings:
-        table, span = channels.recorded(recording), spans(channels, recording)
-        noise = np.array([noise_deviation(recording.time, table[:, c]) for c in range(table.shape[1])])
-        found.append(np.sqrt(np.nan_to_num(noise) ** 2 + (_LEAST_SHARE * span) ** 2))
-    return np.array(found)
 
 
 @final
@@ -101,6 +89,11 @@ class Problem:
         """The windows at the model's own step."""
         return self.replays.cut.whole
 
+    @property
+    def recorded(self) -> Recorded:
+        """The readings in the windows, and what counts as one deviation of them."""
+        return Recorded(self.recordings, self.channels, self.segments, self.noise, self.rough)
+
     def with_windows(self, cut: Cut, began: Mapping[int, float] | None = None) -> Problem:
         """The same comparison in other windows, of whose steps and starts nothing is known yet.
 
@@ -143,7 +136,7 @@ class Problem:
 
         So weighs a normal prior of that deviation against as many independent samples.
         """
-        return 1.0 / max(float(self.samples(windows).sum()), 1.0)
+        return 1.0 / max(float(self.recorded.samples(windows).sum()), 1.0)
 
     def prices(self, members: Sequence[Member]) -> list[float]:
         """What an unusual value of the model costs beside each fit of the fitted windows.
@@ -158,10 +151,6 @@ class Problem:
         return [
             price * max(1.0, float(c)) * correlation_rows(r.reshape(shape)) for c, r in zip(costs, left, strict=True)
         ]
-
-    def samples(self, windows: np.ndarray) -> np.ndarray:
-        """Number of samples (windows,) that are compared."""
-        return np.isfinite(self._compared(windows)).sum(axis=(1, 2))
 
     @cached_property
     def fitted(self) -> np.ndarray:
@@ -188,8 +177,8 @@ class Problem:
         change = np.zeros((*simulated.shape, len(others)))
         for (k, i, _), readings in zip(changed, found, strict=True):
             change[i, :rows, :, k] = readings - simulated[i, :rows]
-        change /= self.deviation(windows, simulated.shape[1])[..., None]
-        sampled = np.isfinite(self._compared(windows))[..., None]
+        change /= self.recorded.deviation(windows, simulated.shape[1])[..., None]
+        sampled = np.isfinite(self.recorded.compared(windows))[..., None]
         effect = np.where(sampled, np.clip(np.nan_to_num(change), -_FAR, _FAR), 0.0)
         basis, kept = directions(self._longest(effect).reshape(len(windows), -1, len(others)))
         return self._spread(basis), 1.0 + self._spread(kept - 1.0)
@@ -201,7 +190,7 @@ class Problem:
         can be told from a mismatch, which lasts as long as motions do; most of them: what swings fast is no noise.
         """
         windows = self.trained
-        difference = self.simulated([member], windows)[0] - self._compared(windows)
+        difference = self.simulated([member], windows)[0] - self.recorded.compared(windows)
         noise = self.noise.copy()
         for recording in {self.segments[w].recording for w in windows}:
             own = np.array([self.segments[w].recording == recording for w in windows])
@@ -235,21 +224,6 @@ class Problem:
         median[known] = np.nanmedian(readings[:, known], axis=0)
         return Seen(qpos.min(axis=0), qpos.max(axis=0), median)
 
-    def recorded(self, windows: np.ndarray) -> np.ndarray:
-        """Readings (windows, rows, channels), NaN beyond a window's end and where there is no sample."""
-        rows = max(self.segments[w].rows for w in windows)
-        found = np.full((len(windows), rows, len(self.channels.names)), np.nan)
-        for i, w in enumerate(windows):
-            s = self.segments[w]
-            found[i, : s.rows] = self.channels.recorded(self.recordings[s.recording])[s.first : s.last + 1]
-        return found
-
-    def _compared(self, windows: np.ndarray) -> np.ndarray:
-        """`recorded` without the first row of each recording: its forces belong to a command that nobody logged."""
-        found = self.recorded(windows)
-        found[[self.segments[w].first == 0 for w in windows], 0] = np.nan
-        return found
-
     def residuals(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
         """Differences (members, windows, samples) in deviations: their squares sum to 1 where only noise is left.
 
@@ -257,11 +231,11 @@ class Problem:
         `about` has found what they do; nor does what `slack` explains count. A simulation that blew up counts as off by
         ten times the channel's range.
         """
-        recorded = self._compared(windows)
-        deviation = self.deviation(windows, recorded.shape[1])
+        recorded = self.recorded.compared(windows)
+        deviation = self.recorded.deviation(windows, recorded.shape[1])
         difference = (self.simulated(members, windows) - recorded) / deviation
         sampled = np.isfinite(recorded)
-        limit = _BLOWN_UP * self._span(windows)[:, None, :] / deviation
+        limit = _BLOWN_UP * self.recorded.span(windows)[:, None, :] / deviation
         bounded = np.clip(np.nan_to_num(difference, nan=np.inf, posinf=np.inf), -limit, limit)
         flat = np.where(sampled, bounded, 0.0).astype(np.float32).reshape(len(members), len(windows), -1)
         if self.doubt is not None:
@@ -272,28 +246,7 @@ class Problem:
 
     def error(self, member: Member, windows: np.ndarray) -> float:
         """The nrmse of one hypothesis on windows."""
-        return self.error_of(self.simulated([member], windows)[0], windows)
-
-    def error_of(self, simulated: np.ndarray, windows: np.ndarray) -> float:
-        """The nrmse of any readings (windows, rows, channels) on windows; infinite if one of them is no number."""
-        shares = self.shares_of(simulated, windows)
-        if not np.isfinite(shares[np.isfinite(self.recorded(windows))]).all():
-            return float("inf")
-        owner = np.array([self.segments[w].recording for w in windows])
-        return nrmse([shares[owner == r].reshape(-1, shares.shape[2]) for r in np.unique(owner)])
-
-    def shares_of(self, simulated: np.ndarray, windows: np.ndarray) -> np.ndarray:
-        """Squared errors over squared ranges (windows, rows, channels) of any readings, NaN without a sample."""
-        return ((simulated - self.recorded(windows)) / self._span(windows)[:, None, :]) ** 2
-
-    def _span(self, windows: np.ndarray) -> np.ndarray:
-        each = {r: spans(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}}
-        return np.nan_to_num(np.array([each[self.segments[w].recording] for w in windows]), nan=1.0)
-
-    def deviation(self, windows: np.ndarray, rows: int) -> np.ndarray:
-        """What counts as one (windows, rows, channels), or (windows, 1, channels) where rows are alike."""
-        noise = np.nan_to_num(self.noise[[self.segments[w].recording for w in windows]], nan=1.0)[:, None, :]
-        return noise if self.rough is None else np.hypot(noise, self.rough[windows, :rows])
+        return self.recorded.error_of(self.simulated([member], windows)[0], windows)
 
     def _cut(self, basis: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         """Directions of all windows for windows of `shape` (windows, rows, channels), perhaps fewer rows."""

@@ -48,6 +48,6 @@ def step_error(problem: Problem, member: Member) -> float:
     if int(problem.replayer.robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4):
         return 0.0  # its error falls so fast that no finer step is needed
     _, [change] = problem.replays.steps([member], problem.fitted)
-    moved = np.square(change / problem.deviation(problem.fitted, change.shape[1]))
-    sampled = np.isfinite(problem.recorded(problem.fitted))
+    moved = np.square(change / problem.recorded.deviation(problem.fitted, change.shape[1]))
+    sampled = np.isfinite(problem.recorded.readings(problem.fitted))
     return float(np.sqrt(np.median([m[s].mean() for m, s in zip(moved, sampled, strict=True) if s.any()])))

@@ -12,10 +12,10 @@ from estexp_jax.discovery.black_box import BlackBox, trained
 from estexp_jax.discovery.c_replay import simulated_with
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.export import explained_spec
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.shown import Shown
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.uncertainty import gain_interval, ratio_interval
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.inference.noise import noise_floor
@@ -59,7 +59,7 @@ def black_box_errors(case: Case, config: ExplainConfig, problem: Problem, bases:
     exact = problem.exact()
 
     def error(models: Sequence[mujoco.MjModel], network: BlackBox, windows: np.ndarray) -> float:
-        return exact.error_of(simulated_with(exact, models, network, windows), windows)
+        return exact.recorded.error_of(simulated_with(exact, models, network, windows), windows)
 
     found = []
     for models, seen in bases:

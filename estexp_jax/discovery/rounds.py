@@ -6,9 +6,10 @@ from collections.abc import Generator, Sequence
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.screening import beside
+from estexp_jax.discovery.slopes import Fit
 
 _MANY = 16
 """Windows of which every second one is enough for a rough fit."""

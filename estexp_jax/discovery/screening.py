@@ -6,10 +6,11 @@ from collections.abc import Generator, Sequence
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit, Progress, Task, fit
+from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming, told_of
 from estexp_jax.discovery.marginal import slackened
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import RUNGS, climbed, starts
 from estexp_jax.physics.registry import effect
 

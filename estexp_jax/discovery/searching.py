@@ -9,13 +9,14 @@ from typing import final
 import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
-from estexp_jax.discovery.fitting import FAR, Fit, Progress, Task
+from estexp_jax.discovery.fitting import FAR, Progress, Task
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
 from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
 from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, worth
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
 from estexp_jax.inference.accuracy import gain

@@ -9,9 +9,9 @@ from typing import final
 import numpy as np
 from scipy import stats
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.changes import Change
 
 NOISE = 1.2

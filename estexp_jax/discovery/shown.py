@@ -8,8 +8,8 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.slopes import Fit
 
 NOMINAL = "nominal"
 """It runs at its own step; all others at the finest one."""
@@ -34,11 +34,11 @@ class Shown:
 
     def error(self, name: str, windows: np.ndarray) -> float:
         """The nrmse on some windows."""
-        return self.problem.error_of(self.of(name, windows), windows)
+        return self.problem.recorded.error_of(self.of(name, windows), windows)
 
     def costs(self, name: str, windows: np.ndarray) -> np.ndarray:
         """Mean squared errors over squared ranges (windows,)."""
-        return np.nanmean(self.problem.shares_of(self.of(name, windows), windows), axis=(1, 2))
+        return np.nanmean(self.problem.recorded.shares_of(self.of(name, windows), windows), axis=(1, 2))
 
     def joined(self, name: str, recording: int) -> np.ndarray:
         """Readings (rows, channels) of one recording, its windows one after the other."""

@@ -12,7 +12,6 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.contest import contest_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.laws import is_law
 from estexp_jax.discovery.likely_laws import LawForces, law_forces
@@ -22,6 +21,7 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
 from estexp_jax.discovery.shown import Shown, shown_by
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import law_advice, law_entries
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
@@ -142,7 +142,8 @@ def _told(
     test, exact = found.shown.windows_of(case.indices("test")), found.shown.exact()
 
     def test_errors(fits: Sequence[Fit]) -> list[float]:
-        return [exact.error_of(x, test) for x in exact.simulated([f.member for f in fits], test)] if fits else []
+        simulated = exact.simulated([f.member for f in fits], test) if fits else []
+        return [exact.recorded.error_of(x, test) for x in simulated]
 
     return {
         "side": "numerics" if step else tell.side(named),

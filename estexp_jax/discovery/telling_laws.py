@@ -8,8 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
 from estexp_jax.physics.registry import effect

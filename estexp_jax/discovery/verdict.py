@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import TOLERANCE
 from estexp_jax.discovery.selection import NOISE, Selection, worth
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.servo_damping import servo_damping, servos

@@ -55,7 +55,7 @@ def test_what_blows_up_is_worse_than_anything(setting):
     case, problem, member, models = setting
     windows = problem.windows_of([3])
     found = simulated_with(problem, models, lambda q, v, u, m: 1e7 * (1.0 + np.abs(v)), windows)
-    assert np.isnan(found[:, :100]).any() and problem.error_of(found, windows) == np.inf
+    assert np.isnan(found[:, :100]).any() and problem.recorded.error_of(found, windows) == np.inf
 
 
 @pytest.mark.parametrize("off", [False, True])

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import Fit, _Walk, fit, movable
+from estexp_jax.discovery.fitting import _Walk, fit
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
+from estexp_jax.discovery.slopes import Fit, movable
 from estexp_jax.discovery.starts import starts
 from estexp_jax.physics.registry import effect
 from tests.discovery.planted import CASES, case_of, finished, problem_of

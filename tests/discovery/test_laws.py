@@ -12,12 +12,12 @@ from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.simulator import load_explained
 from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.laws import believed, crowded, fewest_terms, needed, suspects
 from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.package_data import schema_path
 from estexp_jax.physics.changes import Change

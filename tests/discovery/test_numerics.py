@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 
 
 def selection(nominal, corrected):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.onset import helps_before, onsets
+from estexp_jax.discovery.slopes import Fit
 from tests.discovery.planted import CASES, case_of, problem_of
 
 BEGAN = {0: 3.1, 1: 4.4, 2: 5.0}

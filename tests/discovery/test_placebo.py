@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 from tests.discovery.planted import nominal
 
 ROBOT, OWN = nominal("two"), Hypothesis((), ())

@@ -30,7 +30,7 @@ def test_residuals_are_differences_in_deviations_of_noise(setting):
     case, problem, member = setting
     windows = problem.windows_of(case.indices("train"))
     assert len(windows) == 6
-    difference = problem.simulated([member], windows)[0] - problem.recorded(windows)
+    difference = problem.simulated([member], windows)[0] - problem.recorded.readings(windows)
     difference[[problem.segments[w].first == 0 for w in windows], 0] = np.nan
     owner = [problem.segments[w].recording for w in windows]
     found = problem.residuals([member], windows)[0].reshape(difference.shape)
@@ -42,7 +42,7 @@ def test_the_error_is_the_root_of_mean_squared_shares(setting):
     case, problem, member = setting
     windows = problem.windows_of([0])
     assert problem.error(member, windows) == pytest.approx(
-        np.sqrt(np.nanmean(problem.shares_of(problem.simulated([member], windows)[0], windows)))
+        np.sqrt(np.nanmean(problem.recorded.shares_of(problem.simulated([member], windows)[0], windows)))
     )
 
 
@@ -88,7 +88,7 @@ def test_what_another_start_would_explain_counts_little(setting):
         sizes = []
         for p in (replace(about, doubt=None), about):
             change = at(p, segments).residuals([member], windows) - p.residuals([member], windows)
-            sizes.append(np.sqrt(np.square(change[0]).sum(axis=1) * p.samples(windows).sum()))
+            sizes.append(np.sqrt(np.square(change[0]).sum(axis=1) * p.recorded.samples(windows).sum()))
         size, left = sizes
         np.testing.assert_array_less(left, 1.2)
         assert np.all(left < size)
@@ -109,7 +109,7 @@ def test_what_another_command_in_a_lost_row_would_explain_counts_little(setting)
         np.square(at(p, there).residuals([member], lost) - p.residuals([member], lost))[0].sum(axis=1)
         for p in (replace(about, doubt=None), about)
     )
-    size, left = (x * problem.samples(lost).sum() for x in (size, left))
+    size, left = (x * problem.recorded.samples(lost).sum() for x in (size, left))
     assert np.all(size > 4.0) and np.all(left < 1.5)
 
 

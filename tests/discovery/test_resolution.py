@@ -26,7 +26,7 @@ def test_the_error_is_what_half_and_all_of_a_step_differ_by_twice(setting):
     _, problem, member = setting
     half = problem.replays.readings([member], problem.fitted, problem.replays.cut.half)[0]
     whole = problem.replays.readings([member], problem.fitted, problem.segments)[0]
-    moved = 2.0 * (half - whole) / problem.deviation(problem.fitted, 1)
+    moved = 2.0 * (half - whole) / problem.recorded.deviation(problem.fitted, 1)
     assert step_error(problem, member) == pytest.approx(np.median(np.sqrt(np.nanmean(moved**2, axis=(1, 2)))), rel=0.1)
     assert step_error(quieter(problem, 10.0), member) == pytest.approx(10.0 * step_error(problem, member), rel=1e-3)
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.screening import with_rungs
+from estexp_jax.discovery.slopes import Fit
 
 
 def _ranked(*effects: str) -> list[Fit]:

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search
 from estexp_jax.discovery.selection import Explanation
+from estexp_jax.discovery.slopes import Fit
 
 
 def problem(steps: int, joints: int = 1) -> Any:

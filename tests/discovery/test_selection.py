@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection, probabilities, worth
+from estexp_jax.discovery.slopes import Fit
 
 
 def explanation(held_out, *places):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.diagnosis import Case
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling import Found, judged_by
 from tests.discovery.planted import nominal
 

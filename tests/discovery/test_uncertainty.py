@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery import uncertainty
-from estexp_jax.discovery.fitting import Fit
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.uncertainty import parameter_intervals
 
 WINDOWS, SAMPLES = 12, 40

@@ -4,11 +4,11 @@ import numpy as np
 
 from estexp_jax.discovery.contest import Contest, Rival
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
-from estexp_jax.discovery.fitting import Fit
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.propose import ProposeConfig, Proposed
 from estexp_jax.discovery.rehearsal import Shown
 from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot

@@ -1,0 +1,89 @@
+"""Readings of recordings, cut into windows, and the yardstick that what is simulated differs from them by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from estexp_jax.inference.accuracy import nrmse
+from estexp_jax.inference.channels import Channels, spans
+from estexp_jax.inference.noise import noise_deviation
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.segment import Segment
+
+_LEAST_SHARE = 5e-4
+"""Of a channel's range: no simulator is right to more."""
+
+
+def deviations(channels: Channels, recordings: Sequence[Recording]) -> np.ndarray:
+    """`Recorded.noise` of recordings: what sensors add, and what no simulator gets right."""
+    found = []
+    for recording in recordings:
+        table, span = channels.recorded(recording), spans(channels, recording)
+        noise = np.array([noise_deviation(recording.time, table[:, c]) for c in range(table.shape[1])])
+        found.append(np.sqrt(np.nan_to_num(noise) ** 2 + (_LEAST_SHARE * span) ** 2))
+    return np.array(found)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """Readings in windows.
+
+    Attributes:
+        recordings: what was recorded.
+        channels: the readings compared.
+        segments: the windows.
+        noise: (recordings, channels) deviation that counts as one, in the channel's unit; NaN where it has no sample.
+        rough: (windows, rows, channels) what counts as noise besides, or None.
+    """
+
+    recordings: tuple[Recording, ...]
+    channels: Channels
+    segments: tuple[Segment, ...]
+    noise: np.ndarray
+    rough: np.ndarray | None
+
+    def readings(self, windows: np.ndarray) -> np.ndarray:
+        """Readings (windows, rows, channels), NaN beyond a window's end and where there is no sample."""
+        rows = max(self.segments[w].rows for w in windows)
+        found = np.full((len(windows), rows, len(self.channels.names)), np.nan)
+        for i, w in enumerate(windows):
+            s = self.segments[w]
+            found[i, : s.rows] = self.channels.recorded(self.recordings[s.recording])[s.first : s.last + 1]
+        return found
+
+    def compared(self, windows: np.ndarray) -> np.ndarray:
+        """`readings` without the first row of each recording: its forces belong to a command that nobody logged."""
+        found = self.readings(windows)
+        found[[self.segments[w].first == 0 for w in windows], 0] = np.nan
+        return found
+
+    def samples(self, windows: np.ndarray) -> np.ndarray:
+        """Number of samples (windows,) that are compared."""
+        return np.isfinite(self.compared(windows)).sum(axis=(1, 2))
+
+    def error_of(self, simulated: np.ndarray, windows: np.ndarray) -> float:
+        """The nrmse of any readings (windows, rows, channels) on windows; infinite if one of them is no number."""
+        shares = self.shares_of(simulated, windows)
+        if not np.isfinite(shares[np.isfinite(self.readings(windows))]).all():
+            return float("inf")
+        owner = np.array([self.segments[w].recording for w in windows])
+        return nrmse([shares[owner == r].reshape(-1, shares.shape[2]) for r in np.unique(owner)])
+
+    def shares_of(self, simulated: np.ndarray, windows: np.ndarray) -> np.ndarray:
+        """Squared errors over squared ranges (windows, rows, channels) of any readings, NaN without a sample."""
+        return ((simulated - self.readings(windows)) / self.span(windows)[:, None, :]) ** 2
+
+    def span(self, windows: np.ndarray) -> np.ndarray:
+        """Ranges of the readings in each window's recording (windows, channels), 1 where there are none."""
+        each = {r: spans(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}}
+        return np.nan_to_num(np.array([each[self.segments[w].recording] for w in windows]), nan=1.0)
+
+    def deviation(self, windows: np.ndarray, rows: int) -> np.ndarray:
+        """What counts as one (windows, rows, channels), or (windows, 1, channels) where rows are alike."""
+        noise = np.nan_to_num(self.noise[[self.segments[w].recording for w in windows]], nan=1.0)[:, None, :]
+        return noise if self.rough is None else np.hypot(noise, self.rough[windows, :rows])
