@@ -161,9 +161,8 @@ def explain(
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if not began and verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
         selection = _frozen(problem, parameters, selection)
-    if needed(case.robot, selection) or crowded(case.robot, selection) is not None:
-        selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
-        whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
+    selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
+    whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
     shown = _shown(case, config, whole).with_windows(whole.replays.cut, began)
@@ -219,14 +218,16 @@ def _unnamed(
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
     """What no name explains, or several at one joint, as an unknown law if there is one: with its comparison."""
     selection, problem, began = named
+    lacking, joint = needed(case.robot, selection), crowded(case.robot, selection)
+    if not lacking and joint is None:
+        return selection, problem
     fresh = _to_fit(case, config, whole)
     fresh = starting_late(case, config, fresh, began) if began else fresh
     seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
     apart = _apart(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
     simulator = partial(_replayer, case, config, apart=apart)
-    joint = None if needed(case.robot, selection) else crowded(case.robot, selection)
-    if joint is None:
+    if lacking or joint is None:
         found = yield from unknown_law(unnamed, simulator)
     else:
         found = yield from single_term(replace(unnamed, problem=problem), joint, simulator)
@@ -242,18 +243,15 @@ def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, Non
     known = {(f.effect, f.site, f.parameter): v for f, v in zip(chosen.hypothesis.free, chosen.vector, strict=True)}
     known |= {(c.effect, c.name or "", name): v for c in said for name, v in c.parameters.items()}
     start = np.array([known.get((f.effect, f.site, f.parameter), f.neutral) for f in sayable.free])
-    tasks: list[Task] = [
-        (chosen.hypothesis, [chosen.vector]),
-        (sayable, [start]),
-    ]
     wrong = placebo(problem.replayer.robot, parameters.hypothesis, selection)
-    tasks += [wrong] if wrong else []
+    kinds = {"explained": (chosen.hypothesis, [chosen.vector]), "sayable": (sayable, [start])}
+    kinds |= {"placebo": wrong} if wrong else {}
+    tasks: dict[Hypothesis, Task] = {task[0]: task for task in reversed(kinds.values())}
     stage = "all training recordings"
-    fits, _ = yield from fitted(problem, tasks, stage, 20)
+    fits, _ = yield from fitted(problem, list(tasks.values()), stage, 20)
     by_hypothesis = {f.hypothesis: f for f in fits}
     there = about(problem, parameters).corrected([parameters.member])
     bent: list[Task] = [(parameters.hypothesis, [parameters.vector])]
     price, name = there.price_of(there.fitted), f"{stage}, parameters only"
     [own] = yield from fit(there, bent, there.fitted, price, stage=name, iterations=30)
-    kinds = dict(zip(("explained", "sayable", "placebo"), (by_hypothesis[h] for h, _ in tasks), strict=False))
-    return {"parameters_only": own, **kinds}
+    return {"parameters_only": own, **{kind: by_hypothesis[h] for kind, (h, _) in kinds.items()}}
