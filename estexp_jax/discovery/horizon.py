@@ -31,8 +31,9 @@ SHARE = 0.2
 """Length of the shorter windows, of the usual ones."""
 _LEAST = 16
 """Rows that a shorter window has at least."""
-_PARTS, _FEW = 1.5, 0.1
-"""Slightly other starts move the end of a window by this factor more than its beginning, in at least this share."""
+_PARTS, _FEW = 0.7, 0.1
+"""Slightly other starts move the end of at least this share of the windows by this factor as much as their beginning;
+where servos hold the joints it is a tenth."""
 _BEST = 3
 """So many of the best explanations are asked."""
 
