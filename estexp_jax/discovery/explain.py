@@ -155,7 +155,8 @@ def explain(
     nominal = Fit(parameters, parameters.start(), np.inf)
     whole = _with_waves(case, commanded(whole, nominal.member))
     selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
-    if fitting_window(case.robot, config.window) == config.window and hangs_on_hairs(problem, selection):
+    usual = fitting_window(case.robot, config.window) == config.window < np.inf
+    if usual and hangs_on_hairs(problem, selection):
         shorter = _shortened(case, config, whole)
         selection, problem = yield from select_nearer(shorter, problem, parameters, selection, config.most)
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)

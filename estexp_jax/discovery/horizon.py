@@ -48,16 +48,21 @@ def hangs_on_hairs(problem: Problem, selection: Selection) -> bool:
     rows = np.median([problem.segments[w].rows for w in problem.fitted])
     if selection.chosen.error <= FAR or SHARE * rows < _LEAST:
         return False
-    best = sorted((e for e in selection.tried if e.error > 0.0), key=lambda e: e.error)[:_BEST]
+    best = sorted(selection.tried, key=lambda e: e.error)[:_BEST]
     return any(np.quantile(_parting(problem, e.fitted.member), 1.0 - _FEW) > _PARTS for e in (selection.chosen, *best))
 
 
 def _parting(problem: Problem, member: Member) -> np.ndarray:
-    """How much more other starts move the last quarter of each fitted window (windows,) than the first one."""
+    """How much more other starts move the last quarter of each fitted window (windows,) than the first one.
+
+    Zeros where every start is known exactly, so that there are no others.
+    """
     windows, own = problem.fitted, [problem.segments[w] for w in problem.fitted]
     robot = problem.replayer.robot
-    every = [own, *other_starts(robot.model, blinded(robot, member[0], own))]
-    usual, *others = (problem.replays.readings([member], np.arange(len(own)), copies)[0] for copies in every)
+    other = other_starts(robot.model, blinded(robot, member[0], own))
+    if not other:
+        return np.zeros(len(own))
+    usual, *others = (problem.replays.readings([member], np.arange(len(own)), copies)[0] for copies in (own, *other))
     moved = np.square((np.array(others) - usual) / problem.recorded.deviation(windows, usual.shape[1])).sum(axis=(0, 3))
     quarter = [(s.rows + 3) // 4 for s in own]
     quarters = [(m[:n].mean(), m[s.rows - n : s.rows].mean()) for m, s, n in zip(moved, own, quarter, strict=True)]

@@ -10,9 +10,11 @@ from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.horizon import hangs_on_hairs
+from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.selection import Selection
-from tests.discovery.planted import CONFIG, Plant, case_of, explained
+from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
+from tests.discovery.planted import CONFIG, Plant, case_of, explained, problem_of
 
 TEETH, STRENGTH = 14.0, 0.3
 FEW = replace(CONFIG, effects=("viscous_friction", "coulomb_friction", "cogging"), most=1)
@@ -47,3 +49,13 @@ def test_a_servo_that_holds_its_joint_needs_no_shorter_windows():
 
     answers, _ = asked(case_of("one", Plant('damping="0.02"', 'damping="0.12"', law=pull), 642))
     assert answers == [False]
+
+
+def test_starts_that_are_known_exactly_part_nowhere():
+    problem = problem_of(case_of("two", Plant(), 643), FEW)
+    replays = problem.replays
+    exact = tuple(replace(s, start=s.start._replace(covariance=None)) for s in replays.cut.whole)
+    problem = replace(problem, replays=replace(replays, cut=replays.cut._replace(whole=exact)))
+    own = parameters_only(problem.replayer.robot, problem.replayer.catalogue)
+    far = Explanation(Fit(own, own.start(), 1.0), np.full(len(problem.fitted), 2.0 * FAR**2))
+    assert not hangs_on_hairs(problem, Selection(far, far, far, (), far))
