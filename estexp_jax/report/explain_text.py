@@ -35,10 +35,11 @@ def claim(entry: Mapping[str, Any]) -> str:
 
 
 def intervals(entry: Mapping[str, Any]) -> str:
-    """`T = 1.02 (0.97 to 1.08) N m` for each parameter."""
+    """`T = 1.02 (0.97 to 1.08) N m` for each parameter; without the brackets where it has no interval."""
     parts = []
     for name, p in entry["parameters"].items():
-        parts.append(f"{name} = {p['value']:.3g} ({p['low']:.3g} to {p['high']:.3g}) {p['unit']}".rstrip())
+        within = "" if None in (p["low"], p["high"]) else f" ({p['low']:.3g} to {p['high']:.3g})"
+        parts.append(f"{name} = {p['value']:.3g}{within} {p['unit']}".rstrip())
     return ", ".join(parts)
 
 

@@ -7,6 +7,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.report.explain_text import claim
 
 
 def selection(nominal, corrected):
@@ -24,6 +25,12 @@ def test_a_plain_error_that_vanishes_with_the_step_is_the_steps():
     entry, place = step_entry(found), step_place(selection(25.0, 1.1))
     assert (entry["effect"], entry["kind"], entry["name"]) == ("time_step", "numerics", None)
     assert place["kind"] == "numerics" and place["share"] > 0.99 and place["p_value"] < 0.01
+
+
+def test_the_step_is_told_without_an_interval():
+    found = step_to_blame(selection(25.0, 1.1), nominal=0.03, timestep=0.01)
+    assert found is not None
+    assert claim(step_entry(found)).endswith("(step = 0.0004 s; probability 100%).")
 
 
 @pytest.mark.parametrize(("nominal", "corrected", "error"), [(25.0, 12.0, 0.03), (25.0, 1.1, 0.004)])
