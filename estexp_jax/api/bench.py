@@ -29,6 +29,7 @@ from estexp_jax.api.bench_process import alone
 from estexp_jax.api.bench_sweep import sweep
 from estexp_jax.errors import InputError
 from estexp_jax.physics.engines.batching import cores
+from estexp_jax.physics.engines.devices import accelerated, device
 from estexp_jax.runs import Progress, enable_compilation_cache, versions
 
 _CONTROL_STEP = 0.01
@@ -112,7 +113,8 @@ def bench(config: BenchConfig, progress: Progress, made: Made = runner) -> dict[
         result["estimation"] = estimation(races[0], config.repeats)
     if config.sweep:
         result["sweep"] = sweep(races[0], trusted, progress, made)
-    about = {"repeats": config.repeats, "cores": cores(), "load_average_before": load_before, "seed": config.seed}
+    machine = {"cores": cores(), "device": device(), "load_average_before": load_before}
+    about = {"repeats": config.repeats, **machine, "seed": config.seed}
     return {**result, **about, "notes": _notes(), "versions": versions()}
 
 
@@ -188,7 +190,7 @@ def _compare(entries: list[dict[str, Any]], runners: Sequence[Runner], rates: An
         entry.update(robot_steps_per_s=rate, ratio_to_serial=rate / serial, ratio_to_c_all_cores=rate / threads)
         entry.update(rates=rates[each.name], robots=each.robots, steps=each.steps, **each.facts())
         work = entry.get("flops_per_robot_step")
-        entry["percent_of_peak"] = None if work is None else 100.0 * rate * work / peak
+        entry["percent_of_peak"] = None if work is None or accelerated() else 100.0 * rate * work / peak
 
 
 def _arithmetic() -> float:

@@ -17,6 +17,7 @@ from estexp_jax.physics.changes import encode, stack
 from estexp_jax.physics.engines.agreement import Agreement, agreement, agreement_of, commands_of, converged_speeds
 from estexp_jax.physics.engines.c_walk import CWalker, OpenLoop, Pool, Serial
 from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.devices import accelerated
 from estexp_jax.physics.engines.lanes.walk import LanesWalker
 from estexp_jax.physics.engines.walking import Walker
 from estexp_jax.physics.registry import catalogue
@@ -118,7 +119,7 @@ class JaxRunner(Runner):
             engine=name,
         )
         self.robots, self.steps = race.population, min(race.steps, rows or race.steps)
-        if name == "mjx":
+        if name == "mjx" and not accelerated():
             self.steps = int(np.clip(SLOW // (race.population * race.substeps), 1, self.steps))
 
     @cached_property

@@ -18,6 +18,7 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.constants import refresh
 from estexp_jax.physics.effects.base import NEVER, Edit
 from estexp_jax.physics.effects.sites import driven_actuators, joint_dofs
+from estexp_jax.physics.engines.devices import exact_products
 from estexp_jax.physics.engines.mjx_terms import Acted, Hidden, Now, acted, resting
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
@@ -70,6 +71,7 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
     Raises:
         InputError: MJX cannot simulate something in the model.
     """
+    exact_products()
     model = copy.deepcopy(robot.model)
     model.opt.iterations, model.opt.ls_iterations = NEWTON_ITERATIONS, LINE_SEARCH_ITERATIONS
     arms = {part for e in catalogue for part in e.arms}

@@ -16,6 +16,7 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.controllers import HIDDEN, respond
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import in_chunks
+from estexp_jax.physics.engines.devices import accelerated, wide
 from estexp_jax.physics.engines.mjx_terms import Now
 from estexp_jax.physics.engines.walking import BodyState, Heard, Lane, Walk, Walker, hear
 from estexp_jax.physics.travel import travel_of
@@ -43,7 +44,12 @@ class MjxWalker(Walker):
 
 
 def mjx_width(population: int) -> int:
-    """A quarter of the population, so that its new half still fills two chunks, one a core; and the filler."""
+    """A quarter of the population, so that its new half still fills two chunks, one a core; and the filler.
+
+    On an accelerator, half the population and the filler.
+    """
+    if accelerated():
+        return wide(population, _VECTOR) + 1
     quarter = -(-population // 4)
     return int(np.clip(-(-quarter // _VECTOR) * _VECTOR, *_WIDTHS)) + 1
 

@@ -17,6 +17,7 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.controllers import HIDDEN
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.batching import cores, in_chunks
+from estexp_jax.physics.engines.devices import accelerated, wide
 from estexp_jax.physics.engines.lanes.loop import ROWS, Batch, Block, ClosedLoop, Told
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
 from estexp_jax.physics.engines.lanes.xla import compiled, lowered
@@ -31,8 +32,10 @@ def lanes_width(population: int) -> int:
     """Robots in a chunk: each core's share of half the population, in equal parts as large as stay in the cache.
 
     Equal, so that no core takes a last chunk while the others wait. Multiples of 32 are left out: arrays a power of two
-    apart fall on the same lines of the cache.
+    apart fall on the same lines of the cache. On an accelerator, half the population.
     """
+    if accelerated():
+        return wide(population, _VECTOR)
     share = -(-population // (2 * cores()))
     parts = -(-share // _WIDEST)
     width = -(-share // (parts * _VECTOR)) * _VECTOR
