@@ -39,6 +39,7 @@ VARIANTS = {
     "part_stub": "part_lost",
     "outer_compliance": "joint_compliance",
     "outer_backlash": "backlash",
+    "rotor_backlash": "backlash",
     "rebound_limit": "joint_limit",
     "motor_heat": "motor_fade",
 }

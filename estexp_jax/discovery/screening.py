@@ -180,7 +180,8 @@ def _from_below(fitted: Fit, others: Sequence[Fit]) -> list[np.ndarray]:
         if _places(f) == wanted:
             simpler = f.hypothesis.changes(f.vector, claimed=True)[-1].parameters
             is_new = np.array([(g.effect, g.site) == (name, site) for g in fitted.hypothesis.free])
-            for values in climbed(name, simpler):
+            bounds = [(fitted.hypothesis.free[i].low, fitted.hypothesis.free[i].high) for i in np.flatnonzero(is_new)]
+            for values in climbed(name, simpler, bounds):
                 start = fitted.hypothesis.with_values((name, site), values)
                 found.append(np.where(is_new, start, fitted.vector))
     return found

@@ -39,6 +39,7 @@ RUNGS = {
     "actuator_lag": "command_delay",
     "joint_compliance": "armature",
     "outer_compliance": "armature",
+    "rotor_backlash": "backlash",
     "rebound_limit": "joint_limit",
     "motor_heat": "motor_fade",
 }
@@ -98,6 +99,8 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             return list(product((0.3, 0.7), (0.5, 2.0, 8.0), (0.05, 0.15, 0.4)))
         case "joint_compliance" | "outer_compliance":
             return [(k, 0.1 * bounds[1][1], i) for k, i in product(_spread(bounds[0], 4), _spread(bounds[2], 2))]
+        case "rotor_backlash":
+            return [(x, _spread(bounds[1], 1)[0], 0.35) for x in (np.geomspace(0.03, 0.5, 5) * bounds[0][1]).tolist()]
         case "com_shift" | "external_force":
             return _along_axes(bounds, 0.1)
         case "gravity_tilt":
@@ -111,9 +114,11 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
             return _shares(e, bounds)
 
 
-def climbed(name: str, simpler: Mapping[str, float]) -> Vectors:
-    """Values to start a richer law from, of the simpler one's."""
+def climbed(name: str, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+    """Values to start a richer law from, within its bounds, of the simpler one's."""
     match name:
+        case "rotor_backlash":
+            return [(simpler["half_gap"], _spread(bounds[1], 1)[0], e) for e in (0.1, 0.35)]
         case "stribeck_friction":
             return [(0.8 * simpler["T"], 0.4 * simpler["T"], w) for w in (0.05, 0.3)]
         case "hysteresis":

@@ -8,7 +8,7 @@ from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.actuator_lag import ActuatorLag
 from estexp_jax.physics.effects.armature import Armature
 from estexp_jax.physics.effects.back_emf import BackEmf
-from estexp_jax.physics.effects.backlash import Backlash, OuterBacklash
+from estexp_jax.physics.effects.backlash import Backlash, OuterBacklash, RotorBacklash
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.body_mass import BodyMass
 from estexp_jax.physics.effects.cogging import Cogging
@@ -123,6 +123,7 @@ VARIANTS: Catalogue = (
     PartStub(),
     OuterCompliance(),
     OuterBacklash(),
+    RotorBacklash(),
     ReboundLimit(),
     MotorHeat(),
 )

@@ -62,9 +62,10 @@ def test_searches_start_where_the_effect_is_present(name: str) -> None:
 
 def test_richer_laws_start_from_simpler_ones() -> None:
     amounts = {"T": 0.5, "sigma": 250.0, "loss": 0.3, "c": 0.1, "dm": 0.1, "delay": 0.01, "I": 0.01, "tau": 2.0}
-    amounts |= {"low": -1.0, "high": 1.0}
+    amounts |= {"low": -1.0, "high": 1.0, "half_gap": 0.05}
     for richer, simpler in RUNGS.items():
         assert effect(richer).kind == effect(simpler).kind or richer == "external_force"
         own = {p.name: amounts[p.name] for p in effect(simpler).parameters}
-        for values in climbed(richer, own):
+        bounds = [(0.1, 0.7)] * len(effect(richer).parameters)
+        for values in climbed(richer, own, bounds):
             assert len(values) == len(effect(richer).parameters)

@@ -5,20 +5,23 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
+from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
 from estexp_jax.physics.effects.rotor import held, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.robot import Robot
 
 _SUBSTEPS = 4
+_FREE = 1e-4
+"""Of the play: so far from its end is a rotor that rebounds."""
 
 
 class _Backlash(Term):
     """The rotor turns freely within |x| < half_gap, x = its angle less the joint's; at either end it pushes the joint.
 
-    Its inertia is the joint's armature, which the joint has only while they touch; where they meet, inelastically, the
-    joint gets the rotor's momentum, and they move on as one. The rotor takes implicit sub-steps; the joint gets their
-    mean push, with the motor's braking implicitly.
+    Its inertia is the joint's armature, or part of it, which the joint has only while they touch; where they meet, the
+    joint gets the rotor's momentum, and they move on as one, or the rotor rebounds in the next step. It takes implicit
+    sub-steps; the joint gets their mean push, with the motor's braking implicitly.
     """
 
     #: Whether the motor's own loop sees the rotor, or the joint.
@@ -27,7 +30,7 @@ class _Backlash(Term):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_gap", "rad"),)
     equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
-    n_states: ClassVar[int] = 3
+    n_states: ClassVar[int] = 4
     shows: ClassVar[int | None] = 2
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
@@ -39,15 +42,25 @@ class _Backlash(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
 
+    def rotor(self, p: Arrays, moment: JointMoment) -> Array:
+        """The rotor's inertia, kg m2."""
+        return moment.armature
+
+    def restitution(self, p: Arrays) -> Array:
+        """Share of the speed at which they meet that the rotor leaves the joint with."""
+        return jnp.zeros_like(p[0])
+
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return jnp.zeros_like(q), w, jnp.zeros_like(q)
+        return jnp.zeros_like(q), w, jnp.zeros_like(q), jnp.zeros_like(q)
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        (gap,) = p
-        x, a, _ = state
+        gap = p[0]
+        x, a, _, thrown = state
+        bounces = thrown != 0.0
+        x, a = x * (1.0 - _FREE * bounces), a + bounces * (moment.w + thrown - a)
         moment = moment if self.collocated else held(moment)
-        q, w, inertia, h = moment.q, moment.w, moment.armature, moment.dt / _SUBSTEPS
-        push = braking = apart = shown = jnp.zeros_like(q)
+        q, w, inertia, h = moment.q, moment.w, self.rotor(p, moment), moment.dt / _SUBSTEPS
+        thrown = push = braking = apart = shown = jnp.zeros_like(q)
         for _ in range(_SUBSTEPS):
             q = q + h * w
             touched = jnp.abs(x) >= gap
@@ -58,18 +71,22 @@ class _Backlash(Term):
             torque = moment.torque_at(q + x, w)
             shown = shown + torque / _SUBSTEPS
             stays = (touched & touches & (torque * x >= 0.0)) / _SUBSTEPS
-            push = push + stays * torque + (touches & ~touched) * inertia * (a - w) / moment.dt
+            hits, back = touches & ~touched, self.restitution(p) * (a - w)
+            # A flight shorter than a step is none.
+            back = back * (hits & (2.0 * inertia * jnp.abs(back) > jnp.abs(torque) * moment.dt))
+            thrown = thrown - back
+            push = push + stays * torque + hits * inertia * (a - w + back) / moment.dt
             braking = braking - stays * slope
             apart = apart + ~(touched | touches) / _SUBSTEPS
             a = jnp.where(touches, w, a)
-        has_play = gap > 0.0
+        has_play, lost = gap > 0.0, jnp.minimum(inertia, moment.armature)
         does = JointForce(
             force=jnp.where(has_play, push + braking * w, 0.0),
             damping=jnp.where(has_play, braking, 0.0),
-            inertia=jnp.where(has_play & (apart == 1.0), -inertia, 0.0),
+            inertia=jnp.where(has_play, inertia * (apart != 1.0) - lost, 0.0),
             motor=jnp.where(has_play, 0.0, 1.0),
         )
-        return does, (x, a, jnp.where(has_play, shown, 0.0))
+        return does, (x, a, jnp.where(has_play, shown, 0.0), thrown)
 
 
 @final
@@ -89,3 +106,29 @@ class OuterBacklash(_Backlash):
 
     def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "backlash", values
+
+
+@final
+class RotorBacklash(_Backlash):
+    """With a rotor that is but part of the joint's armature and rebounds, as steel on steel does; told as backlash."""
+
+    name: ClassVar[str] = "rotor_backlash"
+    parameters: ClassVar[tuple[Parameter, ...]] = (*_Backlash.parameters, Parameter("I", "kg m2"), Parameter("e", ""))
+    collocated: ClassVar[bool] = True
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        joint = robot.index("joint", site)
+        inertia, own = (
+            scales.joint_inertia(robot, joint),
+            float(robot.model.dof_armature[robot.model.jnt_dofadr[joint]]),
+        )
+        return *super().bounds(robot, site), (0.5 * own, own) if own > 0.0 else (0.01 * inertia, inertia), (0.0, 0.7)
+
+    def rotor(self, p: Arrays, moment: JointMoment) -> Array:
+        return p[1]
+
+    def restitution(self, p: Arrays) -> Array:
+        return p[2]
+
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return "backlash", {"half_gap": values["half_gap"]}

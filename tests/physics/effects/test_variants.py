@@ -5,6 +5,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from estexp_jax.physics.effects.backlash import RotorBacklash
 from estexp_jax.physics.effects.base import NEVER, JointMoment
 from estexp_jax.physics.effects.hysteresis import Hysteresis
 from estexp_jax.physics.effects.load_bristles import LoadBristles
@@ -90,6 +91,23 @@ def test_bristles_slide_at_their_law():
 def test_bristles_give_like_a_spring_before_they_slide():
     p = tuple(jnp.full(1, x) for x in (0.4, 0.0, 0.2, 1e-2))
     assert slid(StribeckBristles(), p, 1e-3, seconds=0.5) == pytest.approx(-0.4 / 1e-2 * 5e-4, rel=0.05)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_a_rotor_rebounds_from_the_end_of_its_play_and_passes_on_its_momentum(e):
+    zero, one, inertia, dt = jnp.zeros(1), jnp.ones(1), 0.002, 1e-3
+    p = (one * 0.05, one * inertia, one * e)
+    state, passed = (zero, one * 1.0, zero, zero), 0.0  # in the middle of its play, at 1 rad/s; the joint is held
+    for _ in range(80):
+        moment = JointMoment(
+            zero, zero, zero, one, one * dt, one * 0.003, one, lambda q, w: zero, *(lambda joint: joint,) * 2
+        )
+        does, state = RotorBacklash().act(p, moment, state)
+        passed += float(does.force[0]) * dt
+    x, speed, *_ = (float(s[0]) for s in state)
+    assert passed == pytest.approx(inertia * (1.0 + e), rel=0.01)
+    assert speed == pytest.approx(-e, abs=1e-6)
+    assert x == pytest.approx(0.05 - e * 0.03, abs=1.5e-3)
 
 
 def test_servo_damping_changes_the_motors_own_force():
