@@ -21,6 +21,8 @@ from estexp_jax.physics.robot import Robot
 SHARES = (0.004, 0.04, 0.3)
 """Between neutral and a bound: landscapes differ in scale by orders of magnitude."""
 
+_REBOUND = 0.35
+"""Restitution of steel on steel, as gears meet."""
 _STIFF, _SOFT = (0.01, 500.0), (0.3, 33.0)
 """Time constant (s) and frequency (rad/s) of stops that throw a joint back at once, or after they gave way."""
 
@@ -100,7 +102,8 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
         case "joint_compliance" | "outer_compliance":
             return [(k, 0.1 * bounds[1][1], i) for k, i in product(_spread(bounds[0], 4), _spread(bounds[2], 2))]
         case "rotor_backlash":
-            return [(x, _spread(bounds[1], 1)[0], 0.35) for x in (np.geomspace(0.03, 0.5, 5) * bounds[0][1]).tolist()]
+            [rotor], plays = _spread(bounds[1], 1), np.geomspace(0.03, 0.5, 5) * bounds[0][1]
+            return [(play, rotor, _REBOUND) for play in plays.tolist()]
         case "com_shift" | "external_force":
             return _along_axes(bounds, 0.1)
         case "gravity_tilt":
@@ -118,7 +121,7 @@ def climbed(name: str, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
     """Values to start a richer law from, within its bounds, of the simpler one's."""
     match name:
         case "rotor_backlash":
-            return [(simpler["half_gap"], _spread(bounds[1], 1)[0], e) for e in (0.1, 0.35)]
+            return [(simpler["half_gap"], _spread(bounds[1], 1)[0], e) for e in (0.1, _REBOUND)]
         case "stribeck_friction":
             return [(0.8 * simpler["T"], 0.4 * simpler["T"], w) for w in (0.05, 0.3)]
         case "hysteresis":

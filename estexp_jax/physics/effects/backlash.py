@@ -110,7 +110,10 @@ class OuterBacklash(_Backlash):
 
 @final
 class RotorBacklash(_Backlash):
-    """With a rotor that is but part of the joint's armature and rebounds, as steel on steel does; told as backlash."""
+    """With a rotor that rebounds, as steel on steel does, and is but part of the joint's armature; told as backlash.
+
+    Where the model gives the joint no armature, the rotor has an inertia of its own.
+    """
 
     name: ClassVar[str] = "rotor_backlash"
     parameters: ClassVar[tuple[Parameter, ...]] = (*_Backlash.parameters, Parameter("I", "kg m2"), Parameter("e", ""))
