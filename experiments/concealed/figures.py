@@ -181,7 +181,7 @@ def _times(ax: Axes, rows: Sequence[Row]) -> None:
             color=_INK,
             ms=4,
         )
-    ax.set_xticks(range(len(robots)), robots)
+    ax.set_xticks(range(len(robots)), robots, rotation=20)
     ax.set_ylim(0, None)
     ax.set_ylabel("s a case")
     ax.set_title("Time", loc="left")
