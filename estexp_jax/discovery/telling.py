@@ -16,7 +16,7 @@ from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.laws import is_law
 from estexp_jax.discovery.likely_laws import LawForces, law_forces
 from estexp_jax.discovery.location import where
-from estexp_jax.discovery.numerics import step_entry, step_place, step_to_blame
+from estexp_jax.discovery.numerics import Step, step_of, to_blame
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
@@ -105,7 +105,7 @@ def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
     return tuple(law_forces(case.robot, seen, j, [c for c in terms if c.name == j]) for j in joints)
 
 
-def judged_by(case: Case, found: Found) -> tuple[str, Found, Change | None]:
+def judged_by(case: Case, found: Found) -> tuple[str, Found, Step | None]:
     """The verdict, the fits that go with it, and the time step where that is to blame."""
     selection, nominal = found.selection, found.fits["nominal"]
     judged = verdict(case.robot, selection, found.claimed)
@@ -119,8 +119,8 @@ def judged_by(case: Case, found: Found) -> tuple[str, Found, Change | None]:
     if judged != "parameters" or found.claimed:
         return judged, found, None
     error = found.shown.error(nominal.member, found.shown.trained)
-    step = step_to_blame(selection, error, float(case.robot.model.opt.timestep))
-    return (judged if step is None else "missing_physics"), found, step
+    step = step_of(found.problem, found.fits["parameters_only"])
+    return ("missing_physics", found, step) if to_blame(step, selection, error) else (judged, found, None)
 
 
 def _told(
@@ -129,14 +129,14 @@ def _told(
     found: Found,
     shown: Shown,
     judged: str,
-    step: Change | None,
+    step: Step | None,
     shares: np.ndarray,
 ) -> dict[str, Any]:
     """The entries of the findings that depend on what was found."""
     selection, wrong = found.selection, judged != "consistent"
     timestep = float(case.robot.model.opt.timestep)
-    named, what = ((), [step_entry(step)]) if step else _what(case, found, judged, shares)
-    places = [] if not wrong else [step_place(selection)] if step else where(case.robot, selection)
+    named, what = ((), [step.entry()]) if step else _what(case, found, judged, shares)
+    places = [] if not wrong else [step.place()] if step else where(case.robot, selection)
     began = found.shown.replays.began
     errors = fit_entry(case, config, shown, list(shown.readings), found.learned)
     test, exact = found.shown.windows_of(case.indices("test")), found.shown.exact()
