@@ -138,7 +138,9 @@ def axis(place: Mapping[str, Any], answer: Mapping[str, Any]) -> str | None:
 
 def _same_place(place: Mapping[str, Any], effect: Mapping[str, Any], answer: Mapping[str, Any]) -> bool:
     if effect["name"] == "*":
-        return place["name"] == "*" or place["kind"] == "actuator"
+        driven = {joint for element, joint in answer["axes"].items() if element.startswith("actuator ")}
+        only = len(driven) == 1 and axis(place, answer) in driven  # all motors are at one joint
+        return only or place["name"] == "*" or place["kind"] == "actuator"
     if effect["axis"] is None:
         return place["kind"] == effect["kind"]
     return axis(place, answer) == effect["axis"]

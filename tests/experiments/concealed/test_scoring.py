@@ -97,6 +97,13 @@ def test_all_motors_and_the_environment_have_no_joint():
     assert (row := judge("c0", tilt, found)).name_first and row.place_first
 
 
+def test_all_motors_are_at_their_only_joint():
+    late = answer(("command_delay", "actuator", "*", {"delay": 0.01}))
+    claim = ("command_delay", "actuator", "knee_servo", {"delay": (0.01, 0.0, 0.03)})
+    for place, right in ((("joint", "knee"), True), (("joint", "hip"), False)):
+        assert judge("c0", late, findings("missing_physics", claim, where=[place])).place_first == right
+
+
 def test_laws_in_no_catalogue_are_declined_or_named_wrong():
     told = answer(("unknown_law", "joint", "knee", {}), group="unknown")
     declined, wrong = (
