@@ -15,6 +15,8 @@ from estexp_jax.physics.robot import Robot
 
 ENOUGH = 0.6
 """Share of the excess error on held-out windows that an explanation must remove to be called one."""
+_BEYOND = 0.5
+"""Share of what wrong values of the model leave that missing physics must remove, too: the rest is told by these."""
 QUIET = 2.5
 """Deviations up to which an error that nothing explains is put down to noise that lasts longer than thought."""
 
@@ -35,10 +37,13 @@ def verdict(robot: Robot, selection: Selection, changes: tuple[Change, ...]) -> 
         return "consistent"
     if not changes and min(as_it_is.error, chosen.error) <= QUIET and not worth(chosen, as_it_is):
         return "consistent"
-    explained = chosen.error <= QUIET or (changes and gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH)
-    if not explained:
+    bent = all(is_wrong_value(robot, change) for change in changes)
+    said = gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH and (
+        bent or gain(chosen.error, selection.parameters.error, 1.0) >= _BEYOND
+    )
+    if chosen.error > QUIET and not (changes and said):
         return "unexplained"
-    return "parameters" if all(is_wrong_value(robot, change) for change in changes) else "missing_physics"
+    return "parameters" if bent else "missing_physics"
 
 
 def is_wrong_value(robot: Robot, change: Change) -> bool:
