@@ -121,11 +121,10 @@ class RotorBacklash(_Backlash):
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         joint = robot.index("joint", site)
-        inertia, own = (
-            scales.joint_inertia(robot, joint),
-            float(robot.model.dof_armature[robot.model.jnt_dofadr[joint]]),
-        )
-        return *super().bounds(robot, site), (0.5 * own, own) if own > 0.0 else (0.01 * inertia, inertia), (0.0, 0.7)
+        inertia, address = scales.joint_inertia(robot, joint), robot.model.jnt_dofadr[joint]
+        own = float(robot.model.dof_armature[address])
+        rotor = (0.5 * own, own) if own > 0.0 else (0.01 * inertia, inertia)
+        return *super().bounds(robot, site), rotor, (0.0, 0.7)
 
     def rotor(self, p: Arrays, moment: JointMoment) -> Array:
         return p[1]
