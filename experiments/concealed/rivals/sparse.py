@@ -6,6 +6,7 @@ each joint would need beyond its motors; sequentially thresholded least squares 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
@@ -14,17 +15,30 @@ from scipy.signal import savgol_filter
 
 from experiments.concealed.rivals.logs import Log, nrmse
 
-TERMS = ("1", "sign w", "w", "|w| w", "q", "q^3", "sin q", "cos q", "tau", "|tau| sign w")
+TERMS: dict[str, Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]] = {
+    "1": lambda q, w, tau: np.ones_like(q),
+    "sign w": lambda q, w, tau: _sign(w),
+    "w": lambda q, w, tau: w,
+    "|w| w": lambda q, w, tau: np.abs(w) * w,
+    "q": lambda q, w, tau: q,
+    "q^3": lambda q, w, tau: q**3,
+    "sin q": lambda q, w, tau: np.sin(q),
+    "cos q": lambda q, w, tau: np.cos(q),
+    "tau": lambda q, w, tau: tau,
+    "|tau| sign w": lambda q, w, tau: np.abs(tau) * _sign(w),
+}
+"""Candidate terms at a joint by their names: of its position, speed and motor force. The constant comes first."""
 _KEEP = 0.05
 """Terms that carry less than this share of the residual's deviation are dropped."""
 
 
 def library(q: np.ndarray, w: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    """Candidate terms (..., 10) at a joint."""
-    smooth = np.tanh(w / 0.02)
-    return np.stack(
-        [np.ones_like(q), smooth, w, np.abs(w) * w, q, q**3, np.sin(q), np.cos(q), tau, np.abs(tau) * smooth], axis=-1
-    )
+    """Values (..., terms) of all terms at a joint, in their order."""
+    return np.stack([term(q, w, tau) for term in TERMS.values()], axis=-1)
+
+
+def _sign(w: np.ndarray) -> np.ndarray:
+    return np.tanh(w / 0.02)
 
 
 def stlsq(terms: np.ndarray, force: np.ndarray, rounds: int = 10) -> np.ndarray:
