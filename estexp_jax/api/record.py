@@ -60,7 +60,8 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
     Writes nominal.xml, train_0.csv, train_1.csv, test_0.csv (a larger motion), recordings.toml and truth.json.
 
     Raises:
-        InputError: an effect acts in the controller, where a replay of commands does not see it.
+        InputError: an effect acts in the controller, where a replay of commands does not see it; or the simulation
+            diverges.
     """
     for change in changes:
         if _in_controller_only(effect(change.effect)):
@@ -77,10 +78,18 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
     )
     for i, (name, commands) in enumerate(motions):
         traces = real.rollout(commands, period=1.0 / config.rate)
+        _refuse_diverged(traces, name)
         write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))
     write_text(folder.file("recordings.toml"), _manifest([name for name, _ in motions]))
     write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
     return folder.path / "recordings.toml"
+
+
+def _refuse_diverged(traces: Traces, name: str) -> None:
+    lost = ~np.isfinite(traces.qpos).all(axis=1)
+    if lost.any():
+        what = f"the simulation diverges after {traces.time[int(np.argmax(lost))]:.3g} s"
+        raise InputError(what, where=name, right="a smaller effect, or a model with a smaller time step")
 
 
 def _in_controller_only(e: Effect) -> bool:

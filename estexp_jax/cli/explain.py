@@ -95,6 +95,7 @@ def _window(text: str) -> float:
 def _explained(inputs: Inputs, config: ExplainConfig, folder: RunFolder) -> Explanation:
     """Explain with progress, keeping after each step what an interruption would lose."""
     from estexp_jax.api.explain import run_explanation
+    from estexp_jax.physics.engines.mjx_without import within_mjx
     from estexp_jax.runs import Progress, load_checkpoint, save_checkpoint
 
     kept = folder.file("checkpoint.npz")
@@ -104,6 +105,8 @@ def _explained(inputs: Inputs, config: ExplainConfig, folder: RunFolder) -> Expl
     running = ""
     with Progress() as progress:
         progress.say(f"Explaining {len(inputs.recordings)} recordings of {inputs.model.name}")
+        for part in within_mjx(inputs.robot).left_out:
+            progress.say(f"Simulated without {part}")
         progress.stage("replaying the nominal simulator")
 
         def report(step: Any) -> None:

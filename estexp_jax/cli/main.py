@@ -43,11 +43,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = _parsed(arguments)
     except SystemExit as end:  # after --help, or after telling what is wrong
         return end.code if isinstance(end.code, int) else DONE
+    from estexp_jax.physics.soundness import unlogged
     from estexp_jax.runs import quiet_xla
 
     quiet_xla()
     try:
-        return _module_of(options).run(options)
+        with unlogged():
+            return _module_of(options).run(options)
     except InputError as error:
         print(f"estexp: error: {error}", file=sys.stderr)
         return WRONG_INPUT

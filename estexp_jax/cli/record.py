@@ -49,6 +49,7 @@ def run(options: Options) -> int:
     """
     from estexp_jax.api.record import RecordConfig, record
     from estexp_jax.physics.changes import parse_change
+    from estexp_jax.physics.engines.mjx_without import within_mjx
     from estexp_jax.physics.robot import Robot
     from estexp_jax.runs import open_run
 
@@ -56,6 +57,8 @@ def run(options: Options) -> int:
     robot = Robot.from_xml(options.model)
     changes = [parse_change(text, robot) for text in options.effect]
     marker = {"command": "record", "config": {"model": str(options.model), "effect": options.effect, **vars(config)}}
+    for part in within_mjx(robot).left_out:
+        print(f"Simulated without {part}")
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     manifest = record(robot, changes, config, folder)
     for change in changes:

@@ -13,6 +13,7 @@ from estexp_jax.physics import units
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
+from estexp_jax.physics.engines.mjx_without import within_mjx
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
@@ -159,6 +160,13 @@ def belied(changes: Sequence[Change]) -> list[str]:
 def data_entries(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
     """What was read."""
     return [{"file": r.name, "role": r.role, "rows": r.rows, "hz": r.rate, "notes": list(r.notes)} for r in recordings]
+
+
+def engine_advice(robot: Robot) -> list[str]:
+    """A line on each thing of the model that no engine here simulates."""
+    return [
+        f"See that this does not matter to your motions: simulated without {x}." for x in within_mjx(robot).left_out
+    ]
 
 
 def step_advice(selection: Selection, timestep: float) -> list[str]:

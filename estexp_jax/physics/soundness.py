@@ -41,6 +41,20 @@ def refuse_unsound(model: mujoco.MjModel, source: str) -> None:
     for field in _FIELDS:
         if not np.all(np.abs(getattr(model, field)) < 1e30):  # as MuJoCo's own limit of what counts as a number
             raise InputError(f"{field} holds what is no number or beyond 1e30", where=source, right="finite numbers")
+    _refuse_massless(model, source)
+
+
+def _refuse_massless(model: mujoco.MjModel, source: str) -> None:
+    """See that every joint moves something, and no two the same: else no force tells an acceleration."""
+    data = mujoco.MjData(model)
+    with unheard():
+        mujoco.mj_forward(model, data)
+    warned = data.warning[int(mujoco.mjtWarning.mjWARN_INERTIA)]
+    if warned.number:
+        joint = int(model.dof_jntid[warned.lastinfo])
+        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, joint) or f"joint_{joint}"
+        right = "give its body mass and inertia, or the joint armature; two joints must not move alike"
+        raise InputError(f"the inertia matrix is singular at the joint '{name}'", where=source, right=right)
 
 
 def refuse_unbounded(spec: mujoco.MjSpec, source: str) -> None:
@@ -57,13 +71,19 @@ def refuse_unbounded(spec: mujoco.MjSpec, source: str) -> None:
 
 @contextmanager
 def unheard() -> Iterator[None]:
-    """MuJoCo's warnings kept from stderr and its log file while a model is read: what is wrong is told once."""
+    """All warnings kept back while a model is read: what is wrong is told once."""
+    with unlogged(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+@contextmanager
+def unlogged() -> Iterator[None]:
+    """MuJoCo's warnings, such as of a simulation that diverges, kept from stderr and from a MUJOCO_LOG.TXT."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(_ignore)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
+        yield
     finally:
         mujoco.set_mju_user_warning(before)
 

@@ -112,7 +112,15 @@ WITHHELD = (
         scaled("tau_meas2", 1.0 / 0.3),
     ),
     Withheld("pendulum-biased-sensor", *_PENDULUM, ("sensor_bias", "q2", "bias", 0.1), scaled("pos_meas2", 1.0, 0.1)),
+    Withheld("pendulum-late-command", *_PENDULUM, ("command_delay", "elbow", "delay", 0.04), late("tau_meas2", -0.04)),
     Withheld("so101-late-command", *_SO101, ("command_delay", "Elbow", "delay", 0.06), late("command_Elbow", -0.06)),
+    Withheld(
+        "so101-biased-sensor",
+        *_SO101,
+        ("sensor_bias", "Wrist_Roll_pos", "bias", 0.15),
+        scaled("position_Wrist_Roll", 1.0, 0.15),
+    ),
+    Withheld("so101-wrong-scale", *_SO101, ("sensor_gain", "Pitch_pos", "gain", 1.2), scaled("position_Pitch", 1.2)),
 )
 """All withheld truths; scored against the same logs without them."""
 

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import jsonschema
 import mujoco
@@ -157,3 +158,16 @@ def test_wrong_options_are_told(arguments, told, recorded, tmp_path, capsys):
 def test_an_effect_that_cannot_be_planted_is_told(effect, recorded, tmp_path, capsys):
     assert run("record", recorded / "nominal.xml", "--effect", effect, "--out", tmp_path / "out") == 2
     assert "known are" in capsys.readouterr().err
+
+
+def test_a_robot_that_flies_apart_is_told_and_nothing_is_logged(tmp_path, capfd, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(
+        """<mujoco><option timestep=".02"/><worldbody><body><joint name="elbow" axis="0 1 0"/>
+        <geom size=".1" pos=".3 0 0"/></body></worldbody>
+        <actuator><position joint="elbow" kp="1e9"/></actuator></mujoco>"""
+    )
+    assert run("record", "arm.xml", "--out", "logs", "--duration", "1") == 2
+    told = capfd.readouterr().err
+    assert "train_0.csv: the simulation diverges after" in told and "WARNING" not in told
+    assert not Path("MUJOCO_LOG.TXT").exists() and not Path("logs/train_0.csv").exists()

@@ -52,5 +52,12 @@ def test_a_warning_while_a_model_is_read_is_not_heard(tmp_path, recwarn):
         mujoco.MjSpec.from_string(twice).compile()
     (tmp_path / "twice.xml").write_text(twice)
     recwarn.clear()
-    assert Robot.from_xml(tmp_path / "twice.xml").model.njnt == 2
+    with pytest.raises(InputError, match="twice.xml: the inertia matrix is singular at the joint 'joint_0'"):
+        Robot.from_xml(tmp_path / "twice.xml")
     assert not recwarn.list
+
+
+def test_joints_that_move_alike_are_sound_once_they_have_armature():
+    twice = '<joint name="one" armature=".1"/><joint name="two" armature=".1"/>'
+    xml = arm().replace('<joint name="elbow" axis="0 1 0"/>', twice).replace('"elbow"', '"one"')
+    assert Robot.from_string(xml).model.njnt == 2

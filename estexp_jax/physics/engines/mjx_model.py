@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 import dataclasses
+import re
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -20,6 +20,7 @@ from estexp_jax.physics.effects.base import NEVER, Edit
 from estexp_jax.physics.effects.sites import driven_actuators, joint_dofs
 from estexp_jax.physics.engines.devices import exact_products
 from estexp_jax.physics.engines.mjx_terms import Acted, Hidden, Now, acted, resting
+from estexp_jax.physics.engines.mjx_without import within_mjx
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 
@@ -72,7 +73,7 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
         InputError: MJX cannot simulate something in the model.
     """
     exact_products()
-    model = copy.deepcopy(robot.model)
+    model = within_mjx(robot).model
     model.opt.iterations, model.opt.ls_iterations = NEWTON_ITERATIONS, LINE_SEARCH_ITERATIONS
     arms = {part for e in catalogue for part in e.arms}
     if "dof_frictionloss" in arms:
@@ -86,7 +87,8 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
             _arm(robot, model)  # without any row, MJX's forward pass ends before the sensors of accelerations
         return MjxModel(robot, catalogue, model, mjx.put_model(model), mjx.make_data(model))
     except NotImplementedError as error:
-        raise InputError(f"MJX cannot simulate this model: {error}", where=robot.source) from None
+        what = re.sub(r"<?mjt\w+\.(\w+)(: \d+>)?", r"\1", str(error)).translate(str.maketrans("", "", "[]()"))
+        raise InputError(f"MJX cannot simulate this model: {what}", where=robot.source) from None
 
 
 def _arm(robot: Robot, model: mujoco.MjModel) -> None:

@@ -104,6 +104,6 @@ def test_motors_that_are_off_give_nothing() -> None:
 
 
 def test_what_mjx_cannot_simulate_is_refused_by_name() -> None:
-    xml = FREE.replace("<worldbody>", '<option integrator="implicit"/><worldbody>')
-    with pytest.raises(InputError, match="implicit.xml: MJX cannot simulate"):
-        mjx_model(Robot.from_string(xml, "implicit.xml"), ())
+    xml = FREE.replace("<worldbody>", '<option><flag override="enable"/></option><worldbody>')
+    with pytest.raises(InputError, match="forced.xml: MJX cannot simulate this model: mjENBL_OVERRIDE"):
+        mjx_model(Robot.from_string(xml, "forced.xml"), ())

@@ -1,0 +1,143 @@
+"""What MJX lacks and a robot's motion hardly needs: done without, and said, rather than refused.
+
+Solver and integrator make no other robot, only other steps. A contact that MJX has no function for is left out between
+two parts of a robot, and between a robot that is bolted down and what stands around it; what a robot may stand on is
+not.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.robot import Robot
+
+_GEOM, _INTEGRATOR, _ENABLE = mujoco.mjtGeom, mujoco.mjtIntegrator, mujoco.mjtEnableBit
+APART = frozenset(
+    {
+        (_GEOM.mjGEOM_HFIELD, _GEOM.mjGEOM_ELLIPSOID),
+        (_GEOM.mjGEOM_HFIELD, _GEOM.mjGEOM_CYLINDER),
+        (_GEOM.mjGEOM_ELLIPSOID, _GEOM.mjGEOM_BOX),
+        (_GEOM.mjGEOM_ELLIPSOID, _GEOM.mjGEOM_MESH),
+        (_GEOM.mjGEOM_CYLINDER, _GEOM.mjGEOM_BOX),
+        (_GEOM.mjGEOM_CYLINDER, _GEOM.mjGEOM_MESH),
+    }
+)
+"""Shapes that MJX cannot let touch."""
+_ROUGH = (_GEOM.mjGEOM_MESH, _GEOM.mjGEOM_HFIELD)
+"""Shapes whose contacts begin at touch in MJX."""
+_IDLE = int(_ENABLE.mjENBL_ENERGY) | int(_ENABLE.mjENBL_FWDINV)
+"""Flags that change no motion, and that MJX does not know."""
+
+
+class Within(NamedTuple):
+    """A model within what MJX can simulate.
+
+    Attributes:
+        model: compiled, a copy.
+        left_out: what the robot's own has and it has not; each follows "simulated without".
+    """
+
+    model: mujoco.MjModel
+    left_out: tuple[str, ...]
+
+
+def within_mjx(robot: Robot) -> Within:
+    """A robot's model without what MJX lacks and its motion hardly needs.
+
+    Raises:
+        InputError: two shapes that MJX cannot let touch may carry the robot.
+    """
+    apart = _apart(robot)
+    model = _excluding(robot, apart) if apart else copy.deepcopy(robot.model)
+    bodies = robot.names("body")
+    left_out = [f"contacts between '{bodies[a]}' and '{bodies[b]}': {why}" for (a, b), why in apart.items()]
+    return Within(model, (*left_out, *_without_margins(model), *_options(model.opt)))
+
+
+def _options(option: mujoco.MjOption) -> Iterator[str]:
+    """Solver and integrator that MJX has in place of those it has not; sentences."""
+    option.enableflags &= ~_IDLE
+    if option.solver == mujoco.mjtSolver.mjSOL_PGS:
+        option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+        yield "the solver PGS: Newton's, which solves the same, takes its place"
+    fluid = option.density > 0 or option.viscosity > 0 or np.any(option.wind)
+    if option.integrator == _INTEGRATOR.mjINT_IMPLICITFAST and fluid:
+        option.integrator = _INTEGRATOR.mjINT_EULER
+        yield "the integrator implicitfast in a fluid: Euler's takes its place"
+    elif option.integrator == _INTEGRATOR.mjINT_IMPLICIT:
+        option.integrator = _INTEGRATOR.mjINT_EULER if fluid else _INTEGRATOR.mjINT_IMPLICITFAST
+        yield f"the integrator implicit: {'Euler' if fluid else 'implicitfast'} takes its place"
+
+
+def _without_margins(model: mujoco.MjModel) -> Iterator[str]:
+    """Contacts that begin at touch wherever a mesh or a height field may touch; a sentence."""
+    touching = (model.geom_contype | model.geom_conaffinity) > 0
+    rough = touching & np.isin(model.geom_type, [int(shape) for shape in _ROUGH])
+    if rough.any() and np.any(model.geom_margin[touching]):
+        model.geom_margin[:] = 0.0
+        model.geom_gap[:] = 0.0
+        yield "margins of contacts: meshes and height fields have none"
+
+
+def _apart(robot: Robot) -> dict[tuple[int, int], str]:
+    """Pairs of bodies that cannot be let touch, and why."""
+    model, geoms, found = robot.model, robot.names("geom"), {}
+    excluded = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
+    for a, b in _pairs(model):
+        bodies = tuple(sorted((int(model.geom_bodyid[a]), int(model.geom_bodyid[b]))))
+        if bodies in excluded or bodies[::-1] in excluded or bodies in found:
+            continue
+        shapes = [_GEOM(int(model.geom_type[g])).name.removeprefix("mjGEOM_").lower() for g in (a, b)]
+        if model.body_weldid[bodies[0]] == 0 and _floats(model, bodies[1]):
+            raise InputError(
+                f"MJX has no contact of a {shapes[0]} with a {shapes[1]}: '{geoms[a]}' and '{geoms[b]}'",
+                where=robot.source,
+                right="make one a capsule or a sphere, or keep them from touching (contype, conaffinity, exclude)",
+            )
+        found[bodies] = f"MJX has none of a {shapes[0]} ('{geoms[a]}') with a {shapes[1]} ('{geoms[b]}')"
+    return found
+
+
+def _pairs(model: mujoco.MjModel) -> Iterator[tuple[int, int]]:
+    """Geoms that touch in the C engine and have no function in MJX."""
+    kinds = model.geom_type
+    for one, other in APART:
+        for a in np.flatnonzero(kinds == int(one)):
+            for b in np.flatnonzero(kinds == int(other)):
+                if _may_touch(model, int(a), int(b)):
+                    yield int(a), int(b)
+
+
+def _may_touch(model: mujoco.MjModel, a: int, b: int) -> bool:
+    """Whether the C engine lets two geoms touch: masks, and no hinge or slide between their bodies alone."""
+    masks = (model.geom_contype[a] & model.geom_conaffinity[b]) | (model.geom_contype[b] & model.geom_conaffinity[a])
+    one, other = (int(model.body_weldid[model.geom_bodyid[g]]) for g in (a, b))
+    if not masks or one == other:
+        return False
+    related = one == _carrier(model, other) or other == _carrier(model, one)
+    filtered = not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+    return not (related and filtered and one and other)
+
+
+def _carrier(model: mujoco.MjModel, body: int) -> int:
+    return int(model.body_weldid[model.body_parentid[body]])
+
+
+def _floats(model: mujoco.MjModel, body: int) -> bool:
+    """Whether a body belongs to a robot that nothing holds."""
+    first = int(model.body_rootid[body])
+    adr, count = int(model.body_jntadr[first]), int(model.body_jntnum[first])
+    return count > 0 and int(model.jnt_type[adr]) == mujoco.mjtJoint.mjJNT_FREE
+
+
+def _excluding(robot: Robot, pairs: dict[tuple[int, int], str]) -> mujoco.MjModel:
+    spec, bodies = robot.spec.copy(), robot.names("body")
+    for a, b in pairs:
+        spec.add_exclude(bodyname1=bodies[a], bodyname2=bodies[b])
+    return spec.compile()
