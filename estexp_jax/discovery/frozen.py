@@ -6,6 +6,8 @@ nothing predicts the other sensors well, and no comparison of predictions would 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted
@@ -16,6 +18,8 @@ from estexp_jax.discovery.slopes import Fit
 
 _MOVES = 20.0
 """Deviations of its noise by which a reading must be simulated to move in half of the windows."""
+PLAIN = math.erfc(_MOVES / math.sqrt(2.0))
+"""Probability that noise alone hides such a move in one sample: the p-value of a sensor that is seen to be stuck."""
 
 
 def frozen(problem: Problem, parameters: Hypothesis, selection: Selection) -> Explanation | None:

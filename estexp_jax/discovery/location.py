@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from estexp_jax.discovery.frozen import PLAIN
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.selection import Explanation, Selection, p_value
 from estexp_jax.physics.effects.sites import ALL_ALIKE
@@ -15,7 +16,13 @@ _TOLD = 0.02
 
 
 def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
-    """Ranked places: kind, name, share of the removable held-out error, p-value against parameters alone."""
+    """Ranked places: kind, name, share of the removable held-out error, p-value against parameters alone.
+
+    Where what is claimed is plain in the recordings themselves, there is no other place.
+    """
+    if selection.seen:
+        kind, name = element(robot, selection.chosen.places[0])
+        return [{"kind": kind, "name": name, "share": 1.0, "p_value": PLAIN}]
     base = selection.parameters.held_out.sum()
     best: dict[tuple[str, str | None], Explanation] = {}
     for explanation in selection.tried:

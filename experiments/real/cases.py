@@ -102,8 +102,11 @@ WITHHELD = (
     Withheld(
         "pendulum-light-link",
         *_PENDULUM,
-        ("body_mass", "link2", "dm", 0.45),
-        model=('mass="0.62557"', 'mass="0.17557"'),
+        ("body_mass", "link2", "dm", 0.31279),
+        model=(
+            'mass="0.62557" diaginertia="0.009970 0.009970 0.0005"',
+            'mass="0.31278" diaginertia="0.004985 0.004985 0.00025"',
+        ),
     ),
     Withheld(
         "pendulum-weak-motor",

@@ -9,6 +9,7 @@ import pytest
 from estexp_jax.discovery.diagnosis import ExplainConfig
 from estexp_jax.discovery.frozen import frozen
 from estexp_jax.discovery.hypotheses import parameters_only
+from estexp_jax.discovery.location import where
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import verdict
@@ -38,6 +39,8 @@ def test_a_reading_that_stays_while_the_joint_is_driven_is_a_stuck_sensor():
     assert claim.parameters["value"] == pytest.approx(0.3, abs=1e-3)
     selection = Selection(nominal, nominal, nominal, (found,), found, seen=True)
     assert verdict(case.robot, selection, found.claims) == "missing_physics"
+    [place] = where(case.robot, selection)
+    assert (place["kind"], place["name"], place["share"]) == ("sensor", "angle", 1.0) and place["p_value"] < 1e-80
 
 
 def test_one_that_moves_is_none():
