@@ -46,7 +46,7 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.inference.apart import excluded, kept_apart
+from estexp_jax.inference.apart import kept_apart
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import cut_of, fitting_window
@@ -80,7 +80,7 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
 
 def _replayer(case: Case, config: ExplainConfig, effects: Sequence[str], apart: Sequence[tuple[int, int]]) -> Replayer:
     """Of the robots with effects of these names, without contacts between some pairs of their bodies."""
-    robot, *robots = _each(lambda r: excluded(r, apart), (case.robot, *case.robots))
+    robot, *robots = _each(lambda r: r.without_contacts(apart), (case.robot, *case.robots))
     return replayer(robot, catalogue(effects), robots, engine=config.engine)
 
 

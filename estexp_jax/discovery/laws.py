@@ -10,7 +10,7 @@ Source: Brunton, Proctor and Kutz, PNAS 113 (2016): laws as the fewest terms of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar, final
 
@@ -35,7 +35,7 @@ from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.registry import effect, every
 from estexp_jax.physics.robot import Robot
 
-_MEMORY = "unknown laws"
+_MEMORY, _INSTEAD = "unknown laws", "in place of names"
 _JOINTS, _TERMS, _MOST = 2, 8, 3
 """Joints that laws are looked for at, terms that are looked at there, most claims in all."""
 _BESIDE = ("viscous_friction", "coulomb_friction", "quadratic_drag", "joint_stiffness", "cogging", "torque_offset")
@@ -112,8 +112,8 @@ def unknown_law(
     kept = _kept(robot, named)
     problem = _among(unnamed.problem, replayer(_names(kept, places)), places, starts)
     if verdict(robot, named, named.chosen.claims) == "missing_physics":
-        before, after = yield from _told(one_more(problem, unnamed.parameters, named.chosen.fitted))
-        if after.held_out.sum() > _PROMISE * before.held_out.sum():
+        promising = yield from _promising(unnamed, problem, joints)
+        if not promising:
             return None
     found, there = yield from _told(select(problem, unnamed.parameters, _MOST))
     found = replace(found, tried=(*kept, *found.tried))
@@ -123,6 +123,30 @@ def unknown_law(
     if fewest.chosen is found.chosen or not believed(robot, fewest, named, there):
         return found, there
     return fewest, about(there, fewest.chosen.fitted)
+
+
+def _promising(unnamed: Unnamed, problem: Problem, joints: Sequence[str]) -> Generator[Progress, None, bool]:
+    """Whether one term of a law, in the place of named forces at these joints or beside them, explains much more."""
+    chosen = unnamed.selection.chosen
+    forced = {p[1] for p in chosen.places if effect(p[0]).kind == "joint"} & set(joints)
+    if forced:
+        before, after = yield from _instead(unnamed, problem, forced)
+        if after.held_out.sum() <= _PROMISE * before.held_out.sum():
+            return True
+    before, after = yield from _told(one_more(problem, unnamed.parameters, chosen.fitted))
+    return after.held_out.sum() <= _PROMISE * before.held_out.sum()
+
+
+def _instead(
+    unnamed: Unnamed, problem: Problem, joints: Collection[str]
+) -> Generator[Progress, None, tuple[Explanation, Explanation]]:
+    """What is chosen, and the best explanation by one term in the place of its forces at some joints, judged alike."""
+    chosen, parameters = unnamed.selection.chosen.fitted, unnamed.parameters
+    problem = replace(problem, memory=problem.memory.setdefault(_INSTEAD, {}))
+    rest = [p for p in chosen.hypothesis.places if effect(p[0]).kind != "joint" or p[1] not in joints]
+    task, stage = keeping(problem, parameters, chosen, rest), f"without forces at {' and '.join(sorted(joints))}"
+    [base] = yield from _told(at_first(about(problem, chosen), [task], stage))
+    return (yield from _told(one_more(problem, parameters, base, chosen, _TERMS)))
 
 
 def crowded(robot: Robot, selection: Selection) -> str | None:
@@ -152,10 +176,7 @@ def single_term(
         return None
     kept = _kept(robot, named)
     problem = _among(unnamed.problem, replayer(_names(kept, tuple(starts))), tuple(starts), starts)
-    rest = [p for p in chosen.places if effect(p[0]).kind != "joint" or p[1] != joint]
-    task = keeping(problem, unnamed.parameters, chosen.fitted, rest)
-    [base] = yield from _told(at_first(about(problem, chosen.fitted), [task], f"without several forces at {joint}"))
-    before, best = yield from _told(one_more(problem, unnamed.parameters, base, chosen.fitted, _TERMS))
+    before, best = yield from _instead(unnamed, problem, {joint})
     kept = [before if e is chosen else e for e in kept]
     found = replace(named, tried=(*kept, best), chosen=best)
     if simplest([before, best]) is before or verdict(robot, found, best.claims) != "missing_physics":

@@ -1,4 +1,4 @@
-"""Parts of a robot that may touch each other by its description, but never come near in its recordings."""
+"""What may touch by a robot's description, but never comes near in its recordings."""
 
 from __future__ import annotations
 
@@ -17,42 +17,44 @@ _ROWS = 300
 
 
 def kept_apart(robot: Robot, paths: Sequence[np.ndarray]) -> list[tuple[int, int]]:
-    """Pairs of moving bodies whose contacts can be left out: they stayed apart all along.
+    """Pairs of bodies whose contacts can be left out: they stayed apart all along.
+
+    Two moving bodies, or one of a robot that is bolted down and one of its surroundings: what floats falls on these.
 
     Args:
         robot: as described.
         paths: (rows, nq) configurations of each recording.
     """
     model, data = robot.model, mujoco.MjData(robot.model)
-    nearest: dict[tuple[int, int], float] = {}
-    pairs = _pairs(model)
+    pairs, near = _pairs(robot), set[tuple[int, int]]()
     for path in paths if pairs else ():
         for qpos in path[:: max(1, len(path) // _ROWS)]:
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
-            for one, other in pairs:
-                bodies = int(model.geom_bodyid[one]), int(model.geom_bodyid[other])
-                distance = mujoco.mj_geomDistance(model, data, one, other, 2.0 * _NEAR, None)
-                nearest[bodies] = min(nearest.get(bodies, np.inf), distance)
-    return [bodies for bodies, distance in nearest.items() if distance > _NEAR]
+            near |= {
+                bodies
+                for bodies, geoms in pairs.items()
+                if bodies not in near and any(_are_near(model, data, one, other) for one, other in geoms)
+            }
+    return [bodies for bodies in pairs if bodies not in near] if len(paths) else []
 
 
-def _pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
-    """Geoms of two moving bodies that collide by their description."""
-    moving = [g for g in range(model.ngeom) if model.body_weldid[model.geom_bodyid[g]] != 0]
+def _are_near(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) -> bool:
+    """Whether two geoms are; balls around them, which planes have not, tell most that are not."""
+    around = model.geom_rbound[[one, other]]
+    if around.all() and np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]) > around.sum() + _NEAR:
+        return False
+    return mujoco.mj_geomDistance(model, data, one, other, 2.0 * _NEAR, None) <= _NEAR
+
+
+def _pairs(robot: Robot) -> dict[tuple[int, int], list[tuple[int, int]]]:
+    """Bodies that may touch by their description, and those of their geoms that may."""
+    model, found = robot.model, dict[tuple[int, int], list[tuple[int, int]]]()
+    static = model.body_weldid[model.geom_bodyid] == 0
     collide = model.geom_contype[:, None] & model.geom_conaffinity[None, :]
-    return [
-        (a, b)
-        for a, b in combinations(moving, 2)
-        if model.geom_bodyid[a] != model.geom_bodyid[b] and (collide[a, b] or collide[b, a])
-    ]
-
-
-def excluded(robot: Robot, bodies: Sequence[tuple[int, int]]) -> Robot:
-    """The robot without contacts between some pairs of its bodies."""
-    if not bodies:
-        return robot
-    spec, names = robot.spec.copy(), robot.names("body")
-    for one, other in bodies:
-        spec.add_exclude(bodyname1=names[one], bodyname2=names[other])
-    return Robot.from_spec(spec, robot.source)
+    for a, b in combinations(range(model.ngeom), 2):
+        bodies = int(model.geom_bodyid[a]), int(model.geom_bodyid[b])
+        falls = (static[a] and robot.floats(bodies[1])) or (static[b] and robot.floats(bodies[0]))
+        if (collide[a, b] or collide[b, a]) and bodies[0] != bodies[1] and not (static[a] and static[b]) and not falls:
+            found.setdefault(bodies, []).append((a, b))
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -169,6 +170,20 @@ class Robot:
             if int(self.model.body_parentid[child]) in inside:
                 inside.add(child)
         return tuple(sorted(inside))
+
+    def floats(self, body: int) -> bool:
+        """Whether a body belongs to a tree that nothing holds: its first joint is free."""
+        model, first = self.model, int(self.model.body_rootid[body])
+        adr = int(model.body_jntadr[first])
+        return adr >= 0 and int(model.jnt_type[adr]) == int(mujoco.mjtJoint.mjJNT_FREE)
+
+    def without_contacts(self, bodies: Iterable[tuple[int, int]]) -> Robot:
+        """The robot without contacts between some pairs of its bodies; itself where there is none."""
+        spec, names, changed = self.spec.copy(), self.names("body"), False
+        for one, other in bodies:
+            spec.add_exclude(bodyname1=names[one], bodyname2=names[other])
+            changed = True
+        return Robot.from_spec(spec, self.source) if changed else self
 
     def home(self) -> np.ndarray:
         """The configuration to start from, (nq,): keyframe `home`, else the first keyframe, else qpos0."""

@@ -44,6 +44,10 @@ def stirred(_: float, __: np.ndarray, w: np.ndarray) -> np.ndarray:
     return np.array([0.0, -0.03 * abs(w[0]) * w[1]])
 
 
+def rough_in_places(_: float, q: np.ndarray, w: np.ndarray) -> np.ndarray:
+    return -0.12 * (1.0 + 0.8 * np.sin(5.0 * q)) * np.tanh(w / 0.02)
+
+
 def gravel(_: float, q: np.ndarray, w: np.ndarray) -> np.ndarray:
     """No smooth law: kicks that follow each other like random numbers along the way."""
     return 0.6 * np.sign(np.sin(1e4 * np.sin(37.0 * q)) + 0.0 * w)
@@ -108,6 +112,15 @@ def test_the_simulator_that_is_given_back_moves_by_the_law(tmp_path):
         found.append(np.array(angles))
     assert traces.qpos[:, 0] == pytest.approx(found[0], abs=1e-4)
     assert np.abs(found[1] - found[0]).max() > 1e-2
+
+
+def test_a_law_that_a_name_half_explains_takes_its_place():
+    config = replace(CONFIG, most=1, effects=("viscous_friction", "hysteresis"))
+    findings = explained(case_of("one", Plant(law=rough_in_places), 22), config).findings
+    [law] = findings["what"]
+    assert (law["effect"], law["name"]) == ("unknown_law", "shaft") and "along the way" in law["sentence"]
+    found = {name: p["value"] for name, p in law["parameters"].items() if name != "phase"}
+    assert found == pytest.approx({"T": 0.12, "a": 0.8, "n": 5.0}, rel=0.1)
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estexp_jax.inference.apart import excluded, kept_apart
+from estexp_jax.inference.apart import kept_apart
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.mjx_model import mjx_model
 from estexp_jax.physics.robot import Robot
@@ -35,14 +35,31 @@ def robot() -> Robot:
 @pytest.mark.parametrize(("swing", "apart"), [(0.1, True), (0.17, True), (0.19, False), (0.3, False)])
 def test_only_what_stayed_apart_is_left_out(robot: Robot, swing: float, apart: bool) -> None:
     pair = robot.index("body", "left"), robot.index("body", "right")
-    assert kept_apart(robot, [path(0.05), path(swing)]) == ([pair] if apart else [])
+    assert (pair in kept_apart(robot, [path(0.05), path(swing)])) == apart
+
+
+@pytest.mark.parametrize("shape", ['type="plane" size="5 5 .1"', 'type="box" size="5 5 .1"'])
+@pytest.mark.parametrize(("height", "apart"), [(-0.7, True), (-0.56, True), (-0.54, False), (-0.4, False)])
+def test_surroundings_are_left_out_where_a_bolted_robot_keeps_off_them(shape: str, height: float, apart: bool) -> None:
+    top = height - 0.02 - (0.1 if "box" in shape else 0.0)
+    xml = LEGS.replace('type="plane" size="5 5 0.1" pos="0 0 -2"', f'{shape} pos="0 0 {top}"')
+    found = kept_apart(Robot.from_string(xml), [path(0.3)])  # they reach down to -0.55 m
+    assert ((0, 1) in found, (0, 2) in found) == (apart, apart)
+
+
+def test_what_floats_may_always_fall_on_its_surroundings() -> None:
+    xml = LEGS.replace('<joint name="l" axis="0 1 0"/>', '<freejoint name="l"/>').replace(
+        '<motor name="l" joint="l"/>', ""
+    )
+    at = np.array([[0.0, 0.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
+    assert set(kept_apart(Robot.from_string(xml), [at])) == {(1, 2), (0, 2)}
 
 
 def test_a_robot_without_them_is_the_same_but_for_them(robot: Robot) -> None:
-    found = excluded(robot, kept_apart(robot, [path(0.1)]))
-    assert found.model.nexclude == 1 and robot.model.nexclude == 0
+    found = robot.without_contacts(kept_apart(robot, [path(0.1)]))
+    assert found.model.nexclude == 3 and robot.model.nexclude == 0
     assert found.names("geom") == robot.names("geom")
-    assert excluded(robot, []) is robot
+    assert robot.without_contacts([]) is robot
     refused = lanes_refusal(mjx_model(robot, ()), frozenset())
     assert refused is not None and "'lf'" in refused
     assert lanes_refusal(mjx_model(found, ()), frozenset()) is None

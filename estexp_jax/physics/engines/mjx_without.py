@@ -54,7 +54,7 @@ def within_mjx(robot: Robot) -> Within:
         InputError: two shapes that MJX cannot let touch may carry the robot.
     """
     apart = _apart(robot)
-    model = _excluding(robot, apart) if apart else copy.deepcopy(robot.model)
+    model = copy.deepcopy(robot.without_contacts(apart).model)
     bodies = robot.names("body")
     left_out = [f"contacts between '{bodies[a]}' and '{bodies[b]}': {why}" for (a, b), why in apart.items()]
     return Within(model, (*left_out, *_without_margins(model), *_options(model.opt)))
@@ -94,7 +94,7 @@ def _apart(robot: Robot) -> dict[tuple[int, int], str]:
         if bodies in excluded or bodies[::-1] in excluded or bodies in found:
             continue
         shapes = [_GEOM(int(model.geom_type[g])).name.removeprefix("mjGEOM_").lower() for g in (a, b)]
-        if model.body_weldid[bodies[0]] == 0 and _floats(model, bodies[1]):
+        if model.body_weldid[bodies[0]] == 0 and robot.floats(bodies[1]):
             raise InputError(
                 f"MJX has no contact of a {shapes[0]} with a {shapes[1]}: '{geoms[a]}' and '{geoms[b]}'",
                 where=robot.source,
@@ -127,17 +127,3 @@ def _may_touch(model: mujoco.MjModel, a: int, b: int) -> bool:
 
 def _carrier(model: mujoco.MjModel, body: int) -> int:
     return int(model.body_weldid[model.body_parentid[body]])
-
-
-def _floats(model: mujoco.MjModel, body: int) -> bool:
-    """Whether a body belongs to a robot that nothing holds."""
-    first = int(model.body_rootid[body])
-    adr, count = int(model.body_jntadr[first]), int(model.body_jntnum[first])
-    return count > 0 and int(model.jnt_type[adr]) == mujoco.mjtJoint.mjJNT_FREE
-
-
-def _excluding(robot: Robot, pairs: dict[tuple[int, int], str]) -> mujoco.MjModel:
-    spec, bodies = robot.spec.copy(), robot.names("body")
-    for a, b in pairs:
-        spec.add_exclude(bodyname1=bodies[a], bodyname2=bodies[b])
-    return spec.compile()
