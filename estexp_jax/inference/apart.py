@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 
 import mujoco
 import numpy as np
 
 from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.touching import touching_pairs
 
 _NEAR = 0.02
 """Parts that come nearer, m, may touch in a simulation that moves a little otherwise."""
@@ -50,11 +50,10 @@ def _are_near(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) 
 def _pairs(robot: Robot) -> dict[tuple[int, int], list[tuple[int, int]]]:
     """Bodies that may touch by their description, and those of their geoms that may."""
     model, found = robot.model, dict[tuple[int, int], list[tuple[int, int]]]()
-    static = model.body_weldid[model.geom_bodyid] == 0
-    collide = model.geom_contype[:, None] & model.geom_conaffinity[None, :]
-    for a, b in combinations(range(model.ngeom), 2):
-        bodies = int(model.geom_bodyid[a]), int(model.geom_bodyid[b])
-        falls = (static[a] and robot.floats(bodies[1])) or (static[b] and robot.floats(bodies[0]))
-        if (collide[a, b] or collide[b, a]) and bodies[0] != bodies[1] and not (static[a] and static[b]) and not falls:
+    for a, b in touching_pairs(model):
+        first, second = sorted((int(model.geom_bodyid[a]), int(model.geom_bodyid[b])))
+        bodies = first, second
+        still = [model.body_weldid[body] == 0 for body in bodies]
+        if not any(still) or not robot.floats(bodies[1 - still.index(True)]):
             found.setdefault(bodies, []).append((a, b))
     return found

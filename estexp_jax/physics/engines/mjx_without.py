@@ -16,6 +16,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.touching import touching_pairs
 
 _GEOM, _INTEGRATOR, _ENABLE = mujoco.mjtGeom, mujoco.mjtIntegrator, mujoco.mjtEnableBit
 APART = frozenset(
@@ -88,10 +89,9 @@ def _without_margins(model: mujoco.MjModel) -> Iterator[str]:
 def _apart(robot: Robot) -> dict[tuple[int, int], str]:
     """Pairs of bodies that cannot be let touch, and why."""
     model, geoms, found = robot.model, robot.names("geom"), {}
-    excluded = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
     for a, b in _pairs(model):
         bodies = tuple(sorted((int(model.geom_bodyid[a]), int(model.geom_bodyid[b]))))
-        if bodies in excluded or bodies[::-1] in excluded or bodies in found:
+        if bodies in found:
             continue
         shapes = [_GEOM(int(model.geom_type[g])).name.removeprefix("mjGEOM_").lower() for g in (a, b)]
         if model.body_weldid[bodies[0]] == 0 and robot.floats(bodies[1]):
@@ -105,25 +105,8 @@ def _apart(robot: Robot) -> dict[tuple[int, int], str]:
 
 
 def _pairs(model: mujoco.MjModel) -> Iterator[tuple[int, int]]:
-    """Geoms that touch in the C engine and have no function in MJX."""
-    kinds = model.geom_type
-    for one, other in APART:
-        for a in np.flatnonzero(kinds == int(one)):
-            for b in np.flatnonzero(kinds == int(other)):
-                if _may_touch(model, int(a), int(b)):
-                    yield int(a), int(b)
-
-
-def _may_touch(model: mujoco.MjModel, a: int, b: int) -> bool:
-    """Whether the C engine lets two geoms touch: masks, and no hinge or slide between their bodies alone."""
-    masks = (model.geom_contype[a] & model.geom_conaffinity[b]) | (model.geom_contype[b] & model.geom_conaffinity[a])
-    one, other = (int(model.body_weldid[model.geom_bodyid[g]]) for g in (a, b))
-    if not masks or one == other:
-        return False
-    related = one == _carrier(model, other) or other == _carrier(model, one)
-    filtered = not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
-    return not (related and filtered and one and other)
-
-
-def _carrier(model: mujoco.MjModel, body: int) -> int:
-    return int(model.body_weldid[model.body_parentid[body]])
+    """Geoms that touch in the C engine and have no function in MJX, the lower type first."""
+    for pair in touching_pairs(model):
+        a, b = sorted(pair, key=lambda g: int(model.geom_type[g]))
+        if (_GEOM(int(model.geom_type[a])), _GEOM(int(model.geom_type[b]))) in APART:
+            yield a, b

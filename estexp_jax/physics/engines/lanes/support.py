@@ -9,7 +9,8 @@ import numpy as np
 
 from estexp_jax.physics.engines.lanes.rays import TOUCH_SHAPES
 from estexp_jax.physics.engines.lanes.sensors import SENSORS
-from estexp_jax.physics.engines.lanes.touching import SHAPES, touching_pairs
+from estexp_jax.physics.engines.lanes.touching import SHAPES
+from estexp_jax.physics.touching import touching_pairs
 
 _GEOM, _JOINT, _OFF, _ON = mujoco.mjtGeom, mujoco.mjtJoint, mujoco.mjtDisableBit, mujoco.mjtEnableBit
 _COUNTED = {
