@@ -8,13 +8,13 @@ not.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
-from estexp_jax.errors import InputError
+from estexp_jax.errors import InputError, listing
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.touching import touching_pairs
 
@@ -30,6 +30,13 @@ APART = frozenset(
     }
 )
 """Shapes that MJX cannot let touch."""
+_WORDS = {
+    _GEOM.mjGEOM_HFIELD: "a height field",
+    _GEOM.mjGEOM_ELLIPSOID: "an ellipsoid",
+    _GEOM.mjGEOM_CYLINDER: "a cylinder",
+    _GEOM.mjGEOM_BOX: "a box",
+    _GEOM.mjGEOM_MESH: "a mesh",
+}
 _ROUGH = (_GEOM.mjGEOM_MESH, _GEOM.mjGEOM_HFIELD)
 """Shapes whose contacts begin at touch in MJX."""
 _IDLE = int(_ENABLE.mjENBL_ENERGY) | int(_ENABLE.mjENBL_FWDINV)
@@ -56,9 +63,7 @@ def within_mjx(robot: Robot) -> Within:
     """
     apart = _apart(robot)
     model = copy.deepcopy(robot.without_contacts(apart).model)
-    bodies = robot.names("body")
-    left_out = [f"contacts between '{bodies[a]}' and '{bodies[b]}': {why}" for (a, b), why in apart.items()]
-    return Within(model, (*left_out, *_without_margins(model), *_options(model.opt)))
+    return Within(model, (*_contacts(robot, apart), *_without_margins(model), *_options(model.opt)))
 
 
 def _options(option: mujoco.MjOption) -> Iterator[str]:
@@ -86,22 +91,30 @@ def _without_margins(model: mujoco.MjModel) -> Iterator[str]:
         yield "margins of contacts: meshes and height fields have none"
 
 
-def _apart(robot: Robot) -> dict[tuple[int, int], str]:
-    """Pairs of bodies that cannot be let touch, and why."""
-    model, geoms, found = robot.model, robot.names("geom"), {}
+def _apart(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
+    """Pairs of bodies that cannot be let touch, and the shapes of two of their geoms that cannot."""
+    model, geoms, found = robot.model, robot.names("geom"), dict[tuple[int, int], tuple[str, str]]()
     for a, b in _pairs(model):
-        bodies = tuple(sorted((int(model.geom_bodyid[a]), int(model.geom_bodyid[b]))))
-        if bodies in found:
-            continue
-        shapes = [_GEOM(int(model.geom_type[g])).name.removeprefix("mjGEOM_").lower() for g in (a, b)]
-        if model.body_weldid[bodies[0]] == 0 and robot.floats(bodies[1]):
+        one, other = int(model.geom_bodyid[a]), int(model.geom_bodyid[b])
+        shape, second = (_WORDS[_GEOM(int(model.geom_type[g]))] for g in (a, b))
+        still = [int(model.body_weldid[body]) == 0 for body in (one, other)]
+        if any(still) and (robot.floats(one) or robot.floats(other)):
             raise InputError(
-                f"MJX has no contact of a {shapes[0]} with a {shapes[1]}: '{geoms[a]}' and '{geoms[b]}'",
+                f"MJX has no contact of {shape} with {second}: '{geoms[a]}' and '{geoms[b]}'",
                 where=robot.source,
                 right="make one a capsule or a sphere, or keep them from touching (contype, conaffinity, exclude)",
             )
-        found[bodies] = f"MJX has none of a {shapes[0]} ('{geoms[a]}') with a {shapes[1]} ('{geoms[b]}')"
+        found.setdefault((min(one, other), max(one, other)), (shape, second))
     return found
+
+
+def _contacts(robot: Robot, apart: Mapping[tuple[int, int], tuple[str, str]]) -> Iterator[str]:
+    """Contacts that are left out, a sentence."""
+    if apart:
+        bodies = robot.names("body")
+        shapes = sorted({f"{one} with {other}" for one, other in apart.values()})
+        pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in apart)
+        yield f"contacts between {pairs}: MJX has none of {' or of '.join(shapes)}"
 
 
 def _pairs(model: mujoco.MjModel) -> Iterator[tuple[int, int]]:
