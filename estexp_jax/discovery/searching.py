@@ -15,7 +15,7 @@ from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
 from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
-from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, worth
+from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, steadiest, worth
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
@@ -150,6 +150,8 @@ def _added(search: _Search, found: _Found, bases: Sequence[Fit], n: int) -> Gene
         return found
     (before, *judged), problem = yield from _compared(search, found.problem, [found.chosen.fitted, *grown], stage)
     tried, best = (*found.tried, *judged), simplest(judged)
+    if before.places and before.error > FAR:
+        best = steadiest(judged, before)
     return _Found(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
 
 

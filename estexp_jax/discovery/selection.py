@@ -111,6 +111,11 @@ def simplest(found: Sequence[Explanation]) -> Explanation:
     return min(near, key=lambda e: (len(e.fitted.hypothesis.free), e.error))
 
 
+def steadiest(found: Sequence[Explanation], old: Explanation) -> Explanation:
+    """The simplest of those that are worth it, else of all: one that wins much on few windows must not hide others."""
+    return simplest([e for e in found if worth(e, old)] or found)
+
+
 def worth(new: Explanation, old: Explanation) -> bool:
     """Whether an explanation predicts held-out windows enough better than a simpler one to be believed."""
     share = new.held_out.sum() / old.held_out.sum()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.discovery.selection import Explanation, Selection, probabilities, worth
+from estexp_jax.discovery.selection import Explanation, Selection, probabilities, simplest, steadiest, worth
 from estexp_jax.discovery.slopes import Fit
 
 
@@ -42,10 +42,13 @@ def test_what_shows_in_few_windows_but_plainly_is_believed():
 def test_a_small_gain_must_be_agreed_on_by_the_windows():
     before = np.full(12, 1.0)
     lucky, steady = before.copy(), before * 0.8
-    lucky[:3] = 0.2
+    lucky[:3] = 0.1
     lucky[3:] = 1.01
     assert lucky.sum() < 0.85 * before.sum()
     assert not worth(explanation(lucky, ("x", "a")), explanation(before))
     assert worth(explanation(steady, ("x", "a")), explanation(before))
     assert not worth(explanation(before * 0.9, ("x", "a")), explanation(before))
+    both = [explanation(lucky, ("x", "a")), explanation(steady, ("y", "a"))]
+    assert simplest(both) is both[0] and steadiest(both, explanation(before)) is both[1]
+    assert steadiest(both[:1], explanation(before)) is both[0], "none is worth it: the best one stays, to be refused"
     assert replace(explanation(before), held_out=4.0 * before).error == pytest.approx(np.sqrt(48.0))
