@@ -198,20 +198,24 @@ def score(withheld: Withheld, findings: dict[str, Any], base: dict[str, Any] | N
         base: findings of the logs as they are; what they claim of the same parameter already is taken off.
 
     Returns:
-        found (its effect, or one that says the same, is claimed at its place), as (which one), named_first, value and
-        error relative to the truth.
+        found (its effect, or one that says the same, is claimed at its place, or at all motors where there is but one),
+        as (which one), named_first, value and error relative to the truth.
     """
     if withheld.truth is None:
         same = base is not None and claims(findings) == claims(base)
         return {"found": same or findings["verdict"] == (base or {}).get("verdict"), "named_first": None, "error": None}
     first = findings["what"][0] if findings["what"] else {}
     told: dict[str, Any] = {"found": False, "as": None, "named_first": False, "value": None, "error": None}
+    lone = sum(column.startswith("ctrl.") for column in DEVICES[withheld.device].columns) == 1
     for truth in (withheld.truth, withheld.same):
-        own = None if truth is None else _value(findings, *truth[:3])
-        if own is None or truth is None:
+        if truth is None:
             continue
         effect, element, parameter, true = truth
-        before, neutral = _value(base, effect, element, parameter), 1.0 if effect == "sensor_gain" else 0.0
+        names = (element, "*") if lone else (element,)
+        own, before = (_value(f, effect, names, parameter) for f in (findings, base))
+        if own is None:
+            continue
+        neutral = 1.0 if effect == "sensor_gain" else 0.0
         expected = _combined(effect, neutral if before is None else before, true)
         return {
             "found": True,
@@ -230,9 +234,9 @@ def _combined(effect: str, before: float, added: float) -> float:
     return before * added if effect == "sensor_gain" else before + added
 
 
-def _value(findings: dict[str, Any] | None, effect: str, element: str, parameter: str) -> float | None:
+def _value(findings: dict[str, Any] | None, effect: str, names: Sequence[str], parameter: str) -> float | None:
     for claim in (findings or {"what": []})["what"]:
-        if claim["effect"] == effect and claim["name"] in (element, "*"):
+        if claim["effect"] == effect and claim["name"] in names:
             return claim["parameters"][parameter]["value"]
     return None
 

@@ -91,6 +91,12 @@ def test_a_withheld_truth_is_scored_beside_what_was_there_before():
     assert told["error"] == pytest.approx(0.0) and told["named_first"]
 
 
+def test_of_several_motors_the_one_withheld_must_be_named():
+    weak = next(w for w in cases.WITHHELD if w.name == "pendulum-weak-motor")
+    assert not cases.score(weak, _findings(("motor_weakness", "*", "loss", 0.7)), None)["found"]
+    assert cases.score(weak, _findings(("motor_weakness", "elbow", "loss", 0.7)), None)["found"]
+
+
 def test_coarser_encoders_must_change_no_claim():
     coarse = next(w for w in cases.WITHHELD if w.truth is None)
     one = _findings(("armature", "shaft", "I", 0.1))
