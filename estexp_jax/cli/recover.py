@@ -158,6 +158,7 @@ def run(options: Options) -> int:
     from estexp_jax.cli.recover_results import write_results
     from estexp_jax.cli.recover_story import Story
     from estexp_jax.package_data import model_path
+    from estexp_jax.physics.engines.mjx_without import within_mjx
     from estexp_jax.physics.robot import Robot
     from estexp_jax.recovery.state import RunState
     from estexp_jax.runs import Progress, enable_compilation_cache, load_checkpoint, open_run
@@ -167,7 +168,10 @@ def run(options: Options) -> int:
     if options.hardware is not None:  # before --force removes anything
         check_folder(options.hardware, fresh=fresh, force=options.force)
     model = options.model or model_path("quadruped")
-    job = _job(Robot.from_xml(model), settings, options, progress)
+    robot = Robot.from_xml(model)
+    for part in within_mjx(robot).left_out:
+        progress.say(f"Simulated without {part}")
+    job = _job(robot, settings, options, progress)
     config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.walker.choice.engine}
     if options.hardware is not None:
         config |= {"robot": "hardware", "healthy": options.healthy}

@@ -163,7 +163,7 @@ def data_entries(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
 
 
 def engine_advice(robot: Robot) -> list[str]:
-    """A line on each thing of the model that no engine here simulates."""
+    """A line on each thing of a model that is left out of its simulation, contacts of what came near included."""
     return [
         f"See that this does not matter to your motions: simulated without {x}." for x in within_mjx(robot).left_out
     ]

@@ -155,7 +155,7 @@ def _told(
         "advice": (tell.belied(found.claimed) if refuted(case, config, shown) else [])
         + tell.advice(judged, found.claimed, case.recordings, shares)
         + tell.step_advice(selection, timestep)
-        + tell.engine_advice(case.robot)
+        + tell.engine_advice(found.shown.replayer.robot)
         + tell.black_box_advice(judged, errors)
         + law_advice(what),
     }

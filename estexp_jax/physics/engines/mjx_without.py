@@ -98,7 +98,7 @@ def _apart(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
         one, other = int(model.geom_bodyid[a]), int(model.geom_bodyid[b])
         shape, second = (_WORDS[_GEOM(int(model.geom_type[g]))] for g in (a, b))
         still = [int(model.body_weldid[body]) == 0 for body in (one, other)]
-        if any(still) and (robot.floats(one) or robot.floats(other)):
+        if _touches(model) and any(still) and (robot.floats(one) or robot.floats(other)):
             raise InputError(
                 f"MJX has no contact of {shape} with {second}: '{geoms[a]}' and '{geoms[b]}'",
                 where=robot.source,
@@ -108,9 +108,14 @@ def _apart(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
     return found
 
 
+def _touches(model: mujoco.MjModel) -> bool:
+    """Whether contacts are switched on at all; MJX refuses shapes also where they are not."""
+    return not model.opt.disableflags & (mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+
+
 def _contacts(robot: Robot, apart: Mapping[tuple[int, int], tuple[str, str]]) -> Iterator[str]:
     """Contacts that are left out, a sentence."""
-    if apart:
+    if apart and _touches(robot.model):
         bodies = robot.names("body")
         shapes = sorted({f"{one} with {other}" for one, other in apart.values()})
         pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in apart)

@@ -56,6 +56,15 @@ def stlsq(terms: np.ndarray, force: np.ndarray, rounds: int = 10) -> np.ndarray:
     return np.where(kept, found, 0.0)
 
 
+def regressed(q: np.ndarray, w: np.ndarray, tau: np.ndarray, force: np.ndarray) -> dict[str, float]:
+    """Each term's coefficient in the force that a joint lacks; 0 where it is dropped.
+
+    Args:
+        q, w, tau, force: (rows,) position, speed, motor force and missing force of a joint.
+    """
+    return dict(zip(TERMS, stlsq(library(q, w, tau), force).tolist(), strict=True))
+
+
 def residual_forces(model: mujoco.MjModel, log: Log) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Positions, speeds, motor forces and missing forces (rows, nv) of a fixed-base robot."""
     place = [_sensor_of(model, j) for j in range(model.njnt)]
@@ -90,14 +99,12 @@ def run(model: mujoco.MjModel, logs: list[Log]) -> dict[str, Any] | None:
         return None
     parts = [residual_forces(model, log) for log in logs if log.role == "train"]
     q, w, tau, missing = (np.concatenate(column) for column in zip(*parts, strict=True))
-    found = np.stack([stlsq(library(q[:, v], w[:, v], tau[:, v]), missing[:, v]) for v in range(model.nv)])
+    laws = [regressed(*joint) for joint in zip(q.T, w.T, tau.T, missing.T, strict=True)]
+    found = np.array([list(law.values()) for law in laws])
 
     def push(qpos: np.ndarray, qvel: np.ndarray, motors: np.ndarray) -> np.ndarray:
         return np.sum(library(qpos, qvel, motors) * found, axis=-1)
 
-    told = {
-        model.joint(v).name: {t: round(float(c), 5) for t, c in zip(TERMS, found[v], strict=True) if c}
-        for v in range(model.nv)
-    }
+    told = {model.joint(v).name: {t: round(c, 5) for t, c in law.items() if c} for v, law in enumerate(laws)}
     errors = {role: nrmse(model, [log for log in logs if log.role == role], push) for role in ("train", "test")}
     return errors | {"terms": told}

@@ -79,6 +79,14 @@ def test_a_robot_that_may_stand_on_what_mjx_lacks_is_refused() -> None:
         within_mjx(Robot.from_string(xml, "walker.xml"))
 
 
+@pytest.mark.parametrize("base", ['<joint name="shoulder"/>', "<freejoint/>"])
+def test_contacts_that_are_switched_off_are_not_missed(base: str) -> None:
+    xml = ARM.replace("<worldbody>", '<option><flag contact="disable"/></option><worldbody>')
+    robot = Robot.from_string(xml.replace('<joint name="shoulder"/>', base))
+    assert within_mjx(robot).left_out == ()
+    mjx_model(robot, ())
+
+
 @pytest.mark.parametrize(
     ("option", "solver", "integrator", "lines"),
     [
