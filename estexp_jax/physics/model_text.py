@@ -15,6 +15,8 @@ from estexp_jax.errors import InputError, shown
 MOST_ELEMENTS = 20_000
 """Elements of a model, replicated ones counted each: from there on MuJoCo takes many seconds to compile it."""
 _MOST_CELLS, _MOST_SIZE = 2**26, 10_000
+_MOST_ROOM = {"nstack": 2**26, "njmax": 100_000, "nconmax": 100_000}
+"""Of memory that older models ask for: eight bytes each of `nstack`, constraints and contacts at once."""
 _CELLS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 _COUNTED = ("replicate", "composite", "flexcomp")
 # Comments may hold `--` in MuJoCo and not in XML, so they are cut out first. What is left of a document type would be
@@ -90,8 +92,9 @@ class _Reader:
             raise InputError(f"claims more than {_MOST_CELLS:,} cells", where=place, right="fewer of them")
         if tag == "size":
             for name, value in attributes.items():
-                if name.startswith("n") and _product(attributes, (name,)) > _MOST_SIZE:
-                    raise InputError(f"{name} is {shown(value)}", where=place, right=f"at most {_MOST_SIZE:,}")
+                most = _MOST_ROOM.get(name, _MOST_SIZE)
+                if name.startswith("n") and _product(attributes, (name,)) > most:
+                    raise InputError(f"{name} is {shown(value)}", where=place, right=f"at most {most:,}")
         self.found.append(Element(tag, attributes))
 
     def _end(self, _: str) -> None:

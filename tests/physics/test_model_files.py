@@ -176,6 +176,7 @@ def test_ways_out_of_a_urdf(tmp_path: Path, mesh: str) -> None:
             "<texture>: claims",
         ),
         ("<mujoco><size nkey='1000000000'/></mujoco>", "nkey is '1000000000'; at most 10,000"),
+        ("<mujoco><size nstack='100000000'/></mujoco>", "nstack is '100000000'; at most 67,108,864"),
         ("<mujoco><size nuser_body='" + "9" * 5000 + "'/></mujoco>", "nuser_body is '999.*at most"),
         ("<mujoco>\n\n<worldbody></mujoco>", "line 3: is not well-formed XML: mismatched tag"),
         ("<mujoco>\n<!-- no end", "line 2: is not well-formed XML; close every <"),
@@ -189,6 +190,12 @@ def test_ways_out_of_a_urdf(tmp_path: Path, mesh: str) -> None:
 def test_texts_that_claim_too_much(tmp_path: Path, text: str, told: str) -> None:
     with pytest.raises(InputError, match=told):
         Robot.from_xml(_write(tmp_path / "model.xml", text))
+
+
+def test_room_that_older_models_ask_for(tmp_path: Path) -> None:
+    body = "<worldbody><body><joint/><geom size='.1' mass='1'/></body></worldbody>"
+    text = f"<mujoco><size nstack='300000' njmax='5000' nconmax='20000'/>{body}</mujoco>"
+    assert Robot.from_xml(_write(tmp_path / "model.xml", text)).model.nv == 1
 
 
 def test_files_that_are_too_large_or_none(tmp_path: Path) -> None:
