@@ -21,6 +21,7 @@ from estexp_jax.physics.effects.controller_fault import CommandRoute, Controller
 from estexp_jax.physics.portable import portable
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
+from estexp_jax.recordings.bind import COORDINATES
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.runs import RunFolder, write_json, write_text
 
@@ -97,7 +98,10 @@ def _in_controller_only(e: Effect) -> bool:
 
 
 def _log(robot: Robot, commands: np.ndarray, traces: Traces, config: RecordConfig, seed: int) -> dict[str, np.ndarray]:
-    """Columns of a log: commands, sensors; joint coordinates where the model has no sensor at all."""
+    """Columns of a log: commands, sensors; joint coordinates where the model has no sensor at all.
+
+    Of a free or ball joint these are its pose and its speeds, as motion capture tells them.
+    """
     draw = np.random.default_rng(seed)
     columns = {"time": traces.time}
     columns |= {f"ctrl.{name}": commands[:, a] for a, name in enumerate(robot.names("actuator"))}
@@ -105,11 +109,29 @@ def _log(robot: Robot, commands: np.ndarray, traces: Traces, config: RecordConfi
     if names:
         for i, name in enumerate(names):
             columns[f"sensor.{name}"] = _measured(traces.sensors[:, i], _is_position(robot, i), config, draw)
-    else:
-        for joint in robot.scalar_joints:
+        return columns
+    for joint, name in enumerate(robot.names("joint")):
+        if joint in robot.scalar_joints:
             position = traces.qpos[:, robot.model.jnt_qposadr[joint]]
-            columns[f"qpos.{robot.names('joint')[joint]}"] = _measured(position, True, config, draw)
+            columns[f"qpos.{name}"] = _measured(position, True, config, draw)
+        else:
+            columns |= _captured(robot, joint, traces, config, draw)
     return columns
+
+
+def _captured(
+    robot: Robot, joint: int, traces: Traces, config: RecordConfig, draw: np.random.Generator
+) -> dict[str, np.ndarray]:
+    """Columns of a free or ball joint: a pose with noise, its quaternion of length one; speeds."""
+    name, kind = robot.names("joint")[joint], mujoco.mjtJoint(int(robot.model.jnt_type[joint]))
+    coordinates, speeds = COORDINATES[kind]
+    first, first_speed = robot.model.jnt_qposadr[joint], robot.model.jnt_dofadr[joint]
+    true = traces.qpos[:, first : first + coordinates]
+    pose = true + draw.normal(0.0, config.noise, true.shape)
+    pose[:, -4:] /= np.linalg.norm(pose[:, -4:], axis=1, keepdims=True)
+    moving = [_measured(traces.qvel[:, first_speed + i], False, config, draw) for i in range(speeds)]
+    columns = {f"qpos.{name}.{i}": pose[:, i] for i in range(coordinates)}
+    return columns | {f"qvel.{name}.{i}": speed for i, speed in enumerate(moving)}
 
 
 def _measured(true: np.ndarray, position: bool, config: RecordConfig, draw: np.random.Generator) -> np.ndarray:

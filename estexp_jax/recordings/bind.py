@@ -22,12 +22,13 @@ _PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")
 _READINGS = ("sensor", "qpos", "qvel")
 _SHORTEST = 1e-12
 """Rows closer than this, s, have the same time: no clock is that fine."""
-_COORDINATES = {  # joint type: numbers in qpos, in qvel
+COORDINATES = {
     mujoco.mjtJoint.mjJNT_FREE: (7, 6),
     mujoco.mjtJoint.mjJNT_BALL: (4, 3),
     mujoco.mjtJoint.mjJNT_SLIDE: (1, 1),
     mujoco.mjtJoint.mjJNT_HINGE: (1, 1),
 }
+"""Numbers in qpos and in qvel of each type of joint."""
 
 
 def read_recording(
@@ -135,7 +136,7 @@ def _places(robot: Robot) -> dict[str, tuple[str, int]]:
     model = robot.model
     for kind, width, addresses in (("qpos", 0, model.jnt_qposadr), ("qvel", 1, model.jnt_dofadr)):
         for joint, name in enumerate(robot.names("joint")):
-            size = _COORDINATES[mujoco.mjtJoint(model.jnt_type[joint])][width]
+            size = COORDINATES[mujoco.mjtJoint(model.jnt_type[joint])][width]
             for k in range(size):
                 places[f"{kind}.{name}" + (f".{k}" if size > 1 else "")] = (kind, int(addresses[joint]) + k)
     return places

@@ -23,7 +23,9 @@ BOXES = """
 <mujoco>
   <option timestep="0.002" integrator="implicitfast"/>
   <worldbody>
-    <body pos="0.1 0 0.05" euler="5 3 0"><geom name="slope" type="plane" size="0 0 1" margin="0.002"/></body>
+    <body pos="0.1 0 0.05" euler="5 3 0"><geom name="slope" type="plane" size="0 0 1" margin="0.002"/>
+      <site name="mark" pos="0.1 0.2 0.3" euler="10 20 30"/>
+    </body>
     <body name="box" pos="0 0 0.3">
       <freejoint/>
       <geom type="box" size="0.1 0.07 0.05" friction="0.6 0.01 0.01" solref="0.03 0.8" solimp="0.8 0.99 0.01 0.3 3"/>
@@ -32,7 +34,7 @@ BOXES = """
         <joint name="swing" axis="0 1 0.2" pos="0.01 0 0.02" stiffness="0.5" springref="0.2" frictionloss="0.03"/>
         <geom type="capsule" size="0.02 0.1" euler="90 0 0" pos="0.1 0 0" condim="1" priority="1"/>
         <site name="hand" type="capsule" size="0.03 0.12" euler="90 10 0" pos="0.1 0 0"/>
-        <body name="tool" pos="0.1 0.1 0">
+        <body name="tool" pos="0.1 0.1 0" euler="20 -10 5">
           <joint name="slide" type="slide" axis="1 0 0.3" damping="0.4" range="-0.02 0.05" limited="true"/>
           <geom type="sphere" size="0.03" solref="-900 -30"/>
         </body>
@@ -52,6 +54,11 @@ BOXES = """
     <frameangvel objtype="xbody" objname="arm"/> <subtreecom body="arm"/> <subtreecom body="box"/>
     <jointpos joint="swing"/> <jointvel joint="slide"/> <actuatorfrc actuator="servo"/>
     <jointactuatorfrc joint="slide"/>
+    <framequat objtype="site" objname="hand"/> <framequat objtype="xbody" objname="arm"/>
+    <framequat objtype="body" objname="tool"/> <framexaxis objtype="site" objname="hand"/>
+    <frameyaxis objtype="xbody" objname="arm"/> <framezaxis objtype="body" objname="tool"/>
+    <subtreelinvel body="arm"/> <subtreelinvel body="box"/> <framequat objtype="xbody" objname="box"/>
+    <framepos objtype="site" objname="mark"/> <framequat objtype="site" objname="mark"/> <gyro site="mark"/>
   </sensor>
 </mujoco>
 """

@@ -217,3 +217,15 @@ def _per_element(x: Scalar) -> bool:
 def spread_all(xs: Sequence[Scalar], k_from: int, k_to: int) -> tuple[Scalar, ...]:
     """`spread` of each."""
     return tuple(spread(x, k_from, k_to) for x in xs)
+
+
+def one(x: Scalar, member: int) -> Scalar:
+    """One member of a group's scalar."""
+    if isinstance(x, (int, float)) or x.ndim < 2:
+        return x
+    return x[member if x.shape[0] > 1 else 0]
+
+
+def each(v: Sequence[Scalar], member: int) -> tuple[Scalar, ...]:
+    """One member of several scalars of a group."""
+    return tuple(one(x, member) for x in v)

@@ -6,9 +6,11 @@ Source: MuJoCo documentation, "XML reference": "sensor"; `engine_sensor.c`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import jax.numpy as jnp
 import mujoco
+import numpy as np
 
 from estexp_jax.physics.engines.lanes.algebra import (
     Matrix,
@@ -18,13 +20,16 @@ from estexp_jax.physics.engines.lanes.algebra import (
     apply,
     cross,
     dot,
+    each,
     neg,
+    one,
     scale,
     total,
     transposed,
     vadd,
     vsub,
 )
+from estexp_jax.physics.engines.lanes.attitude import attitude, product, quaternion
 from estexp_jax.physics.engines.lanes.contacts import Contact
 from estexp_jax.physics.engines.lanes.dynamics import Inertias
 from estexp_jax.physics.engines.lanes.numbers import Numbers
@@ -34,6 +39,9 @@ from estexp_jax.physics.engines.lanes.rows import Residual
 from estexp_jax.physics.engines.lanes.step import Instant
 
 _SENSOR, _OBJECT = mujoco.mjtSensor, mujoco.mjtObj
+_AXES = (_SENSOR.mjSENS_FRAMEXAXIS, _SENSOR.mjSENS_FRAMEYAXIS, _SENSOR.mjSENS_FRAMEZAXIS)
+SEATS = (_OBJECT.mjOBJ_SITE, _OBJECT.mjOBJ_GEOM, _OBJECT.mjOBJ_BODY, _OBJECT.mjOBJ_XBODY)
+"""What sensors of motion may be on."""
 
 
 class Reader:
@@ -47,12 +55,23 @@ class Reader:
         """Readings (N,) by their address in `sensordata`, of the sensors with these indices."""
         model, found = self._plan.model, {}
         for sensor in sensors:
-            kind = _SENSOR(int(model.sensor_type[sensor]))
-            values = _READINGS[kind](self, now, sensor)
-            cutoff, first = float(model.sensor_cutoff[sensor]), int(model.sensor_adr[sensor])
+            kind, first = _SENSOR(int(model.sensor_type[sensor])), int(model.sensor_adr[sensor])
+            if kind in RESTING and on_fixed_body(model, sensor):
+                values = self._full(now, self._at_rest[first : first + int(model.sensor_dim[sensor])].tolist())
+            else:
+                values = _READINGS[kind](self, now, sensor)
+            cutoff = float(model.sensor_cutoff[sensor])
             for n, value in enumerate(values):
                 found[first + n] = value if cutoff <= 0.0 else jnp.clip(value, -cutoff, cutoff)
         return found
+
+    @cached_property
+    def _at_rest(self) -> np.ndarray:
+        """`sensordata` of the robot as described: what sensors on bodies that cannot move always show."""
+        model = self._plan.model
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        return data.sensordata.copy()
 
     def _object(self, sensor: int) -> int:
         return int(self._plan.model.sensor_objid[sensor])
@@ -60,12 +79,12 @@ class Reader:
     def joint_position(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
         """`jointpos`."""
         slot, member = self._joint(self._object(sensor))
-        return (_one(now.state.qpos[slot][0], member),)
+        return (one(now.state.qpos[slot][0], member),)
 
     def joint_speed(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
         """`jointvel`."""
         slot, member = self._joint(self._object(sensor))
-        return (_one(now.state.qvel[self._plan.joints[slot].dofs[0]], member),)
+        return (one(now.state.qvel[self._plan.joints[slot].dofs[0]], member),)
 
     def _joint(self, joint: int) -> tuple[int, int]:
         return next((n, j.ids.index(joint)) for n, j in enumerate(self._plan.joints) if joint in j.ids)
@@ -73,13 +92,13 @@ class Reader:
     def actuator_force(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
         """`actuatorfrc`."""
         actuator = self._object(sensor)
-        return next((_one(x, ids.index(actuator)),) for ids, x in now.pulled.actuator.items() if actuator in ids)
+        return next((one(x, ids.index(actuator)),) for ids, x in now.pulled.actuator.items() if actuator in ids)
 
     def joint_actuator_force(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
         """`jointactuatorfrc`."""
         slot, member = self._joint(self._object(sensor))
         torque = now.pulled.motor[self._plan.joints[slot].dofs[0]]
-        return (_one(torque, member) + jnp.zeros_like(_one(now.state.qvel[0], 0)),)
+        return (one(torque, member) + jnp.zeros_like(one(now.state.qvel[0], 0)),)
 
     def touch(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
         """`touch`: normal forces of the body's contacts whose line of force meets the site."""
@@ -90,13 +109,13 @@ class Reader:
             for member, geom in enumerate(contact.candidate.geoms)
             if int(self._plan.model.geom_bodyid[geom]) == body
         ]
-        return (total(forces) + jnp.zeros_like(_one(now.state.qvel[0], 0)),)
+        return (total(forces) + jnp.zeros_like(one(now.state.qvel[0], 0)),)
 
     def _felt(self, now: Instant, contact: Contact, residual: Residual, member: int, site: int) -> Scalar:
-        force = _one(contact.normal_force(residual), member)
+        force = one(contact.normal_force(residual), member)
         rotation, place = self._site(now, site)
-        point = tuple(_one(x, member) for x in contact.position)
-        ray = tuple(neg(_one(x, member)) for x in contact.normal)
+        point = tuple(one(x, member) for x in contact.position)
+        ray = tuple(neg(one(x, member)) for x in contact.normal)
         local = transposed(rotation)
         start, way = apply(local, vsub(point, place)), apply(local, ray)
         shape, size = mujoco.mjtGeom(int(self._plan.model.site_type[site])), self._plan.model.site_size[site]
@@ -115,7 +134,21 @@ class Reader:
     def frame_spin(self, now: Instant, sensor: int) -> Vector:
         """`frameangvel`, world axes."""
         group, member = self._plan.place_of_body[self._frame(now, sensor)[3]]
-        return self._full(now, _each(now.moving.poses[group].spin, member))
+        return self._full(now, each(now.moving.poses[group].spin, member))
+
+    def frame_axis(self, now: Instant, sensor: int) -> Vector:
+        """`framexaxis`, `frameyaxis`, `framezaxis`, world axes."""
+        axes, *_ = self._frame(now, sensor)
+        column = _AXES.index(_SENSOR(int(self._plan.model.sensor_type[sensor])))
+        return self._full(now, tuple(row[column] for row in axes))
+
+    def frame_quaternion(self, now: Instant, sensor: int) -> Sequence[Scalar]:
+        """`framequat`."""
+        body, seat = seat_of(self._plan.model, sensor)
+        found = attitude(self._plan, self._numbers, now.state.qpos, body)
+        if seat:
+            found = product(found, quaternion(self._numbers, f"{seat}quat", self._object(sensor)))
+        return self._full(now, found)
 
     def velocimeter(self, now: Instant, sensor: int) -> Vector:
         """`velocimeter`, in the site's axes."""
@@ -126,94 +159,96 @@ class Reader:
         """`gyro`, in the site's axes."""
         rotation, _, _, body = self._frame(now, sensor)
         group, member = self._plan.place_of_body[body]
-        return self._full(now, apply(transposed(rotation), _each(now.moving.poses[group].spin, member)))
+        return self._full(now, apply(transposed(rotation), each(now.moving.poses[group].spin, member)))
 
     def accelerometer(self, now: Instant, sensor: int) -> Vector:
         """`accelerometer`, in the site's axes: gravity shows as an upward acceleration."""
         rotation, place, _, body = self._frame(now, sensor)
         group, member = self._plan.place_of_body[body]
         pose = now.moving.poses[group]
-        spin, rate = _each(pose.spin, member), _each(pose.spin_rate, member)
-        arm = vsub(place, _each(pose.position, member))
-        whole = vadd(_each(pose.acceleration, member), vadd(cross(rate, arm), cross(spin, cross(spin, arm))))
+        spin, rate = each(pose.spin, member), each(pose.spin_rate, member)
+        arm = vsub(place, each(pose.position, member))
+        whole = vadd(each(pose.acceleration, member), vadd(cross(rate, arm), cross(spin, cross(spin, arm))))
         for i in self._plan.groups[group].chain:
             k = self._plan.dofs[i].k
             above = member * k // self._plan.groups[group].k if k > 1 else 0
-            unit = vadd(_each(now.moving.linear[i], above), cross(_each(now.moving.angular[i], above), place))
-            whole = vadd(whole, scale(_one(now.solution.acceleration[i], above), unit))
+            unit = vadd(each(now.moving.linear[i], above), cross(each(now.moving.angular[i], above), place))
+            whole = vadd(whole, scale(one(now.solution.acceleration[i], above), unit))
         return self._full(now, apply(transposed(rotation), whole))
 
     def subtree_centre(self, now: Instant, sensor: int) -> Vector:
         """`subtreecom`, world axes."""
+        mass, moment = self._weighed(sensor, lambda body: vadd(self._centre(now, body), self._origin(now, body)))
+        return self._full(now, scale(1.0 / mass, moment))
+
+    def subtree_velocity(self, now: Instant, sensor: int) -> Vector:
+        """`subtreelinvel`, world axes."""
+        mass, momentum = self._weighed(sensor, lambda body: self._velocity(now, body, self._centre(now, body)))
+        return self._full(now, scale(1.0 / mass, momentum))
+
+    def _weighed(self, sensor: int, of: Callable[[int], Vector]) -> tuple[Scalar, Vector]:
+        """Mass of a subtree, and the sum of what each body has times its mass."""
         model, top = self._plan.model, self._object(sensor)
         mass: Scalar = 0
-        moment: Vector = (0, 0, 0)
+        whole: Vector = (0, 0, 0)
         for body in range(1, model.nbody):
             above = body
             while above > top:
                 above = int(model.body_parentid[above])
             if above == top and body in self._plan.place_of_body:
                 group, member = self._plan.place_of_body[body]
-                weight = _one(self._inertias.mass[group], member)
-                pose = now.moving.poses[group]
-                arm = apply(_turn(pose.rotation, member), _each(self._inertias.centre[group], member))
-                centre = vadd(vadd(_each(pose.position, member), arm), _each(now.moving.origin[group], member))
-                mass, moment = add(mass, weight), vadd(moment, scale(weight, centre))
-        return self._full(now, scale(1.0 / mass, moment))
+                weight = one(self._inertias.mass[group], member)
+                mass, whole = add(mass, weight), vadd(whole, scale(weight, of(body)))
+        return mass, whole
+
+    def _centre(self, now: Instant, body: int) -> Vector:
+        """Centre of mass of a body about its tree's origin."""
+        group, member = self._plan.place_of_body[body]
+        pose = now.moving.poses[group]
+        arm = apply(_turn(pose.rotation, member), each(self._inertias.centre[group], member))
+        return vadd(each(pose.position, member), arm)
+
+    def _origin(self, now: Instant, body: int) -> Vector:
+        """Origin of a body's tree."""
+        group, member = self._plan.place_of_body[body]
+        return each(now.moving.origin[group], member)
 
     def _velocity(self, now: Instant, body: int, place: Vector) -> Vector:
         group, member = self._plan.place_of_body[body]
         pose = now.moving.poses[group]
-        arm = vsub(place, _each(pose.position, member))
-        return vadd(_each(pose.velocity, member), cross(_each(pose.spin, member), arm))
+        arm = vsub(place, each(pose.position, member))
+        return vadd(each(pose.velocity, member), cross(each(pose.spin, member), arm))
 
     def _frame(self, now: Instant, sensor: int) -> tuple[Matrix, Vector, Vector, int]:
         """Axes, place about the tree's origin, the origin, and the body of what a sensor sits on."""
-        model, target = self._plan.model, self._object(sensor)
-        kind = _OBJECT(int(model.sensor_objtype[sensor]))
-        prefix = {_OBJECT.mjOBJ_SITE: "site", _OBJECT.mjOBJ_GEOM: "geom"}.get(kind)
-        if prefix:
-            body = int(getattr(model, f"{prefix}_bodyid")[target])
-            offset, turned = self._numbers.vector(f"{prefix}_pos", [target]), f"{prefix}_quat"
-        else:
-            body, turned = target, "body_iquat"
-            inertial = kind == _OBJECT.mjOBJ_BODY
-            offset = self._numbers.vector("body_ipos", [target]) if inertial else (0, 0, 0)
+        body, seat = seat_of(self._plan.model, sensor)
         group, member = self._plan.place_of_body[body]
-        pose = now.moving.poses[group]
-        rotation = _turn(pose.rotation, member)
-        place = vadd(_each(pose.position, member), apply(rotation, offset))
-        local = self._numbers.rotation(turned, [target])
+        pose, origin = now.moving.poses[group], each(now.moving.origin[group], member)
+        rotation, place = _turn(pose.rotation, member), each(pose.position, member)
+        if not seat:
+            return rotation, place, origin, body
+        target = [self._object(sensor)]
+        place = vadd(place, apply(rotation, self._numbers.vector(f"{seat}pos", target)))
+        local = self._numbers.rotation(f"{seat}quat", target)
         axes = tuple(tuple(dot(row, column) for column in transposed(local)) for row in rotation)
-        return axes, place, _each(now.moving.origin[group], member), body
+        return axes, place, origin, body
 
     def _site(self, now: Instant, site: int) -> tuple[Matrix, Vector]:
         group, member = self._plan.place_of_body[int(self._plan.model.site_bodyid[site])]
         pose = now.moving.poses[group]
         rotation = _turn(pose.rotation, member)
-        place = vadd(_each(pose.position, member), apply(rotation, self._numbers.vector("site_pos", [site])))
+        place = vadd(each(pose.position, member), apply(rotation, self._numbers.vector("site_pos", [site])))
         local = self._numbers.rotation("site_quat", [site])
         return tuple(tuple(dot(row, column) for column in transposed(local)) for row in rotation), place
 
-    def _full(self, now: Instant, v: Vector) -> Vector:
+    def _full(self, now: Instant, v: Sequence[Scalar]) -> Vector:
         """As arrays (N,), also where a component is known."""
-        zero = jnp.zeros_like(_one(now.state.qvel[0], 0))
+        zero = jnp.zeros_like(one(now.state.qvel[0], 0))
         return tuple(zero + x for x in v)
 
 
-def _one(x: Scalar, member: int) -> Scalar:
-    """One member of a group's scalar."""
-    if isinstance(x, (int, float)) or x.ndim < 2:
-        return x
-    return x[member if x.shape[0] > 1 else 0]
-
-
-def _each(v: Vector, member: int) -> Vector:
-    return tuple(_one(x, member) for x in v)
-
-
 def _turn(rotation: Matrix, member: int) -> Matrix:
-    return tuple(_each(row, member) for row in rotation)
+    return tuple(each(row, member) for row in rotation)
 
 
 _READINGS: dict[mujoco.mjtSensor, Callable[[Reader, Instant, int], Sequence[Scalar]]] = {
@@ -223,13 +258,44 @@ _READINGS: dict[mujoco.mjtSensor, Callable[[Reader, Instant, int], Sequence[Scal
     _SENSOR.mjSENS_JOINTACTFRC: Reader.joint_actuator_force,
     _SENSOR.mjSENS_TOUCH: Reader.touch,
     _SENSOR.mjSENS_FRAMEPOS: Reader.frame_position,
+    _SENSOR.mjSENS_FRAMEQUAT: Reader.frame_quaternion,
+    **dict.fromkeys(_AXES, Reader.frame_axis),
     _SENSOR.mjSENS_FRAMELINVEL: Reader.frame_velocity,
     _SENSOR.mjSENS_FRAMEANGVEL: Reader.frame_spin,
     _SENSOR.mjSENS_VELOCIMETER: Reader.velocimeter,
     _SENSOR.mjSENS_GYRO: Reader.gyro,
     _SENSOR.mjSENS_ACCELEROMETER: Reader.accelerometer,
     _SENSOR.mjSENS_SUBTREECOM: Reader.subtree_centre,
+    _SENSOR.mjSENS_SUBTREELINVEL: Reader.subtree_velocity,
 }
 
 SENSORS = frozenset(_READINGS)
 """Sensor types that lanes read."""
+RESTING = frozenset(
+    {
+        *(_SENSOR.mjSENS_FRAMEPOS, _SENSOR.mjSENS_FRAMEQUAT, *_AXES),
+        *(_SENSOR.mjSENS_FRAMELINVEL, _SENSOR.mjSENS_FRAMEANGVEL, _SENSOR.mjSENS_VELOCIMETER, _SENSOR.mjSENS_GYRO),
+    }
+)
+"""Those that always show the same where their body cannot move."""
+
+
+def seat_of(model: mujoco.MjModel, sensor: int) -> tuple[int, str]:
+    """The body of what a sensor is on, and how the pose fields of that begin, if it is not the body itself."""
+    kind, target = _OBJECT(int(model.sensor_objtype[sensor])), int(model.sensor_objid[sensor])
+    match kind:
+        case _OBJECT.mjOBJ_SITE:
+            return int(model.site_bodyid[target]), "site_"
+        case _OBJECT.mjOBJ_GEOM:
+            return int(model.geom_bodyid[target]), "geom_"
+        case _OBJECT.mjOBJ_BODY:
+            return target, "body_i"
+        case _:
+            return target, ""
+
+
+def on_fixed_body(model: mujoco.MjModel, sensor: int) -> bool:
+    """Whether a sensor is on a site, geom or body that cannot move."""
+    if _OBJECT(int(model.sensor_objtype[sensor])) not in SEATS:
+        return False
+    return int(model.body_weldid[seat_of(model, sensor)[0]]) == 0

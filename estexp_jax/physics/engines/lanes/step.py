@@ -199,7 +199,10 @@ class Stepper:
         )
 
     def _runge_kutta(self, state: LaneState, drive: Drive, dt: Scalar, added: Added) -> tuple[LaneState, Instant]:
-        """Fourth order, as MuJoCo's: the stages' states all start from this one."""
+        """Fourth order, as MuJoCo's: the stages' states all start from this one, and so do their bases' turns.
+
+        Source: Munthe-Kaas, BIT Numerical Mathematics 38 (1998).
+        """
         first, _ = self._instant(state, drive, dt, added)
         speeds, rates = [state.qvel], [tuple(self._own_axes(first.solution.acceleration, first.moving))]
         warm = tuple(first.solution.acceleration)
@@ -207,7 +210,7 @@ class Stepper:
             there = tuple(v + share * dt * a for v, a in zip(state.qvel, rates[-1], strict=True))
             stage = LaneState(self._moved(state.qpos, speeds[-1], share * dt), there, warm)
             now, _ = self._instant(stage, drive, dt, added)
-            speeds.append(there)
+            speeds.append(self._seen_from_start(speeds[-1], there, share * dt))
             rates.append(tuple(self._own_axes(now.solution.acceleration, now.moving)))
             warm = tuple(now.solution.acceleration)
         mean = [
@@ -216,6 +219,29 @@ class Stepper:
         ]
         speed = tuple(v + dt * a for v, a in zip(state.qvel, mean[1], strict=True))
         return LaneState(self._moved(state.qpos, mean[0], dt), speed, warm), first
+
+    def _seen_from_start(self, turning: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
+        """Speeds with a floating base's spin as the rate at which the turn since the step began changes.
+
+        Args:
+            turning: speeds that, for `dt`, make up that turn.
+            speed: where it has led.
+            dt: s.
+        """
+        found = list(speed)
+        for joint in self.plan.joints:
+            if joint.free:
+                spin = slice(joint.dofs[0] + 3, joint.dofs[0] + 6)
+                found[spin] = _rate_of_turn(tuple(dt * v for v in turning[spin]), speed[spin])
+        return tuple(found)
+
+
+def _rate_of_turn(turn: Sequence[Scalar], spin: Sequence[Scalar]) -> list[Scalar]:
+    """How a turn (rotation vector, own axes) changes under a spin: the inverse derivative of the exponential."""
+    once = cross(turn, spin)
+    twice, square = cross(turn, once), dot(turn, turn)
+    third = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
+    return [a + 0.5 * b + third * c for a, b, c in zip(spin, once, twice, strict=True)]
 
 
 def _floated(q: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:

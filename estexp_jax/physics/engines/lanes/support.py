@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.engines.lanes.rays import TOUCH_SHAPES
-from estexp_jax.physics.engines.lanes.sensors import SENSORS
+from estexp_jax.physics.engines.lanes.sensors import RESTING, SEATS, SENSORS, on_fixed_body
 from estexp_jax.physics.engines.lanes.touching import SHAPES
 from estexp_jax.physics.touching import touching_pairs
 
@@ -75,10 +75,6 @@ def _options(model: mujoco.MjModel) -> Iterator[str]:
     allowed = (kinds.mjINT_EULER, kinds.mjINT_RK4, kinds.mjINT_IMPLICITFAST)
     if option.integrator not in allowed:
         yield f"integrator {kinds(option.integrator).name.removeprefix('mjINT_').lower()} is not supported"
-    if option.integrator == kinds.mjINT_RK4 and any(
-        int(model.geom_type[a]) == _GEOM.mjGEOM_PLANE for a, _ in _pairs(model)
-    ):
-        yield "RK4 with contacts is not supported"
     if option.density or option.viscosity or np.any(option.wind):
         yield "a surrounding fluid is not supported"
     condims = [int(max(model.geom_condim[a], model.geom_condim[b])) for a, b in _pairs(model)]
@@ -141,21 +137,10 @@ def _sensors(model: mujoco.MjModel) -> Iterator[str]:
             yield f"the reference frame of sensor '{name}' is not supported"
         elif kind == mujoco.mjtSensor.mjSENS_TOUCH and int(model.site_type[model.sensor_objid[s]]) not in TOUCH_SHAPES:
             yield f"the shape of the site of touch sensor '{name}' is not supported"
-        elif _fixed(model, s):
+        elif kind not in RESTING and on_fixed_body(model, s):
             yield f"sensor '{name}' on a body that cannot move is not supported"
-
-
-def _fixed(model: mujoco.MjModel, sensor: int) -> bool:
-    types, target = mujoco.mjtObj, int(model.sensor_objid[sensor])
-    match types(int(model.sensor_objtype[sensor])):
-        case types.mjOBJ_SITE:
-            return model.body_weldid[model.site_bodyid[target]] == 0
-        case types.mjOBJ_GEOM:
-            return model.body_weldid[model.geom_bodyid[target]] == 0
-        case types.mjOBJ_BODY | types.mjOBJ_XBODY:
-            return model.body_weldid[target] == 0
-        case _:
-            return False
+        elif kind in RESTING and mujoco.mjtObj(int(model.sensor_objtype[s])) not in SEATS:
+            yield f"sensor '{name}' on a camera is not supported"
 
 
 def _pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
