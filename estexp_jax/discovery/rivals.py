@@ -26,7 +26,7 @@ RIVALS = ("nominal", "parameters_only", "black_box", "placebo", "explained")
 
 
 _WORSE = 1.2
-"""Squared error on test recordings, over the nominal simulator's, from which an explanation counts as refuted."""
+"""Squared error over the nominal simulator's from which an explanation counts as refuted."""
 
 Base = tuple[Sequence[mujoco.MjModel], Sequence[ForceResidual]]
 """Each recording's robot in the C engine, and what its joints lack in the training recordings."""
@@ -73,15 +73,15 @@ def black_box_errors(case: Case, config: ExplainConfig, problem: Problem, bases:
     return {"train": whole, "test": error(models, network, test)}
 
 
-def refuted(case: Case, config: ExplainConfig, shown: Shown) -> bool:
-    """Whether test recordings are plainly predicted worse by the explanation than by the nominal simulator.
+def refuted(case: Case, config: ExplainConfig, shown: Shown, role: str) -> bool:
+    """Whether recordings of a role are plainly predicted worse by the explanation than by the nominal simulator.
 
-    They choose nothing, so the verdict stays what it is; but it has to be said.
+    Test recordings choose nothing, so with these the verdict stays what it is; but it has to be said.
     """
-    test = shown.problem.windows_of(case.indices("test"))
-    if not np.isfinite(shown.error("explained", test)):
-        return np.isfinite(shown.error("nominal", test))
-    nominal, explained = (shown.costs(name, test) for name in ("nominal", "explained"))
+    windows = shown.problem.windows_of(case.indices(role))
+    if not np.isfinite(shown.error("explained", windows)):
+        return np.isfinite(shown.error("nominal", windows))
+    nominal, explained = (shown.costs(name, windows) for name in ("nominal", "explained"))
     return ratio_interval(explained, nominal, config.seed)[0] > _WORSE
 
 

@@ -66,9 +66,12 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         found: everything.
     """
     judged, found, step = judged_by(case, found)
+    shown = _shown(found)
+    if found.claimed and not found.selection.seen and refuted(case, config, shown, "train"):
+        judged, found = "unexplained", _unchanged(found)
+        shown = _shown(found)
     final, claimed = found.fits["explained"], found.claimed
     changes, shares = _at_work(final), probabilities(found.selection, config.seed)
-    shown = shown_by(found.shown, {name: f for name, f in found.fits.items() if name in RIVALS})
     body = {
         "schema": "estexp.findings/1",
         "verdict": judged,
@@ -93,6 +96,17 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     )
 
 
+def _shown(found: Found) -> Shown:
+    """The fits that are compared, in all windows."""
+    return shown_by(found.shown, {name: f for name, f in found.fits.items() if name in RIVALS})
+
+
+def _unchanged(found: Found) -> Found:
+    """The same with the nominal simulator as it is for an explained one."""
+    fits = dict.fromkeys(("nominal", "explained", "sayable"), found.fits["nominal"])
+    return replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]})
+
+
 def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
     """What unknown laws do along the training recordings, beside what their joints lack without them."""
     terms = [c for c in found.claimed if is_law((c.effect, c.name or ""))]
@@ -107,18 +121,17 @@ def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
 
 def judged_by(case: Case, found: Found) -> tuple[str, Found, Step | None]:
     """The verdict, the fits that go with it, and the time step where that is to blame."""
-    selection, nominal = found.selection, found.fits["nominal"]
+    selection = found.selection
     judged = verdict(case.robot, selection, found.claimed)
     if judged == "parameters" and found.shown.replays.began:  # no value of the model changes meanwhile
         return "missing_physics", found, None
     as_it_is = min(selection.nominal, selection.corrected, key=lambda e: e.error)
     # Then nothing is changed, nor is anything bent that would predict no better.
     if judged == "consistent" or (judged == "unexplained" and not worth(selection.chosen, as_it_is)):
-        fits = dict.fromkeys(("nominal", "explained", "sayable"), nominal)
-        return judged, replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]}), None
+        return judged, _unchanged(found), None
     if judged != "parameters" or found.claimed:
         return judged, found, None
-    error = found.shown.error(nominal.member, found.shown.trained)
+    error = found.shown.error(found.fits["nominal"].member, found.shown.trained)
     step = step_of(found.problem, found.fits["parameters_only"])
     return ("missing_physics", found, step) if to_blame(step, selection, error) else (judged, found, None)
 
@@ -152,7 +165,7 @@ def _told(
         "what": what,
         "alternatives": tell.alternatives(selection, shares, test_errors),
         "fit": errors,
-        "advice": (tell.belied(found.claimed) if refuted(case, config, shown) else [])
+        "advice": (tell.belied(found.claimed) if refuted(case, config, shown, "test") else [])
         + tell.advice(judged, found.claimed, case.recordings, shares)
         + tell.step_advice(selection, timestep)
         + tell.engine_advice(found.shown.replayer.robot)

@@ -8,6 +8,8 @@ import pytest
 
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.export import explained_spec
+from estexp_jax.discovery.rivals import base_of
+from estexp_jax.discovery.telling import Found, diagnosis
 from tests.discovery.planted import CASES, TRUTH, Plant, case_of, explained, nominal, problem_of, record
 
 QUICK = ("coulomb_friction@shaft",)
@@ -124,6 +126,27 @@ def test_what_test_recordings_belie_is_said_and_changes_nothing(diagnosed):
     assert after["verdict"] == "missing_physics" and after["what"] == before.findings["what"]
     assert after["fit"]["gain"]["high"] < 0.0 and "worse with this explanation" in after["advice"][0]
     assert not any("worse with this explanation" in line for line in before.findings["advice"])
+
+
+def test_what_spoils_the_recordings_it_was_fitted_to_is_no_explanation(diagnosed):
+    """As where short windows choose what long ones cannot follow."""
+    before = diagnosed("coulomb_friction@shaft")
+    case, config, selection = before.case, before.config, before.selection
+    problem, fitted = problem_of(case), selection.chosen.fitted
+    nominal_fit, own = selection.nominal.fitted, selection.parameters.fitted
+
+    def told(times: float):
+        claimed = [times if (f.effect, f.site) in fitted.hypothesis.places else 1.0 for f in fitted.hypothesis.free]
+        other = replace(fitted, vector=fitted.vector * claimed)
+        fits = {"nominal": nominal_fit, "parameters_only": own, "explained": other, "sayable": other}
+        seen = base_of(case, problem, own)[1]
+        return diagnosis(case, config, Found(problem, problem, selection, fits, {}, seen)).findings
+
+    assert told(1.0)["verdict"] == "missing_physics"
+    spoilt = told(30.0)
+    assert spoilt["verdict"] == "unexplained" and spoilt["what"] == []
+    assert spoilt["where"][0] == before.findings["where"][0]
+    assert spoilt["fit"]["explained"]["train"] == pytest.approx(spoilt["fit"]["nominal"]["train"], rel=0.2)
 
 
 def test_recordings_differ_and_the_plant_is_no_effect_of_ours():
