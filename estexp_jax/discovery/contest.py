@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
 
 from estexp_jax.discovery.findings import TOLD, others, told_change
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.selection import Explanation, Selection, tied
 from estexp_jax.physics.changes import Change
 
 _FEWEST, _MOST = 2, 6
@@ -28,12 +28,19 @@ class Rival:
             under, and refitted values of the model.
         probability: of it.
         error: deviations of noise that it is off on held-out windows.
+        tied: whether these windows do not tell it from the chosen one, however improbable its numbers make it.
     """
 
     claims: tuple[Change, ...]
     changes: tuple[Change, ...]
     probability: float
     error: float
+    tied: bool = False
+
+    @property
+    def open(self) -> bool:
+        """Whether it is not refuted."""
+        return self.tied or self.probability >= TOLD
 
     @property
     def label(self) -> str:
@@ -52,6 +59,7 @@ class Rival:
             "sentence": self.sentence,
             "probability": self.probability,
             "held_out_error": self.error,
+            "tied": self.tied,
             "claims": [claim.to_json() for claim in self.claims],
             "changes": [change.to_json() for change in self.changes],
         }
@@ -61,7 +69,8 @@ class Rival:
         """The inverse of `to_json`."""
         claims, changes = (tuple(map(Change.from_json, entry[key])) for key in ("claims", "changes"))
         error = entry["held_out_error"]
-        return cls(claims, changes, float(entry["probability"]), float("nan") if error is None else float(error))
+        off = float("nan") if error is None else float(error)
+        return cls(claims, changes, float(entry["probability"]), off, bool(entry.get("tied", False)))
 
 
 @final
@@ -125,7 +134,10 @@ def contest_of(problem: Problem, selection: Selection, shares: np.ndarray, chang
     everything = [selection.parameters, *selection.tried]
     own = float(sum(share for e, share in zip(everything, shares, strict=True) if e is selection.chosen))
     chosen = _rival(selection.chosen, own, changes)
-    rest = [_rival(e, share) for e, share in others(selection, shares, len(everything))] if changes else []
+    rest = [
+        replace(_rival(e, share), tied=tied(e, selection.chosen))
+        for e, share in (others(selection, shares, len(everything)) if changes else [])
+    ]
     trained = [i for i, r in enumerate(problem.recordings) if r.role == "train"]
     ctrl = np.concatenate([problem.recordings[i].ctrl for i in trained])
     paths = [s.path.qvel for s in problem.segments if s.recording in trained and s.path is not None]
@@ -149,7 +161,7 @@ def _rival(explanation: Explanation, share: float, changes: Sequence[Change] | N
 
 
 def _left(rivals: Sequence[Rival]) -> tuple[Rival, ...]:
-    """The chosen one, those that are probable, and at least the next few; without forms of one effect told alike.
+    """The chosen one, those that are open, and at least the next few; without forms of one effect told alike.
 
     The first of those stands for all, with their probability.
     """
@@ -160,9 +172,8 @@ def _left(rivals: Sequence[Rival]) -> tuple[Rival, ...]:
         if first is None:
             found[key] = rival
         else:
-            share = first.probability + rival.probability
-            found[key] = Rival(first.claims, first.changes, share, first.error)
-    open_ones = [rival for n, rival in enumerate(found.values()) if n <= _FEWEST or rival.probability >= TOLD]
+            found[key] = replace(first, probability=first.probability + rival.probability)
+    open_ones = [rival for n, rival in enumerate(found.values()) if n <= _FEWEST or rival.open]
     return tuple(open_ones[:_MOST])
 
 

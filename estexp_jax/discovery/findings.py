@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.discovery.selection import NOISE, Explanation, Selection
+from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics import units
 from estexp_jax.physics.changes import Change
@@ -20,6 +20,8 @@ from estexp_jax.physics.robot import Robot
 
 TOLD = 0.01
 """Smallest probability of an alternative worth a line."""
+_TIED = 8
+"""Alternatives after which those without a probability are left out, however well they fit."""
 
 
 def presence(selection: Selection, shares: np.ndarray, change: Change) -> float:
@@ -87,7 +89,7 @@ def side(changes: Sequence[Change]) -> str | None:
 def alternatives(
     selection: Selection, shares: np.ndarray, test_errors: Callable[[Sequence[Fit]], Sequence[float]]
 ) -> list[dict[str, Any]]:
-    """Other explanations, by probability; at least the next three by held-out error.
+    """Other explanations, by probability, and those that nothing tells from the chosen one; at least the next three.
 
     Args:
         selection: all explanations.
@@ -103,7 +105,7 @@ def alternatives(
 
 
 def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[Explanation, float]]:
-    """Explanations that tell of something else than the chosen one: the probable ones, and at least `fewest`.
+    """Explanations that tell of something else than the chosen one: the probable, the tied, and at least `fewest`.
 
     They come by probability, which is told with them; those of the same, by held-out error. The first of those that
     tell of the same stands for all, with their probability: the same effects in another order, forms of one effect,
@@ -118,7 +120,11 @@ def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[
             first, share = found.get(own, (everything[i], 0.0))
             found[own] = first, share + float(shares[i])
     ranked = sorted(found.values(), key=lambda told: -told[1])
-    return [told for rank, told in enumerate(ranked) if rank < fewest or told[1] >= TOLD]
+    return [
+        told
+        for rank, told in enumerate(ranked)
+        if rank < fewest or told[1] >= TOLD or (rank < _TIED and tied(told[0], selection.chosen))
+    ]
 
 
 def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recording], shares: np.ndarray) -> list[str]:

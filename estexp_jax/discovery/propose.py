@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import final
 
+import mujoco
 import numpy as np
 
 from estexp_jax.discovery.contest import Contest
@@ -121,7 +122,7 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
     """
     yield Progress("preparing", 0, 1, f"{len(contest.rivals)} rivals")
     rehearsal = _rehearsal(robot, contest, config)
-    speeds = config.speed * np.where(contest.speeds > 0.0, contest.speeds, np.inf)
+    speeds = config.speed * np.where((contest.speeds > 0.0) & ~_held(robot, contest), contest.speeds, np.inf)
     limits, time = limits_of(robot, config.margin, contest.commands, speeds), _clock(contest, config)
     population = _population(rehearsal, time, config)
     genetic = Genetic(GENES * robot.model.nu, population, config.seed, mutation=_MUTATION)
@@ -138,6 +139,16 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
     engine, reason = rehearsal.replayer.choice
     steps, choice = rehearsal.counted[0], (engine, reason)
     return Proposed(robot, contest, config, time, (tried + usual)[best], shown[best], typical, steps, choice)
+
+
+def _held(robot: Robot, contest: Contest) -> np.ndarray:
+    """Degrees of freedom (nv,) whose motors were told the same all along: how fast they moved is no limit of theirs."""
+    model, held = robot.model, np.zeros(robot.model.nv, dtype=bool)
+    joints = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+    for a, (low, high) in enumerate(contest.commands):
+        if low == high and int(model.actuator_trntype[a]) in joints:
+            held[model.jnt_dofadr[model.actuator_trnid[a, 0]]] = True
+    return held
 
 
 def _random(rehearsal: Rehearsal, limits: Limits, time: np.ndarray, seed: int) -> list[np.ndarray]:

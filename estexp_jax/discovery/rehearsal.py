@@ -24,6 +24,8 @@ from estexp_jax.physics.segment import Segment, Start, segment
 
 _ORDINARY = 0.03
 """Share by which a claimed effect's values may be off; of the model's own, `hypotheses` knows."""
+_TIED = 0.1
+"""Least probability that a rival counts with in a search if only its numbers make it improbable."""
 _MOST_LANES = 1024
 """Lanes replayed together, to bound memory."""
 
@@ -130,7 +132,7 @@ def rehearsal_of(replayer: Replayer, contest: Contest) -> Rehearsal:
     values = stack([encode(robot, replayer.catalogue, some) for some in changes])
     channels = _channels(robot, contest.channels)
     deviations = np.where(contest.deviations > 0.0, contest.deviations, np.inf)  # unknown: it tells nothing
-    shares = np.array([rival.probability for rival in contest.rivals])
+    shares = np.array([max(rival.probability, _TIED * rival.tied) for rival in contest.rivals])
     step, parting = float(robot.model.opt.timestep), fitting_window(robot, np.inf) < np.inf
     return Rehearsal(replayer, channels, deviations, shares, values, np.array(owner, int), step, parting)
 

@@ -116,6 +116,15 @@ def steadiest(found: Sequence[Explanation], old: Explanation) -> Explanation:
     return simplest([e for e in found if worth(e, old)] or found)
 
 
+def tied(other: Explanation, chosen: Explanation) -> bool:
+    """Whether held-out windows do not tell an explanation of no more effects from the chosen one.
+
+    With more numbers it may be improbable for all that, as the simpler one is believed.
+    """
+    near = other.held_out.sum() <= _SAME * chosen.held_out.sum()
+    return bool(near and 0 < len(other.places) <= len(chosen.places))
+
+
 def worth(new: Explanation, old: Explanation) -> bool:
     """Whether an explanation predicts held-out windows enough better than a simpler one to be believed."""
     share = new.held_out.sum() / old.held_out.sum()

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from estexp_jax.discovery.contest import Rival
-from estexp_jax.discovery.findings import TOLD
 from estexp_jax.discovery.propose import PLAIN, Proposed
 from estexp_jax.physics.registry import effect
 from estexp_jax.report.pages import capital, image, number, render
@@ -64,7 +63,7 @@ def _rival(place: int, rival: Rival) -> dict[str, Any]:
         "label": rival.label,
         "sentence": capital(rival.sentence),
         "standing": capital(standing(rival)),
-        "refuted": rival.probability < TOLD,
+        "refuted": not rival.open,
         "equations": list(dict.fromkeys(effect(claim.effect).equation for claim in rival.claims)),
     }
 

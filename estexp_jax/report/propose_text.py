@@ -101,7 +101,7 @@ def summary(proposed: Proposed) -> str:
 
 def opening(proposed: Proposed) -> str:
     """How much is open."""
-    left = sum(rival.probability >= TOLD for rival in proposed.contest.rivals[1:])
+    left = sum(rival.open for rival in proposed.contest.rivals[1:])
     if left:
         return f"Beside the chosen explanation (1), {left} {'is' if left == 1 else 'are'} left:"
     return (
@@ -111,7 +111,9 @@ def opening(proposed: Proposed) -> str:
 
 def standing(rival: Rival) -> str:
     """How probable it is."""
-    return f"probability {probability(rival.probability)}" if rival.probability >= TOLD else "refuted already"
+    if rival.probability >= TOLD:
+        return f"probability {probability(rival.probability)}"
+    return "fits as well, by more numbers" if rival.tied else "refuted already"
 
 
 def verdict(proposed: Proposed) -> str:

@@ -13,7 +13,7 @@ from estexp_jax.discovery.propose import PLAIN, ProposeConfig, Proposed, propose
 from estexp_jax.discovery.rehearsal import Rehearsal, rehearsal_of
 from estexp_jax.inference.separating import limits_of, separated, separation, separation_beside
 from estexp_jax.physics.changes import Change, encode, stack
-from estexp_jax.report.propose_text import rows, verdict
+from estexp_jax.report.propose_text import rows, standing, verdict
 from estexp_jax.runs.files import plain
 from tests.discovery.planted import CASES, Plant, case_of, finished, nominal, problem_of, record, shared_replayer
 
@@ -46,6 +46,22 @@ def apart(among: Contest, time: np.ndarray, commands: np.ndarray) -> float:
     limits = limits_of(nominal("one"), 0.9, among.commands, np.array([np.inf]))
     [shown] = rehearsal(among).shown(time, [commands], limits)
     return float(shown.apart[0, 1])
+
+
+def test_what_only_more_numbers_make_improbable_is_worth_a_motion_and_no_refuted_rival():
+    among = contest(PAYLOAD, WEAK, probabilities=(1.0, 0.0))
+    as_good = replace(among, rivals=(among.rivals[0], replace(among.rivals[1], tied=True)))
+    assert rehearsal(among).probabilities.tolist() == [1.0, 0.0]
+    assert rehearsal(as_good).probabilities.tolist() == [1.0, 0.1]
+    assert [standing(c.rivals[1]) for c in (among, as_good)] == ["refuted already", "fits as well, by more numbers"]
+    assert Rival.from_json(as_good.rivals[1].to_json()).tied
+
+
+def test_a_joint_that_was_held_may_move_as_fast_as_its_motor_allows():
+    moved = contest(PAYLOAD, WEAK, speed=0.1)
+    held = replace(moved, commands=np.zeros((1, 2)))
+    fastest = [np.abs(np.diff(proposed(c).shown.readings[:, :, 0], axis=1)).max() * 100.0 for c in (moved, held)]
+    assert fastest[0] < 0.5 < fastest[1]
 
 
 @pytest.mark.parametrize("pair", [(PAYLOAD, WEAK), (DRY, VISCOUS)], ids=["payload or weakness", "dry or viscous"])

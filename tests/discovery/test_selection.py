@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.discovery.selection import Explanation, Selection, probabilities, simplest, steadiest, worth
+from estexp_jax.discovery.selection import Explanation, Selection, probabilities, simplest, steadiest, tied, worth
 from estexp_jax.discovery.slopes import Fit
 
 
@@ -23,6 +23,18 @@ def test_explanations_that_the_windows_cannot_tell_apart_share_their_probability
     square = np.random.default_rng(81).uniform(0.08, 0.09, 12)
     one, same, worse = (explanation(square * f, (n, "a")) for f, n in ((1, "x"), (1.001, "y"), (1.5, "z")))
     assert probabilities(selection(one, same, worse), 0) == pytest.approx([0.0, 0.5, 0.5, 0.0])
+
+
+def test_what_fits_as_well_with_no_more_effects_is_tied():
+    square = np.random.default_rng(83).uniform(0.08, 0.09, 12)
+    chosen, richer, beside, worse = (
+        explanation(square * f, *((n, "a") for n in names))
+        for f, names in ((1.0, "x"), (1.001, "y"), (0.999, "xy"), (1.1, "z"))
+    )
+    among = selection(chosen, worse, richer, beside)
+    assert tied(richer, chosen) and not tied(worse, chosen)
+    assert not tied(beside, chosen), "the chosen one with something beside it is no rival"
+    assert not tied(among.parameters, among.parameters), "nothing is claimed"
 
 
 def test_the_better_one_on_most_windows_is_the_likelier_one_and_all_add_up():
