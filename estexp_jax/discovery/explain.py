@@ -223,7 +223,8 @@ def _unnamed(
     if not lacking and joint is None:
         return selection, problem
     fresh = _to_fit(case, config, whole)
-    fresh = starting_late(case, config, fresh, began) if began else fresh
+    if began:  # the dates that the selection was made with, not those refined by it: its windows are kept
+        fresh = starting_late(case, config, fresh, problem.replays.began)
     seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
     apart = _apart(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)

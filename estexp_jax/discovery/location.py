@@ -13,12 +13,15 @@ from estexp_jax.physics.robot import Robot
 
 _TOLD = 0.02
 """Smallest share worth a line."""
+_TIE = 0.99
+"""Of what effects at the best place remove: those at a place that remove as much may as well be the guilty ones."""
 
 
 def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
     """Ranked places: kind, name, share of the removable held-out error, p-value against parameters alone.
 
-    Where what is claimed is plain in the recordings themselves, there is no other place.
+    Of near ties, what is claimed comes first: all motors weaker, with the others' values bent back, say the same as
+    one. Where what is claimed is plain in the recordings themselves, there is no other place.
     """
     if selection.seen:
         kind, name = element(robot, selection.chosen.places[0])
@@ -32,7 +35,9 @@ def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
                 best[place] = explanation
     removed = {place: max(base - e.held_out.sum(), 0.0) for place, e in best.items()}
     total = sum(removed.values())
-    ranked = sorted(best, key=lambda place: removed[place], reverse=True)
+    claimed, most = {element(robot, place) for place in selection.chosen.places}, max(removed.values(), default=0.0)
+    guilty = {place for place in claimed & set(best) if removed[place] >= _TIE * most}
+    ranked = sorted(best, key=lambda place: (place in guilty, removed[place]), reverse=True)
     entries = [
         {
             "kind": kind,

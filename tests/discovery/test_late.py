@@ -6,10 +6,13 @@ import mujoco
 import numpy as np
 import pytest
 
+from estexp_jax.discovery import explain as module
 from estexp_jax.discovery.beginnings import parted
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.late import starting_late
+from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.inference.windows import window_rows
 from estexp_jax.physics.recording import Recording
 from tests.discovery.planted import (
@@ -80,6 +83,28 @@ def test_before_the_onset_nothing_claimed_acts():
         np.nanmax(np.abs(late.simulated([(claim, vector)], test) - late.simulated([(own, own.start())], test))) > 0.01
     )
     assert claim.unclaimed(vector) == pytest.approx(claim.start())
+
+
+def test_laws_are_looked_for_in_the_windows_of_the_selection_not_those_of_refined_dates(monkeypatch):
+    one = case_of("one", Plant(), 12, trains=1)
+    whole = problem_of(one)
+    late = starting_late(one, CONFIG, whole, {0: 0.8})
+    refined = starting_late(one, CONFIG, whole, {0: 1.25})
+    assert len(late.fitted) != len(refined.fitted), "one cut coincides with the end of a window"
+    own = parameters_only(whole.replayer.robot, whole.replayer.catalogue)
+    seen = []
+
+    def looked(unnamed, _):
+        seen.append(unnamed.problem)
+        yield from ()
+
+    monkeypatch.setattr(module, "needed", lambda *_: True)
+    monkeypatch.setattr(module, "crowded", lambda *_: None)
+    monkeypatch.setattr(module, "unknown_law", looked)
+    nothing = Explanation(Fit(own, own.start(), 0.0), np.ones(len(late.fitted)))
+    selection = Selection(nothing, nothing, nothing, (), nothing)
+    finished(module._unnamed(one, CONFIG, whole, (selection, late, {0: 1.25}), own))
+    assert len(seen[0].fitted) == len(late.fitted)
 
 
 def test_values_fitted_to_the_beginnings_tell_when_something_begins(case):
