@@ -9,6 +9,7 @@ from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
 from estexp_jax.physics.effects.bristles import rest, rubbed
 from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.effects.stribeck_friction import told_levels
 from estexp_jax.physics.robot import Robot
 
 
@@ -43,7 +44,7 @@ class StribeckBristles(Term):
         )
 
     def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return "stribeck_friction", {name: values[name] for name in ("T", "S", "w_s")}
+        return told_levels(values)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return rest(q)

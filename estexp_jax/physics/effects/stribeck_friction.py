@@ -11,6 +11,17 @@ from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.robot import Robot
 
 
+_ONE_LEVEL = 0.02
+"""Share of T that S is at most where anyone would call it Coulomb friction."""
+
+
+def told_levels(values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    """The name, and its values, of friction with these levels: Coulomb friction, where they are one."""
+    if 0.0 < values["T"] and values["S"] <= _ONE_LEVEL * values["T"]:
+        return "coulomb_friction", {"T": values["T"]}
+    return "stribeck_friction", {name: values[name] for name in ("T", "S", "w_s")}
+
+
 @final
 class StribeckFriction(Term):
     """tau = -(T + S exp(-(w / w_s)^2)) sign(w), as a friction loss renewed at each step from that step's speed."""
@@ -39,6 +50,9 @@ class StribeckFriction(Term):
             f"the joint {site} resists slow motion with {high:.3g} N m and fast motion with {low:.3g} N m, "
             f"the change coming at {values['w_s']:.3g} rad/s"
         )
+
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return told_levels(values)
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s = p

@@ -15,6 +15,7 @@ from estexp_jax.physics.effects.part_stub import PartStub
 from estexp_jax.physics.effects.rebound_limit import ReboundLimit
 from estexp_jax.physics.effects.servo_damping import ServoDamping, servo_damping
 from estexp_jax.physics.effects.stribeck_bristles import StribeckBristles
+from estexp_jax.physics.effects.stribeck_friction import StribeckFriction
 from estexp_jax.physics.engines.mjx_model import mjx_model
 from estexp_jax.physics.registry import ALL, VARIANTS, effect
 from estexp_jax.physics.robot import Robot
@@ -41,6 +42,12 @@ def test_a_variant_is_told_under_a_name_and_with_values_of_the_catalogue(variant
 def test_bristles_that_give_by_a_millimetre_are_told_as_coulomb_friction():
     assert Hysteresis().told({"T": 0.2, "sigma": 130.0}) == ("coulomb_friction", {"T": 0.2})
     assert Hysteresis().told({"T": 0.2, "sigma": 2.0})[0] == "hysteresis"
+    levels = {"T": 0.2, "S": 0.003, "w_s": 0.3}
+    for form, more in ((StribeckFriction(), {}), (StribeckBristles(), {"x": 1e-3})):
+        assert form.told(levels | more) == ("coulomb_friction", {"T": 0.2})
+        assert (
+            form.told(levels | more | {"S": 0.02})[0] == form.told(levels | more | {"T": 0.0})[0] == "stribeck_friction"
+        )
 
 
 def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
