@@ -10,7 +10,6 @@ from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Par
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.robot import Robot
 
-
 _ONE_LEVEL = 0.02
 """Share of T that S is at most where anyone would call it Coulomb friction."""
 

@@ -78,6 +78,10 @@ class Row:
     robot_steps: float | None = None
 
 
+_ASKED = ("place_first", "place_three", "name_first", "name_equivalent", "named_all")
+"""What a program that failed has not answered: nothing of it is right."""
+
+
 def judge(case: str, answer: Mapping[str, Any], findings: Mapping[str, Any] | None, wall_s: float | None = None) -> Row:
     """Judge a case.
 
@@ -99,7 +103,7 @@ def judge(case: str, answer: Mapping[str, Any], findings: Mapping[str, Any] | No
         "wall_s": wall_s,
     }
     if findings is None:
-        return Row(**what, verdict="none")
+        return Row(**what, verdict="none", **(dict.fromkeys(_ASKED, False) if effects else {}))
     claims, verdict = findings["what"], findings["verdict"]
     alarm = verdict in ("missing_physics", "unexplained")
     what |= {"verdict": verdict, "alarm": alarm, "claimed": tuple(_label(c) for c in claims)}

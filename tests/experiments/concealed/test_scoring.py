@@ -116,6 +116,12 @@ def test_laws_in_no_catalogue_are_declined_or_named_wrong():
     assert scores["abstains_where_it_should"]["share"] == 0.5
 
 
+def test_a_failure_is_no_right_answer():
+    failed = judge("a", answer(("coulomb_friction", "joint", "knee", {"T": 0.2})), None)
+    assert failed.place_first is False and failed.name_first is False and failed.name_equivalent is False
+    assert failed.alarm is False and judge("b", answer(group="null"), None).place_first is None
+
+
 def test_false_alarms_and_failures_are_counted():
     rows = [
         judge("a", answer(group="null"), findings(v))
