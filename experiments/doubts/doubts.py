@@ -119,12 +119,12 @@ def slow(size: float, joints: int = 1, at: int = 0) -> Motion:
     return commands
 
 
-def ramps(speed: float, reach: float) -> Motion:
-    """To and fro at one speed."""
+def one_way(speed: float) -> Motion:
+    """Away from home at about one speed, this way or that, without turning back."""
 
     def commands(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        phase = (time * speed / (4.0 * reach) + rng.uniform()) % 1.0
-        return reach * (4.0 * np.abs(phase - 0.5) - 1.0)[:, None]
+        way = speed * rng.uniform(0.9, 1.0) * (1.0 - 2.0 * int(rng.integers(2)))
+        return way * time[:, None]
 
     return commands
 
@@ -163,11 +163,11 @@ DOUBTS = (
         "backlash, delay or stiction",
         level,
         (
-            lambda s: f"backlash@hinge half_gap={0.03 + 0.015 * s:.6g}",
-            lambda s: f"command_delay@servo delay={0.1 + 0.05 * s:.6g}",
-            lambda s: f"coulomb_friction@hinge T={0.12 + 0.06 * s:.6g}",
+            lambda s: f"backlash@hinge half_gap={0.014 + 0.008 * s:.6g}",
+            lambda s: f"command_delay@servo delay={0.08 + 0.04 * s:.6g}",
+            lambda s: f"coulomb_friction@hinge T={0.056 + 0.032 * s:.6g}",
         ),
-        ramps(0.3, 0.4),
+        one_way(0.18),
         {"sensor_delay": "command_delay"},
     ),
     Doubt(
@@ -192,7 +192,7 @@ DOUBTS = (
         "saturation or weak motor",
         motor,
         (
-            lambda s: f"torque_saturation@motor limit={0.3 * (0.6 - 0.15 * s):.6g}",
+            lambda s: f"torque_saturation@motor limit={0.3 * (0.48 - 0.1 * s):.6g}",
             lambda s: f"motor_weakness@motor loss={0.4 + 0.15 * s:.6g}",
         ),
         either_way(0.3),
