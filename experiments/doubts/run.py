@@ -42,9 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     todo = [c for c in cases if not (_file(c, store).is_file() or (DOUBTS[c[0]].name, c[1]) in done)]
     if not own.report:
         each("cases", [(_kept, case, store) for case in todo], options)
-    report(
-        [*known, *(_row(json.loads(p.read_text("utf-8"))) for c in cases if (p := _file(c, store)).is_file())], options
-    )
+    finished = [json.loads(_file(c, store).read_text("utf-8")) for c in cases if _file(c, store).is_file()]
+    rows = {(row["doubt"], row["seed"]): row for row in [*known, *map(_row, finished)]}
+    report(list(rows.values()), options)
     publish(options, __file__)
     return 0
 
