@@ -67,6 +67,7 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     """
     judged, found, step = judged_by(case, found)
     shown = _shown(found)
+    # Shorter windows may have chosen what those that are shown refute. Training recordings alone decide.
     if found.claimed and not found.selection.seen and refuted(case, config, shown, "train"):
         judged, found = "unexplained", _unchanged(found)
         shown = _shown(found)

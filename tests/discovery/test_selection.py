@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.findings import others
+from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.selection import Explanation, Selection, probabilities, simplest, steadiest, tied, worth
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.physics.registry import catalogue
+from tests.discovery.planted import nominal
 
 
 def explanation(held_out, *places):
@@ -35,6 +38,28 @@ def test_what_fits_as_well_with_no_more_effects_is_tied():
     assert tied(richer, chosen) and not tied(worse, chosen)
     assert not tied(beside, chosen), "the chosen one with something beside it is no rival"
     assert not tied(among.parameters, among.parameters), "nothing is claimed"
+
+
+def test_alternatives_hold_what_is_tied_and_not_what_is_plainly_worse():
+    robot = nominal("two")
+    own = parameters_only(robot, catalogue(["viscous_friction", "coulomb_friction", "motor_weakness"]))
+
+    def claimed(held_out, *place):
+        hypothesis = claiming(robot, own, [place])
+        return replace(explanation(held_out), fitted=Fit(hypothesis, hypothesis.with_values(place, [0.2]), 0.0))
+
+    square = np.full(12, 0.08)
+    chosen, same, worse = (
+        claimed(square * f, *place)
+        for f, place in (
+            (1.0, ("viscous_friction", "elbow")),
+            (1.01, ("coulomb_friction", "elbow")),
+            (1.1, ("motor_weakness", "knee")),
+        )
+    )
+    nothing = Explanation(Fit(own, own.start(), 0.0), np.full(12, 4.0))
+    among = Selection(nothing, nothing, nothing, (chosen, worse, same), chosen)
+    assert [e for e, _ in others(among, np.array([0.0, 1.0, 0.0, 0.0]), 0)] == [same]
 
 
 def test_the_better_one_on_most_windows_is_the_likelier_one_and_all_add_up():
