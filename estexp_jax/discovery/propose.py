@@ -31,7 +31,7 @@ PLAIN = 3.0
 """Deviations from which on rivals are plainly apart: neither noise nor ordinary errors of the model blur that."""
 SLACK = 0.02
 """So far beyond a limit, as of `Limits.excess`, a motion may turn out to go at the fine step."""
-_STRENGTHS = (0.9, 0.5, 0.25, 0.12)
+_STRENGTHS = (0.9, 0.5, 0.25, 0.12, 0.06, 0.03)
 """Strengths at which random motions are tried, as shares of the reach of commands."""
 _MUTATION = 0.15
 """Genomes are short, and few are tried."""

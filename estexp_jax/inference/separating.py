@@ -20,8 +20,8 @@ GENES = len(_WAVES) + 3
 """Values of a genome for each actuator: how much of each wave, strength, pace, seed."""
 STILL = 0.5
 """Time at the beginning for which a robot is held at home, s."""
-_WEAKEST = 0.1
-"""Least strength of a motion, as a share of an actuator's reach."""
+_WEAKEST = 0.03
+"""Least strength of a motion, as a share of an actuator's reach; strengths between are as likely by factors."""
 _PACE = 2.5
 """Factor by which motions may be faster or slower than those of `excitation`."""
 _IMPROBABLE = 0.01
@@ -73,9 +73,10 @@ def limits_of(robot: Robot, margin: float, commands: np.ndarray, speeds: np.ndar
     """
     model = robot.model
     centre, reach = command_reach(robot)
+    limited = np.flatnonzero(model.actuator_ctrllimited)
+    reach[limited] = np.abs(model.actuator_ctrlrange[limited] - centre[limited, None]).min(axis=1)
     reach = np.fmax(margin * reach, np.abs(commands - centre[:, None]).max(axis=1, initial=0.0))
     low, high = centre - reach, centre + reach
-    limited = np.flatnonzero(model.actuator_ctrllimited)
     least, most = _shrunk(model.actuator_ctrlrange[limited], margin, centre[limited])
     low[limited], high[limited] = np.maximum(low[limited], least), np.minimum(high[limited], most)
     joints = [j for j in robot.scalar_joints if model.jnt_limited[j]]
@@ -109,7 +110,7 @@ def _mixed(genes: np.ndarray, moving: np.ndarray, actuator: int) -> np.ndarray:
     draw = np.random.default_rng([actuator, round(100.0 * (seed + 1.0))])
     total = sum(amount * wave(_PACE**pace * moving, draw) for amount, wave in zip(amounts, _WAVES, strict=True))
     peak = max(float(np.abs(total).max()), 1e-9)
-    return (_WEAKEST + (1.0 - _WEAKEST) * (strength + 1.0) / 2.0) * total / peak
+    return _WEAKEST ** ((1.0 - strength) / 2.0) * total / peak
 
 
 def random_motion(limits: Limits, time: np.ndarray, strength: float, seed: int) -> np.ndarray:

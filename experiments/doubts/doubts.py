@@ -187,6 +187,7 @@ DOUBTS = (
             lambda s: f"sensor_bias@angle bias={-0.03 - 0.01 * s:.6g}",
         ),
         slow(0.25),
+        {"gravity_tilt": "joint_offset"},
     ),
     Doubt(
         "saturation or weak motor",

@@ -13,6 +13,7 @@ from estexp_jax.discovery.propose import PLAIN, ProposeConfig, Proposed, propose
 from estexp_jax.discovery.rehearsal import Rehearsal, rehearsal_of
 from estexp_jax.inference.separating import limits_of, separated, separation, separation_beside
 from estexp_jax.physics.changes import Change, encode, stack
+from estexp_jax.physics.robot import Robot
 from estexp_jax.report.propose_text import rows, standing, verdict
 from estexp_jax.runs.files import plain
 from tests.discovery.planted import CASES, Plant, case_of, finished, nominal, problem_of, record, shared_replayer
@@ -107,6 +108,16 @@ def test_motions_begin_at_home_and_keep_to_limits_of_speed_and_command():
     for found in (slow, fast):
         assert np.abs(found.commands).max() <= 1.6
         np.testing.assert_array_equal(found.commands[:50], 0.0)
+
+
+def test_commands_go_as_far_as_their_own_range_lets_them():
+    body = '<body><joint name="shaft"/><geom size=".1"/></body>'
+    arm = f'<mujoco><worldbody>{body}</worldbody><actuator><position joint="shaft" kp="5" {{}}/></actuator></mujoco>'
+    none = np.zeros((1, 2))
+    for own, low, high in (('ctrlrange="-1.6 1.6"', -1.44, 1.44), ('ctrlrange="-1 3"', -0.8, 0.9), ("", -0.54, 0.54)):
+        robot = Robot.from_string(arm.format(own))
+        limits = limits_of(robot, 0.9, none, np.array([np.inf]))
+        assert (limits.low, limits.high) == pytest.approx((low, high)), own
 
 
 def test_joint_ranges_are_kept_under_every_rival():
