@@ -11,7 +11,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming, told_of
 from estexp_jax.discovery.marginal import slackened
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.starts import RUNGS, climbed, starts
+from estexp_jax.discovery.starts import RUNGS, climbed, lowered, starts
 from estexp_jax.physics.registry import effect
 
 _MANY = 32
@@ -57,7 +57,11 @@ def simpler(problem: Problem, parameters: Hypothesis, chosen: Fit) -> list[Task]
         relative = (RUNGS.get(name, ""), site)
         if relative in problem.places and relative not in places:
             rest, [vector] = without(problem, parameters, chosen, places[i])
-            lower.append(extended(problem, parameters, Fit(rest, vector, chosen.cost), relative))
+            hypothesis, vectors = extended(problem, parameters, Fit(rest, vector, chosen.cost), relative)
+            is_new = np.array([(f.effect, f.site) == relative for f in hypothesis.free])
+            known = chosen.hypothesis.changes(chosen.vector, claimed=True)[i].parameters
+            own = [hypothesis.with_values(relative, values) for values in lowered(name, known)]
+            lower.append((hypothesis, [*(np.where(is_new, v, vectors[0]) for v in own), *vectors]))
     return fewer + lower
 
 

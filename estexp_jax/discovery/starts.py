@@ -143,6 +143,33 @@ def climbed(name: str, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
             return []
 
 
+def lowered(name: str, richer: Mapping[str, float]) -> Vectors:
+    """Values to start the simpler law of `RUNGS` from, of the richer one's."""
+    match name:
+        case "stribeck_friction":
+            return [(richer["T"] + share * richer["S"],) for share in (0.0, 0.5, 1.0)]
+        case "hysteresis":
+            return [(richer["T"],)]
+        case "stribeck_bristles":
+            return [(t, t / richer["x"]) for t in (richer["T"], richer["T"] + richer["S"])]
+        case "motor_fade":
+            return [(richer["loss"],), (0.5 * richer["loss"],)]
+        case "motor_heat":
+            return [(richer["loss"], richer["tau"])]
+        case "joint_stiffness":
+            return [(richer["k"] * richer["q0"],)]
+        case "actuator_lag":
+            return [(richer["tau"],)]
+        case "joint_compliance" | "outer_compliance":
+            return [(richer["I"],)]
+        case "rotor_backlash":
+            return [(richer["half_gap"],)]
+        case "rebound_limit":
+            return [(richer["low"], richer["high"])]
+        case _:
+            return []
+
+
 def _shares(e: Effect, bounds: Bounds) -> Vectors:
     """All parameters a little, somewhat and strongly towards their bounds."""
     neutral = tuple(p.neutral for p in e.parameters)

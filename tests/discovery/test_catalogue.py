@@ -9,7 +9,7 @@ import pytest
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery.diagnosis import EXPLAINING, ExplainConfig
 from estexp_jax.discovery.hypotheses import claimable, simulated
-from estexp_jax.discovery.starts import RUNGS, Seen, climbed, starts
+from estexp_jax.discovery.starts import RUNGS, Seen, climbed, lowered, starts
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Replayer
@@ -69,3 +69,13 @@ def test_richer_laws_start_from_simpler_ones() -> None:
         bounds = [(0.1, 0.7)] * len(effect(richer).parameters)
         for values in climbed(richer, own, bounds):
             assert len(values) == len(effect(richer).parameters)
+
+
+def test_simpler_laws_start_from_richer_ones() -> None:
+    for richer, simpler in RUNGS.items():
+        known = {p.name: 0.5 for p in effect(richer).parameters}
+        for values in lowered(richer, known):
+            assert len(values) == len(effect(simpler).parameters) and np.isfinite(values).all()
+    levels = {"T": 0.4, "S": 0.2, "w_s": 0.3, "x": 0.01}
+    assert lowered("stribeck_friction", levels) == [(0.4,), (0.5,), pytest.approx((0.6,))]
+    assert lowered("stribeck_bristles", levels)[0] == (0.4, 40.0)
