@@ -13,7 +13,7 @@ from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.errors import InputError, known
 from estexp_jax.inference.channels import Channels
 from estexp_jax.inference.separating import Limits, separation, separation_beside
-from estexp_jax.inference.windows import fitting_window
+from estexp_jax.inference.windows import parts_soon
 from estexp_jax.physics.changes import Change, Values, encode, stack
 from estexp_jax.physics.effects.base import NEVER
 from estexp_jax.physics.engines.replaying import Replay, Replayer
@@ -133,8 +133,8 @@ def rehearsal_of(replayer: Replayer, contest: Contest) -> Rehearsal:
     channels = _channels(robot, contest.channels)
     deviations = np.where(contest.deviations > 0.0, contest.deviations, np.inf)  # unknown: it tells nothing
     shares = np.array([max(rival.probability, _TIED * rival.tied) for rival in contest.rivals])
-    step, parting = float(robot.model.opt.timestep), fitting_window(robot, np.inf) < np.inf
-    return Rehearsal(replayer, channels, deviations, shares, values, np.array(owner, int), step, parting)
+    step = float(robot.model.opt.timestep)
+    return Rehearsal(replayer, channels, deviations, shares, values, np.array(owner, int), step, parts_soon(robot))
 
 
 def _variations(replayer: Replayer, rivals: Sequence[Rival]) -> list[tuple[int, Change]]:

@@ -77,9 +77,14 @@ def fitting_window(robot: Robot, longest: float) -> float:
         robot: the nominal robot.
         longest: length of the windows that are shown, s.
     """
+    return min(longest, _STRIDE) if parts_soon(robot) else longest
+
+
+def parts_soon(robot: Robot) -> bool:
+    """Whether a robot soon parts for good from one that differs a little, as robots on legs do."""
     floats = bool((robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
     touches = bool((robot.model.geom_contype | robot.model.geom_conaffinity).any())
-    return min(longest, _STRIDE) if floats and touches else longest
+    return floats and touches
 
 
 @lru_cache(maxsize=64)

@@ -1,16 +1,17 @@
 """Laws of the fit: it never worsens, keeps its bounds, finds what is there, and goes on where it was stopped."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import _Walk, fit
-from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.slopes import Fit, movable
+from estexp_jax.discovery.fitting import _data_costs, _heeded, _Walk, fit
+from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, parameters_only
+from estexp_jax.discovery.slopes import DAMPINGS, Fit, movable
 from estexp_jax.discovery.starts import starts
 from estexp_jax.physics.registry import effect
-from tests.discovery.planted import CASES, case_of, finished, problem_of
+from tests.discovery.planted import CASES, case_of, finished, nominal, problem_of
 
 PRICE = 1.0
 """Of values of the model, where the best hypothesis leaves some ten deviations."""
@@ -82,6 +83,7 @@ class Rugged:
     def __init__(self) -> None:
         self.memory: dict[str, Any] = {}
         self.counted = [0]
+        self.replayer = SimpleNamespace(robot=nominal("one"))
 
     def residuals(self, members, windows) -> np.ndarray:
         size = np.array([f.size for f in members[0][0].free])
@@ -150,3 +152,43 @@ def test_a_fit_that_was_stopped_goes_on_where_it_was(setting):
     resumed = run(problem, tasks, windows, 3, "stopped")
     assert [f.cost for f in resumed] == [f.cost for f in whole]
     assert all(np.array_equal(a.vector, b.vector) for a, b in zip(resumed, whole, strict=True))
+
+
+def test_first_looks_at_walking_robots_leap_where_slopes_mean_nothing():
+    hypothesis = Hypothesis(
+        (("viscous_friction", "knee"),),
+        (
+            Free("armature", "knee", "I", 0, 0, -1.0, 1.0, 0.0, 0.03),
+            Free("viscous_friction", "knee", "c", 0, 0, 0.0, 5.0, 0.0, np.inf),
+        ),
+    )
+    flat = np.zeros((2, 3)), np.zeros((2, 3, 2))
+    at, moving = Fit(hypothesis, np.array([0.01, 0.4]), 4.0), np.array([False, True])
+    usual, leaping = (_Walk(at, moving, *flat, 0.0, leaps=leaps) for leaps in (False, True))
+    assert len(usual.candidates()) == len(DAMPINGS)
+    tried = leaping.candidates()[len(DAMPINGS) :]
+    np.testing.assert_allclose(tried, [[0.01, 0.16], [0.01, 1.0]])
+    residuals = np.ones((len(DAMPINGS) + 2, 2, 3))
+    residuals[-1] = 0.1
+    leaping.step_to(leaping.candidates(), residuals)
+    assert leaping.at.vector == pytest.approx([0.01, 1.0])
+
+
+def test_windows_in_which_robots_part_neither_rule_slopes_nor_costs():
+    residuals = np.full((3, 5, 4), 0.5)
+    residuals[1, 2] = 50.0
+    residuals[2] = 5.0
+    plain, robust = _data_costs(residuals, False), _data_costs(residuals, True)
+    assert plain == pytest.approx([5.0, 4.0 + 1e4, 500.0])
+    assert robust == pytest.approx([5.0, 4.0 + 4.0, 500.0]), "what is off everywhere counts in full"
+    hypothesis = Hypothesis((), (Free("armature", "knee", "I", 0, 0, -1.0, 1.0, 0.0, 0.1),))
+    derivative = np.ones((5, 4, 1))
+    derivative[2] = -30.0
+    at = Fit(hypothesis, np.zeros(1), 1.0)
+    weights = _heeded(at, derivative)
+    assert weights == pytest.approx([1.0, 1.0, 0.1, 1.0, 1.0])
+    np.testing.assert_array_equal(_heeded(at, 0.0 * derivative), 1.0)
+    residual = np.ones((5, 4))
+    ruled, heeded = (_Walk(at, np.array([True]), residual, derivative, 1e-9, weights=w) for w in (None, weights))
+    first = [walk.candidates()[0][0] for walk in (ruled, heeded)]
+    assert first[0] > 0.0 > first[1], "four windows of five say less"
