@@ -39,6 +39,8 @@ _MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
 much are all added to."""
 _FEW, _BUDGET = 3, 800_000_000
 """More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
+_STRETCHED = 0.8
+"""Share of its bound from which on a value of the model is farther off than wrong values should be."""
 _PROMISING, _LIKELIEST, _ONE_MORE = 8, 6, 3
 """So many of a round's hypotheses, the most promising ones, are fitted in full; fewer where the best explanation of a
 robot of many joints is `FAR` off; and fewest where only the best of them is asked for."""
@@ -94,6 +96,8 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     nominal, corrected = (as_fitted(p, [start], search.folds)[0] for p in (replace(plain, step=None), plain))
     [own], problem = yield from _compared(search, problem, [bent], "parameters only")
     found = _Found(problem, own, ())
+    if own.error <= NOISE:
+        found = yield from _unbound(search, found)
     as_it_is = min(nominal, corrected, key=lambda e: e.error)
     for n in range(1, most + 1):
         before, bases = found.chosen, _bases(found)
@@ -107,6 +111,25 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     found = yield from _all_exchanged(search, found, as_it_is)
     found = yield from _simplified(search, found)
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
+
+
+def _unbound(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
+    """A value that refitting bent nearly as far as it may is claimed instead, if windows are predicted no worse so.
+
+    All values of a model together, each a little off, may stand in for one that is far off.
+    """
+    fitted = found.chosen.fitted
+    ends = zip(fitted.hypothesis.free, fitted.vector, strict=True)
+    bent = [(f.effect, f.site) for f, value in ends if abs(value) >= _STRETCHED * f.high]
+    places = [place for place in bent if place in found.problem.places]
+    if not places:
+        return found
+    nothing = Fit(fitted.hypothesis, fitted.hypothesis.start(), np.inf)
+    tasks = [extended(found.problem, search.parameters, nothing, place) for place in places]
+    judged = yield from _judged(search, found.problem, tasks, "values that are far off")
+    best = simplest([found.chosen, *judged])
+    problem = found.problem if best is found.chosen else about(found.problem, best.fitted)
+    return _Found(problem, best, (*found.tried, *judged))
 
 
 def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bool:

@@ -1,13 +1,15 @@
 """What a search asks before it goes on."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search
+from estexp_jax.discovery import searching
+from estexp_jax.discovery.hypotheses import Free, Hypothesis
+from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search, _unbound
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
 
@@ -41,3 +43,37 @@ def test_a_search_ends_where_everything_is_claimed() -> None:
     with pytest.raises(StopIteration) as end:
         next(steps)
     assert end.value.value.chosen is best
+
+
+def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(monkeypatch: pytest.MonkeyPatch) -> None:
+    place = ("viscous_friction", "elbow")
+    free = Free(*place, "c", 0, 0, -0.3, 0.3, 0.0, 0.03)
+    hypothesis, asked = Hypothesis((), (free,)), list[Any]()
+    there, search = problem(0), _Search(hypothesis, [])
+    there.places = (place,)
+
+    def bent(value: float) -> _Found:
+        return _Found(there, Explanation(Fit(hypothesis, np.array([value]), 1.0), np.full(4, 0.28)), ())
+
+    def judged(error: float) -> Any:
+        def steps(*_: Any) -> Any:
+            yield
+            claimed = Hypothesis((place,), (replace(free, high=5.0, spread=np.inf),))
+            return [Explanation(Fit(claimed, np.array([0.9]), error**2), np.full(4, error**2 / 4.0))]
+
+        return steps
+
+    monkeypatch.setattr(searching, "extended", lambda *arguments: asked.append(arguments))
+    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
+    for value, error, claimed in ((0.2, 0.9, False), (0.29, 0.9, True), (0.29, 1.2, False), (-0.29, 0.9, True)):
+        monkeypatch.setattr(searching, "_judged", judged(error))
+        steps, begin = _unbound(search, bent(value)), len(asked)
+        with pytest.raises(StopIteration) as end:
+            while True:
+                next(steps)
+        assert (len(asked) > begin) == (abs(value) > 0.24)
+        assert (end.value.value.chosen.places == (place,)) == claimed
+    for _, _, base, looked in asked:
+        assert looked == place and base.vector == pytest.approx(0.0), (
+            "values bent to stand in for it are no place to begin"
+        )
