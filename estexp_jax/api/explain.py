@@ -16,7 +16,7 @@ from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.recordings.roles import assign_roles
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.report.picture import Picture
-from estexp_jax.runs import count_compilations, enable_compilation_cache, versions
+from estexp_jax.runs import count_compilations, enable_compilation_cache, forget_programs, versions
 
 
 @final
@@ -198,6 +198,7 @@ def run_explanation(
         report: called after each step, when `memory` is up to date.
     """
     enable_compilation_cache()
+    forget_programs()
     begin = perf_counter()
     with count_compilations() as compiled:
         steps = _explain(case_of(inputs), config, memory)

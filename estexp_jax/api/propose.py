@@ -19,7 +19,7 @@ from estexp_jax.errors import InputError, known
 from estexp_jax.physics.engines.choice import ENGINES
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
-from estexp_jax.runs import enable_compilation_cache
+from estexp_jax.runs import enable_compilation_cache, forget_programs
 
 
 @final
@@ -172,6 +172,7 @@ def run_proposal(left: Open, config: ProposeConfig, report: Callable[[Step], Non
         report: called after each step.
     """
     enable_compilation_cache()
+    forget_programs()
     steps = _propose(left.robot, left.contest, left.finer, config)
     while True:
         try:

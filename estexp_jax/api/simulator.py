@@ -17,7 +17,7 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Start, segment
-from estexp_jax.runs import enable_compilation_cache
+from estexp_jax.runs import enable_compilation_cache, forget_programs
 
 
 class Traces(NamedTuple):
@@ -75,6 +75,7 @@ class Simulator:
         begin = Start(self.robot.home(), np.zeros(model.nv)) if start is None else start
         stretch = segment([recording], 0, (0, rows - 1), float(model.opt.timestep) / self.finer, begin)
         enable_compilation_cache()
+        forget_programs()
         effects = catalogue(dict.fromkeys(change.effect for change in self.changes))
         if not effects:
             effects = catalogue(["viscous_friction"])  # a catalogue needs one; it stays neutral

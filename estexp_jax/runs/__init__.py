@@ -1,6 +1,6 @@
 """Runs: their folders, checkpoints, progress, and what they ran on."""
 
-from estexp_jax.runs.cache import count_compilations, enable_compilation_cache, quiet_xla
+from estexp_jax.runs.cache import count_compilations, enable_compilation_cache, forget_programs, quiet_xla
 from estexp_jax.runs.checkpoint import load_checkpoint, save_checkpoint
 from estexp_jax.runs.files import write_json, write_text
 from estexp_jax.runs.folder import RunFolder, open_run
@@ -12,6 +12,7 @@ __all__ = [
     "RunFolder",
     "count_compilations",
     "enable_compilation_cache",
+    "forget_programs",
     "load_checkpoint",
     "open_run",
     "quiet_xla",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import os
 import platform
@@ -13,6 +14,8 @@ from pathlib import Path
 
 _COMPILED = "/jax/core/compile/backend_compile_duration"
 _FROM_CACHE = "/jax/compilation_cache/cache_hits"
+_MOST_MAPS = 0.5
+"""Share of the memory maps that a process may have from which on compiled programs are forgotten."""
 
 
 def enable_compilation_cache() -> Path | None:
@@ -44,6 +47,35 @@ def enable_compilation_cache() -> Path | None:
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     return folder
+
+
+def forget_programs() -> bool:
+    """Forget what was compiled, where the system would soon refuse this process more of it.
+
+    JAX keeps each program for as long as the process lives, each takes some memory maps, and Linux allows a process
+    only so many (65530): beyond, it crashes. Who explains hundreds of recordings in one process comes there. What is
+    still needed is compiled again, or read from the cache on disk.
+
+    Returns:
+        Whether it was done.
+    """
+    maps = _memory_maps()
+    if maps is None or maps[0] < _MOST_MAPS * maps[1]:
+        return False
+    import jax
+
+    jax.clear_caches()
+    gc.collect()
+    return True
+
+
+def _memory_maps() -> tuple[int, int] | None:
+    """This process's memory maps, and how many it may have; None where no system tells."""
+    try:
+        with Path("/proc/self/maps").open("rb") as maps:
+            return sum(1 for _ in maps), int(Path("/proc/sys/vm/max_map_count").read_text("ascii"))
+    except (OSError, ValueError):
+        return None
 
 
 def _user_cache() -> Path:

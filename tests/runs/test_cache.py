@@ -6,7 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jax
 import pytest
+
+from estexp_jax.runs import cache, forget_programs
 
 COMPILE = """
 import json
@@ -65,3 +68,21 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path, compiled):
     (place, *_), told = compiled(XDG_CACHE_HOME=str(tmp_path / "file"))
     assert place == "None"
     assert told.count("\n") == 1 and told.startswith("estexp: warning: compiled programs are not kept")
+
+
+def test_programs_are_forgotten_before_a_process_has_too_many_memory_maps(monkeypatch):
+    doubled = jax.jit(lambda x: 2.0 * x)
+    doubled(1.0)
+    monkeypatch.setattr(cache, "_memory_maps", lambda: (32000, 65530))
+    assert not forget_programs() and doubled._cache_size() == 1
+    monkeypatch.setattr(cache, "_memory_maps", lambda: None)
+    assert not forget_programs() and doubled._cache_size() == 1, "a system that does not tell"
+    monkeypatch.setattr(cache, "_memory_maps", lambda: (33000, 65530))
+    assert forget_programs() and doubled._cache_size() == 0
+    assert float(doubled(1.0)) == 2.0
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
+def test_memory_maps_are_counted():
+    count, most = cache._memory_maps() or (0, 0)
+    assert 10 < count < most
