@@ -15,17 +15,7 @@ from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
 from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
-from estexp_jax.discovery.selection import (
-    NOISE,
-    Explanation,
-    Fold,
-    Selection,
-    folds_of,
-    noise_alone,
-    simplest,
-    steadiest,
-    worth,
-)
+from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, steadiest, worth
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
@@ -218,8 +208,7 @@ def _all_exchanged(search: _Search, found: _Found, as_it_is: Explanation) -> Gen
 def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
     """The simplest explanation that neither the chosen one nor any on the way to it is worth more than.
 
-    Of several small steps each may seem to cost nothing; together they must not cost what one would not be let. What
-    leaves noise alone may cost anything.
+    Of several small steps each may seem to cost nothing; together they must not cost what one would not be let.
     """
     richer = [found.chosen]
     while tasks := simpler(found.problem, search.parameters, found.chosen.fitted):
@@ -227,7 +216,7 @@ def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Fo
         fewer = yield from _judged(search, found.problem, tasks, stage)
         best = min(fewer, key=lambda e: e.error)
         tried = (*found.tried, *fewer)
-        if not noise_alone(best) and any(worth(one, best) for one in richer):
+        if any(worth(one, best) for one in richer):
             return replace(found, tried=tried)
         found = _Found(about(found.problem, best.fitted), best, tried)
         richer.append(best)

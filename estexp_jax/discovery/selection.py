@@ -16,8 +16,6 @@ from estexp_jax.physics.changes import Change
 
 NOISE = 1.2
 """An error, in deviations of noise and uncertain start states, up to which there is no mismatch."""
-_WITHIN = 1.0
-"""Held-out squared errors up to this are noise: more numbers cannot buy less."""
 _WORTH = 0.85
 """An added effect must bring the held-out squared error under this share of what it was ..."""
 _CHANCE, _LUCK = 0.05, 0.01
@@ -107,15 +105,10 @@ def folds_of(problem: Problem) -> list[Fold]:
 
 
 def simplest(found: Sequence[Explanation]) -> Explanation:
-    """The best on held-out windows; of near ties, and of all within the noise, the one with the fewest free numbers."""
+    """The best on held-out windows; of near ties, the one with the fewest free parameters."""
     least = min(e.held_out.sum() for e in found)
-    near = [e for e in found if e.held_out.sum() <= max(_TIE * least, _WITHIN)]
+    near = [e for e in found if e.held_out.sum() <= _TIE * least]
     return min(near, key=lambda e: (len(e.fitted.hypothesis.free), e.error))
-
-
-def noise_alone(explanation: Explanation) -> bool:
-    """Whether what an explanation leaves is no more than noise."""
-    return bool(explanation.held_out.sum() <= _WITHIN)
 
 
 def steadiest(found: Sequence[Explanation], old: Explanation) -> Explanation:
@@ -162,19 +155,11 @@ def probabilities(selection: Selection, seed: int, n: int = 2000) -> np.ndarray:
     Those that the windows can hardly tell from the best share what falls to it.
     """
     everything = [selection.parameters, *selection.tried]
-    simple = simplest(everything)
-    costs = np.array([e.held_out * _penalty(e) * _noisy(e, simple) for e in everything])
+    costs = np.array([e.held_out * _penalty(e) for e in everything])
     windows = np.random.default_rng(seed).integers(0, costs.shape[1], size=(n, costs.shape[1]))
     total = costs[:, windows].sum(axis=2)
     wins = total <= _SAME * total.min(axis=0)
     return np.mean(wins / wins.sum(axis=0), axis=1)
-
-
-def _noisy(explanation: Explanation, simple: Explanation) -> float:
-    """The factor by which more numbers than those of a simple one within the noise fit only the noise better."""
-    more = len(explanation.fitted.hypothesis.free) > len(simple.fitted.hypothesis.free)
-    ours, theirs = explanation.held_out.sum(), simple.held_out.sum()
-    return float(theirs / ours) if more and ours < theirs and noise_alone(simple) else 1.0
 
 
 def _penalty(explanation: Explanation) -> float:

@@ -89,27 +89,3 @@ def test_a_small_gain_must_be_agreed_on_by_the_windows():
     assert simplest(both) is both[0] and steadiest(both, explanation(before)) is both[1]
     assert steadiest(both[:1], explanation(before)) is both[0], "none is worth it: the best one stays, to be refused"
     assert replace(explanation(before), held_out=4.0 * before).error == pytest.approx(np.sqrt(48.0))
-
-
-def test_more_numbers_cannot_buy_less_than_noise():
-    robot = nominal("two")
-    own = parameters_only(robot, catalogue(["coulomb_friction", "stribeck_friction", "viscous_friction"]))
-
-    def claimed(total, name):
-        hypothesis = claiming(robot, own, [(name, "elbow")])
-        return replace(explanation(np.full(12, total / 12)), fitted=Fit(hypothesis, hypothesis.start(), 0.0))
-
-    simple, richer, other = (
-        claimed(0.8, "coulomb_friction"),
-        claimed(0.5, "stribeck_friction"),
-        claimed(0.6, "viscous_friction"),
-    )
-    assert simplest([simple, richer]) is simple
-    assert simplest([simple, richer, other]) is other, "of those with as few numbers the better one"
-    off = replace(simple, held_out=np.full(12, 0.4))
-    among = Selection(off, off, off, (simple, richer), simple)
-    assert probabilities(among, 0) == pytest.approx([0.0, 1.0, 0.0])
-    plain = claimed(1.3, "coulomb_friction")
-    assert simplest([plain, richer]) is richer, "what leaves more than noise is no reason to be simple"
-    among = replace(among, tried=(plain, richer), chosen=richer)
-    assert probabilities(among, 0) == pytest.approx([0.0, 0.0, 1.0])
