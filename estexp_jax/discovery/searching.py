@@ -16,10 +16,11 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
 from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
 from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, steadiest, worth
-from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.slopes import Fit, stretched
 from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
 from estexp_jax.inference.accuracy import gain
+from estexp_jax.physics.effects.sites import ALL_ALIKE
 
 _NEAR = 2.0
 """Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out.
@@ -29,8 +30,6 @@ _MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
 much are all added to."""
 _FEW, _BUDGET = 3, 800_000_000
 """More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
-_STRETCHED = 0.8
-"""Share of its bound from which on a value of the model is farther off than wrong values should be."""
 _PROMISING, _LIKELIEST, _ONE_MORE = 8, 6, 3
 """So many of a round's hypotheses, the most promising ones, are fitted in full; fewer where the best explanation of a
 robot of many joints is `FAR` off; and fewest where only the best of them is asked for."""
@@ -106,12 +105,12 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
 def _unbound(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
     """A value that refitting bent nearly as far as it may is claimed instead, if windows are predicted no worse so.
 
-    All values of a model together, each a little off, may stand in for one that is far off.
+    All values of a model together, each a little off, may stand in for one that is far off, or for all of a kind.
     """
     fitted = found.chosen.fitted
-    ends = zip(fitted.hypothesis.free, fitted.vector, strict=True)
-    bent = [(f.effect, f.site) for f, value in ends if abs(value) >= _STRETCHED * f.high]
-    places = [place for place in bent if place in found.problem.places]
+    bent = [(f.effect, f.site) for f in stretched(fitted)]
+    alike = dict.fromkeys((name, ALL_ALIKE) for name, _ in bent)
+    places = [place for place in (*bent, *alike) if place in found.problem.places]
     if not places:
         return found
     nothing = Fit(fitted.hypothesis, fitted.hypothesis.start(), np.inf)

@@ -11,7 +11,7 @@ from scipy import stats
 
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.slopes import Fit, stretched
 from estexp_jax.physics.changes import Change
 
 NOISE = 1.2
@@ -28,8 +28,8 @@ _SAME = 1.02
 """Held-out squared errors this near tell nothing apart."""
 _FOLDS = 3
 _PRICE, _MORE = 1.1, 1.03
-"""Factors on the held-out squared error for each effect, and for each of its parameters beyond the first, when
-explanations are compared for their probability."""
+"""Factors on the held-out squared error for each effect, or value of the model that is far off, and for each of an
+effect's parameters beyond the first, when explanations are compared for their probability."""
 
 
 Fold = tuple[np.ndarray, np.ndarray]
@@ -163,6 +163,6 @@ def probabilities(selection: Selection, seed: int, n: int = 2000) -> np.ndarray:
 
 
 def _penalty(explanation: Explanation) -> float:
-    effects = len(explanation.places)
+    effects = len(explanation.places) + len(stretched(explanation.fitted))
     own = sum(np.isinf(f.spread) for f in explanation.fitted.hypothesis.free)
-    return float(_PRICE**effects * _MORE ** max(own - effects, 0))
+    return float(_PRICE**effects * _MORE ** max(own - len(explanation.places), 0))

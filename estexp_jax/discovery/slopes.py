@@ -11,7 +11,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.hypotheses import Free, Hypothesis
 from estexp_jax.discovery.problem import Problem
 
 _STEP = 0.01
@@ -21,6 +21,8 @@ _LEAST_STEP = 1e-3
 _LARGEST_STEP = 0.05
 """... but of what is always positive, at most this share: some of these span orders of magnitude."""
 DAMPINGS = (1e-7, 1e-4, 1e-2, 1.0)
+_STRETCHED = 0.8
+"""Share of its bound from which on a value of the model is farther off than wrong values should be."""
 _SMALL = 0.7
 """Steps up to this share of a value are taken by factors."""
 _MOST_MEMBERS = 4096
@@ -46,6 +48,12 @@ class Fit:
     def member(self) -> tuple[Hypothesis, np.ndarray]:
         """As `Problem` takes it."""
         return self.hypothesis, self.vector
+
+
+def stretched(fitted: Fit) -> list[Free]:
+    """Values of the model that a fit bends farther than wrong values should be off."""
+    ends = zip(fitted.hypothesis.free, fitted.vector, strict=True)
+    return [f for f, value in ends if np.isfinite(f.spread) and abs(value) >= _STRETCHED * f.high]
 
 
 def prior_cost(hypothesis: Hypothesis, vector: np.ndarray, price: float) -> float:

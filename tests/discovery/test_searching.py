@@ -49,8 +49,8 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
     place = ("viscous_friction", "elbow")
     free = Free(*place, "c", 0, 0, -0.3, 0.3, 0.0, 0.03)
     hypothesis, asked = Hypothesis((), (free,)), list[Any]()
-    there, search = problem(0), _Search(hypothesis, [])
-    there.places = (place,)
+    there, search, alike = problem(0), _Search(hypothesis, []), ("viscous_friction", "*")
+    there.places = (place, alike, ("armature", "elbow"))
 
     def bent(value: float) -> _Found:
         return _Found(there, Explanation(Fit(hypothesis, np.array([value]), 1.0), np.full(4, 0.28)), ())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.findings import others
-from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
+from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.selection import Explanation, Selection, probabilities, simplest, steadiest, tied, worth
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.registry import catalogue
@@ -89,3 +89,17 @@ def test_a_small_gain_must_be_agreed_on_by_the_windows():
     assert simplest(both) is both[0] and steadiest(both, explanation(before)) is both[1]
     assert steadiest(both[:1], explanation(before)) is both[0], "none is worth it: the best one stays, to be refused"
     assert replace(explanation(before), held_out=4.0 * before).error == pytest.approx(np.sqrt(48.0))
+
+
+def test_a_value_that_is_bent_far_costs_as_much_as_an_effect():
+    """Else many values that are off by a quarter each are as probable as the one thing that is missing."""
+    free = [Free("viscous_friction", site, "c", i, 0, -0.3, 0.3, 0.0, 0.03) for i, site in enumerate("abc")]
+    square = np.full(12, 0.08)
+    claim = explanation(square, ("viscous_friction", "a"))
+
+    def shares(*vector):
+        own = Explanation(Fit(Hypothesis((), tuple(free)), np.array(vector), 0.0), square)
+        return probabilities(Selection(own, own, own, (claim,), claim), 0)
+
+    assert shares(0.1, -0.1, 0.1) == pytest.approx([1.0, 0.0])
+    assert shares(0.28, -0.28, 0.1) == pytest.approx([0.0, 1.0])
