@@ -6,7 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import final
 
+import mujoco
 import numpy as np
+
+from estexp_jax.package_data import model_path
 
 Number = Callable[[float], float]
 """What becomes of a number of the model: itself in the nominal one, a little wrong in the real robot."""
@@ -26,6 +29,7 @@ class Doubt:
         motion: the first one, under which they say the same.
         equals: names that say the same as one of them on this robot, whatever it is told to do.
         noise: deviation of the noise on angles, rad: so much that what the first motion tells of the difference drowns.
+        rest: for which the robot stands before a recording begins, s.
     """
 
     name: str
@@ -34,6 +38,7 @@ class Doubt:
     motion: Motion
     equals: Mapping[str, str] = field(default_factory=dict)
     noise: float = 8e-3
+    rest: float = 0.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -99,6 +104,29 @@ def _arm(axis: str, n: Number) -> str:
       <joint name="hinge" axis="{axis}" damping="{n(0.015):.9g}" armature="{n(0.004):.9g}"/>
       <geom type="capsule" fromto="0 0 0 {along}" size="0.02" mass="{n(0.3):.9g}" contype="0" conaffinity="0"/>
     </body>"""
+
+
+def standing(n: Number) -> str:
+    """The quadruped of Bongard and Lipson, with angle sensors in all joints and none in its feet."""
+    spec = mujoco.MjSpec.from_file(str(model_path("quadruped")))
+    for geom in spec.geoms:
+        if geom.mass > 0.0:
+            geom.mass = n(geom.mass)
+    for joint in spec.joints:
+        joint.damping, joint.armature = joint.damping * n(1.0), n(joint.armature)
+    for servo in spec.actuators:
+        servo.gainprm[0] = n(servo.gainprm[0])
+        servo.biasprm[1] = -servo.gainprm[0]
+    for sensor in list(spec.sensors):
+        spec.delete(sensor)
+    for joint in spec.joints[1:]:
+        spec.add_sensor(
+            name=f"{joint.name}_angle",
+            type=mujoco.mjtSensor.mjSENS_JOINTPOS,
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+            objname=joint.name,
+        )
+    return spec.to_xml()
 
 
 _BEGIN = 2.5
@@ -209,5 +237,15 @@ DOUBTS = (
         slow(0.3, joints=2, at=1),
         {"joint_offset": "com_shift"},
         noise=2e-3,
+    ),
+    Doubt(
+        "quadruped: payload or weak motors",
+        standing,
+        (
+            lambda s: f"body_mass@torso dm={2.0 + 0.5 * s:.6g}",
+            lambda s: f"motor_weakness@* loss={0.38 + 0.05 * s:.6g}",
+        ),
+        slow(0.2, joints=8),
+        rest=2.0,
     ),
 )

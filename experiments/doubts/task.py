@@ -9,7 +9,7 @@ import numpy as np
 
 import estexp_jax as ee
 from estexp_jax.api.explain import Explanation
-from estexp_jax.api.simulator import Simulator
+from estexp_jax.api.simulator import Simulator, Traces
 from estexp_jax.discovery.selection import probabilities
 from estexp_jax.inference.excitation import multisine
 from estexp_jax.physics.changes import parse_change
@@ -26,6 +26,8 @@ _FINER = 10
 """The real robot moves at this part of the model's step."""
 LISTED, SAME = 0.05, 1.02
 """Least probability of what is open, and how near to the best in squared error on held-out windows what is open is."""
+_CAPTURE, _SPEED = 5e-4, 5e-3
+"""Noise of motion capture, of places (m) and quaternions and of speeds (m/s and rad/s)."""
 _RANDOM = 0.3
 """Peak of the random motion, as a share of the actuators' reach."""
 
@@ -68,21 +70,34 @@ class _Real:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "nominal.xml").write_text(doubt.robot(lambda x: x), encoding="utf-8")
         self.nominal, self._folder, self._rng = Robot.from_xml(folder / "nominal.xml"), folder, rng
-        self._noise = doubt.noise
+        self._noise, self._rest = doubt.noise, doubt.rest
         wrong = Robot.from_string(doubt.robot(lambda x: x * (1.0 + ERROR * rng.standard_normal())), "real.xml")
         effect = parse_change(doubt.effects[which](float(rng.uniform())), wrong)
         self._simulator = Simulator(wrong, (effect,), finer=_FINER)
 
     def log(self, name: str, commands: np.ndarray) -> str:
         """Move it and write what it logs; gives the file."""
-        traces = self._simulator.rollout(commands, period=1.0 / RATE)
+        before = round(self._rest * RATE)
+        whole = self._simulator.rollout(np.concatenate([commands[:1].repeat(before, 0), commands]), period=1.0 / RATE)
+        traces = Traces(whole.time[: len(commands)], *(part[before:] for part in whole[1:]))
         step = 2.0 * np.pi / 2**BITS
         noisy = traces.sensors + self._rng.normal(0.0, self._noise, traces.sensors.shape)
         columns = {f"ctrl.{n}": commands[:, i] for i, n in enumerate(self.nominal.names("actuator"))}
         readings = np.round(noisy / step) * step
         columns |= {f"sensor.{n}": readings[:, i] for i, n in enumerate(self.nominal.sensor_columns())}
+        if traces.qpos.shape[1] > traces.qvel.shape[1]:
+            columns |= self._captured(traces)
         write_csv(self._folder / name, {"time": traces.time, **columns})
         return str(self._folder / name)
+
+    def _captured(self, traces: Traces) -> dict[str, np.ndarray]:
+        """Columns of a floating robot's pose and speeds, as motion capture has them."""
+        rows, root = len(traces.time), self.nominal.names("joint")[0]
+        pose = traces.qpos[:, :7] + self._rng.normal(0.0, _CAPTURE, (rows, 7))
+        pose[:, 3:] /= np.linalg.norm(pose[:, 3:], axis=1, keepdims=True)
+        speeds = traces.qvel[:, :6] + self._rng.normal(0.0, _SPEED, (rows, 6))
+        columns = {f"qpos.{root}.{i}": pose[:, i] for i in range(7)}
+        return columns | {f"qvel.{root}.{i}": speeds[:, i] for i in range(6)}
 
 
 def told(found: Explanation, doubt: Doubt, which: int) -> dict[str, Any]:
