@@ -142,8 +142,13 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
 
 
 def _held(robot: Robot, contest: Contest) -> np.ndarray:
-    """Degrees of freedom (nv,) whose motors were told the same all along: how fast they moved is no limit of theirs."""
+    """Degrees of freedom (nv,) for which how fast they moved is no limit.
+
+    Their motors were told the same all along, or they are those of a floating base, which moves as the legs make it.
+    """
     model, held = robot.model, np.zeros(robot.model.nv, dtype=bool)
+    for joint in np.flatnonzero(model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).tolist():
+        held[model.jnt_dofadr[joint] : model.jnt_dofadr[joint] + 6] = True
     joints = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     for a, (low, high) in enumerate(contest.commands):
         if low == high and int(model.actuator_trntype[a]) in joints:

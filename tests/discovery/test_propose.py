@@ -12,6 +12,7 @@ from estexp_jax.discovery.contest import Contest, Rival
 from estexp_jax.discovery.propose import PLAIN, ProposeConfig, Proposed, propose
 from estexp_jax.discovery.rehearsal import Rehearsal, rehearsal_of
 from estexp_jax.inference.separating import limits_of, separated, separation, separation_beside
+from estexp_jax.package_data import model_path
 from estexp_jax.physics.changes import Change, encode, stack
 from estexp_jax.physics.robot import Robot
 from estexp_jax.report.propose_text import rows, standing, verdict
@@ -96,6 +97,12 @@ def test_the_same_seed_finds_the_same_and_another_one_another():
     one, same, other = (proposed(contest(DRY, VISCOUS), replace(SMALL, seed=s)) for s in (1, 1, 2))
     np.testing.assert_array_equal(one.commands, same.commands)
     assert np.abs(one.commands - other.commands).max() > 0.05
+
+
+def test_a_floating_base_may_move_faster_than_a_robot_that_stood():
+    robot, moved = Robot.from_xml(model_path("quadruped")), np.tile([-0.1, 0.1], (8, 1))
+    standing = replace(contest(DRY, VISCOUS), commands=moved)
+    np.testing.assert_array_equal(module._held(robot, standing), [True] * 6 + [False] * 8)
 
 
 def test_motions_begin_at_home_and_keep_to_limits_of_speed_and_command():
