@@ -122,7 +122,7 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
     """
     yield Progress("preparing", 0, 1, f"{len(contest.rivals)} rivals")
     rehearsal = _rehearsal(robot, contest, config)
-    speeds = config.speed * np.where((contest.speeds > 0.0) & ~_held(robot, contest), contest.speeds, np.inf)
+    speeds = config.speed * np.where((contest.speeds > 0.0) & ~_unlimited(robot, contest), contest.speeds, np.inf)
     limits, time = limits_of(robot, config.margin, contest.commands, speeds), _clock(contest, config)
     population = _population(rehearsal, time, config)
     genetic = Genetic(GENES * robot.model.nu, population, config.seed, mutation=_MUTATION)
@@ -141,7 +141,7 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
     return Proposed(robot, contest, config, time, (tried + usual)[best], shown[best], typical, steps, choice)
 
 
-def _held(robot: Robot, contest: Contest) -> np.ndarray:
+def _unlimited(robot: Robot, contest: Contest) -> np.ndarray:
     """Degrees of freedom (nv,) for which how fast they moved is no limit.
 
     Their motors were told the same all along, or they are those of a floating base, which moves as the legs make it.

@@ -56,13 +56,20 @@ def simpler(problem: Problem, parameters: Hypothesis, chosen: Fit) -> list[Task]
     for i, (name, site) in enumerate(places):
         relative = (RUNGS.get(name, ""), site)
         if relative in problem.places and relative not in places:
-            rest, [vector] = without(problem, parameters, chosen, places[i])
-            hypothesis, vectors = extended(problem, parameters, Fit(rest, vector, chosen.cost), relative)
-            is_new = np.array([(f.effect, f.site) == relative for f in hypothesis.free])
-            known = chosen.hypothesis.changes(chosen.vector, claimed=True)[i].parameters
-            own = [hypothesis.with_values(relative, values) for values in lowered(name, known)]
-            lower.append((hypothesis, [*(np.where(is_new, v, vectors[0]) for v in own), *vectors]))
+            lower.append(_lowered(problem, parameters, chosen, i))
     return fewer + lower
+
+
+def _lowered(problem: Problem, parameters: Hypothesis, chosen: Fit, i: int) -> Task:
+    """A fit with the simpler relative of its i-th claim instead, started from where the richer one is, too."""
+    name, site = chosen.hypothesis.places[i]
+    relative = RUNGS[name], site
+    rest, [vector] = without(problem, parameters, chosen, (name, site))
+    hypothesis, vectors = extended(problem, parameters, Fit(rest, vector, chosen.cost), relative)
+    is_new = np.array([(f.effect, f.site) == relative for f in hypothesis.free])
+    known = chosen.hypothesis.changes(chosen.vector, claimed=True)[i].parameters
+    own = [hypothesis.with_values(relative, values) for values in lowered(name, known)]
+    return hypothesis, [*(np.where(is_new, v, vectors[0]) for v in own), *vectors]
 
 
 def beside(fitted: Fit, other: Fit) -> np.ndarray:

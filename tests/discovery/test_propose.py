@@ -102,7 +102,7 @@ def test_the_same_seed_finds_the_same_and_another_one_another():
 def test_a_floating_base_may_move_faster_than_a_robot_that_stood():
     robot, moved = Robot.from_xml(model_path("quadruped")), np.tile([-0.1, 0.1], (8, 1))
     standing = replace(contest(DRY, VISCOUS), commands=moved)
-    np.testing.assert_array_equal(module._held(robot, standing), [True] * 6 + [False] * 8)
+    np.testing.assert_array_equal(module._unlimited(robot, standing), [True] * 6 + [False] * 8)
 
 
 def test_motions_begin_at_home_and_keep_to_limits_of_speed_and_command():
