@@ -185,6 +185,12 @@ class Robot:
             changed = True
         return Robot.from_spec(spec, self.source) if changed else self
 
+    def finer(self, parts: int) -> Robot:
+        """The robot with a physics step that is a part of its own."""
+        spec = self.spec.copy()
+        spec.option.timestep /= parts
+        return Robot.from_spec(spec, self.source)
+
     def home(self) -> np.ndarray:
         """The configuration to start from, (nq,): keyframe `home`, else the first keyframe, else qpos0."""
         model = self.model

@@ -36,8 +36,13 @@ class Residuals(Protocol):
         """
         ...
 
-    def alone(self, hypothesis: Items) -> tuple[float, float]:
-        """Of one hypothesis, the simulator's errors judged about itself; and how badly it fits, 1 being as expected."""
+    def alone(self, hypothesis: Items, *, thorough: bool = False) -> tuple[float, float]:
+        """Of one hypothesis, the simulator's errors judged about itself; and how badly it fits, 1 being as expected.
+
+        Args:
+            hypothesis: what may differ.
+            thorough: whether these errors are judged by more of them; not to be compared with others that are not.
+        """
         ...
 
 
@@ -143,7 +148,7 @@ class MetricResiduals:
             values = distance_error(self._travelled, distances(walk.position, settings.axis))
         return np.where(walk.failed.any(axis=1), np.inf, values)
 
-    def alone(self, hypothesis: Items) -> tuple[float, float]:
+    def alone(self, hypothesis: Items, *, thorough: bool = False) -> tuple[float, float]:
         """See `Residuals`; a simulator without errors reproduces the truth exactly."""
         value = float(self([hypothesis])[0])
         return value, value / _NOTHING

@@ -27,7 +27,7 @@ SAMPLES = 41
 """Readings of a trial that are compared: the first 0.4 s."""
 TEMPER = 10.0
 """By how much costs are divided in probabilities; see experiments/diagnosis."""
-_FLOOR, _SHARE = 0.006, 1.0
+_FLOOR, _SHARE = 0.004, 0.5
 """Of angles: errors of the integration, rad; share of the spread that is not linear."""
 _TOLERANCE = 0.02
 """Of a touch reading's level."""

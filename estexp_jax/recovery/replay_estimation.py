@@ -16,6 +16,7 @@ from estexp_jax.inference.set_moves import Items as Indexed
 from estexp_jax.inference.set_moves import pruned
 from estexp_jax.inference.set_search import SetSearch
 from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.edits import Place
 from estexp_jax.recovery.estimation import Diagnosis, Estimation, Residuals, Round
 from estexp_jax.recovery.genome import Items
 from estexp_jax.recovery.mismatch import TEMPER
@@ -25,7 +26,7 @@ from estexp_jax.recovery.simulator import Simulator
 _PRICE, _PRICE_OF_TRIAL = 40.0, 20.0
 """Cost of one more change, at least, and for each trial: errors of the simulator that its ensemble misses are alike in
 all samples of a trial."""
-_SEARCHES, _KEPT, _FINALISTS = 3, 12, 8
+_SEARCHES, _KEPT, _FINALISTS, _LAST = 3, 12, 8, 6
 _REFINED, _STEPS, _MOVES = 3, (0.15, 0.05, 0.02), 3
 """Finalists that are refined; by what shares of an amount's range, and how often by each at most."""
 _FEWER: dict[str, Any] = {"bases": 2, "beam": 10, "scanned": 0, "finalists": 3, "refinements": 3, "polishes": 2}
@@ -104,14 +105,22 @@ class ReplayEstimation(Estimation):
         return {**state, **again, "seeds": seeds}
 
     def _judged(self, state: dict[str, Any], found: set_search.State, residuals: Residuals) -> dict[str, Any]:
-        """The finalists and what is left of the best without each member, each about itself; the best then refined."""
+        """The finalists and what is left of the best without each member, each about itself; the best then refined.
+
+        The last few are judged by many more of the simulator's errors: a robot on three legs may tip over or not, and
+        where a small ensemble holds none that does, what happened looks impossible.
+        """
         first = [f.items for f in found.pool[:_FINALISTS]]
         judged = Judged(self._menu, self._search.price, residuals)
         for items in [*first, *pruned(first[:_REFINED])]:
             judged.worth(items)
         for items in judged.ranked()[:_REFINED]:
             judged.refine(items)
-        return {**state, "judged": judged.to_tree()}
+        last = Judged(self._menu, self._search.price, residuals, thorough=True)
+        best, *others = judged.ranked()
+        for items in [best, *pruned([best]), *others[: _LAST - 1]]:
+            last.worth(items)
+        return {**state, "judged": last.to_tree()}
 
 
 @final
@@ -122,25 +131,29 @@ class Judged:
         menu: what hypotheses count.
         price: of one more change.
         residuals: what they are judged by.
+        thorough: see `Residuals`.
     """
 
-    def __init__(self, menu: Menu, price: float, residuals: Residuals) -> None:
-        self._menu, self._price, self._residuals = menu, price, residuals
+    def __init__(self, menu: Menu, price: float, residuals: Residuals, *, thorough: bool = False) -> None:
+        self._menu, self._price, self._residuals, self._thorough = menu, price, residuals, thorough
         self._known: dict[Items, tuple[Indexed, float, float]] = {}
 
     def worth(self, hypothesis: Indexed) -> float:
         """Cost and price of a hypothesis; lower is better."""
         items = self._menu.items(hypothesis)
         if items not in self._known:
-            cost, misfit = self._residuals.alone(items)
+            cost, misfit = self._residuals.alone(items, thorough=self._thorough)
             self._known[items] = (hypothesis, cost + self._price * len(items), misfit)
         return self._known[items][1]
 
     def ranked(self) -> list[Indexed]:
-        """The best of each set of options, best first."""
-        best: dict[tuple[int, ...], Indexed] = {}
-        for hypothesis, _, _ in sorted(self._known.values(), key=lambda known: known[1]):
-            best.setdefault(tuple(index for index, _ in hypothesis), hypothesis)
+        """The best of each set of places, best first.
+
+        Two sets of options may say the same: a leg is lost, and that its foot is lost with it.
+        """
+        best: dict[tuple[Place, ...], Indexed] = {}
+        for items, known in sorted(self._known.items(), key=lambda entry: entry[1][1]):
+            best.setdefault(tuple(place for place, _ in items), known[0])
         return list(best.values())
 
     def refine(self, hypothesis: Indexed) -> None:

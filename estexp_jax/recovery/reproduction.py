@@ -3,13 +3,15 @@
 Each hypothesis is replayed: its network hears the recorded readings, so that small errors do not feed on themselves.
 What is left between recorded and simulated readings is compared with what errors of a few percent in the simulator's
 parameters do to them about a reference hypothesis: see `mismatch`. The healthy robot's trials stand in both as well: an
-error that the robot has shown before the damage is not taken for damage.
+error that the robot has shown before the damage is not taken for damage. All is simulated at half the physics step: no
+robot has one, and where feet stick and slip, what it does to the angles is more than what the parameters' errors do.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any, final
 
 import numpy as np
@@ -22,7 +24,8 @@ from estexp_jax.recovery.perturbation import ensemble
 from estexp_jax.recovery.simulator import Simulator
 from estexp_jax.recovery.trial import Trial
 
-_MEMBERS = 48
+_MEMBERS, _MANY = 48, 256
+"""Of an ensemble; and of one that also meets the rare robots in which a leg slips or the torso tips over."""
 _GENEROUS = 0.6
 """Cost of a sample of the truth: V and X are so much too large, and the log determinant beside costs in their unit."""
 
@@ -53,6 +56,7 @@ class Reproduction:
         controllers: (n_weights,) each, as many as trials.
         trials: of the damaged robot.
         healthy: controllers and trials of the robot before the damage; may be empty.
+        members: of the ensemble of simulators.
     """
 
     def __init__(
@@ -62,9 +66,11 @@ class Reproduction:
         controllers: Sequence[np.ndarray],
         trials: Sequence[Trial],
         healthy: Sequence[tuple[np.ndarray, Trial]],
+        members: int = _MEMBERS,
     ) -> None:
-        self._simulator, self._touch = simulator, simulator.walker.interface.is_touch
-        self._members = ensemble(simulator.robot, settings.rough, _MEMBERS)
+        self._simulator, self._touch = simulator.finer, simulator.walker.interface.is_touch
+        self._with_members = partial(Reproduction, simulator, settings, controllers, trials, healthy)
+        self._members = ensemble(simulator.robot, settings.rough, members)
         self._damaged = _recorded(controllers, trials)
         self._healthy = _recorded([w for w, _ in healthy], [t for _, t in healthy]) if healthy else None
         self._before = self._about_healthy()
@@ -80,10 +86,16 @@ class Reproduction:
         cost = cost + touch_cost(about, self._damaged.readings[..., self._touch], simulated[..., self._touch])
         return np.where(failed, np.inf, cost)
 
-    def alone(self, hypothesis: Items) -> tuple[float, float]:
+    def alone(self, hypothesis: Items, *, thorough: bool = False) -> tuple[float, float]:
         """See `Residuals`: cost and log determinant, comparable between hypotheses; and the cost of a sample."""
+        if thorough:
+            return self._larger.alone(hypothesis)
         cost, about = float(self([hypothesis], hypothesis)[0]), self._references.pop(hypothesis)
         return cost + _GENEROUS * about.log_det, cost / len(about.sd)
+
+    @cached_property
+    def _larger(self) -> Reproduction:
+        return self._with_members(members=_MANY)
 
     def _reference(self, items: Items) -> Reference:
         if items not in self._references:

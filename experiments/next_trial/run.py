@@ -60,7 +60,7 @@ def tasks_of(situations: Sequence[int], n: int) -> list:
 
     return [
         Task(s, seed, "foreign", trials=TRIALS, telling=telling)
-        for seed in seeds(n, FIRST)
+        for seed in seeds(n, FIRST["foreign"])
         for s in situations
         for telling in (False, True)
     ]

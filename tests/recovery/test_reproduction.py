@@ -14,6 +14,7 @@ from estexp_jax.recovery.estimation import Estimation, MetricResiduals
 from estexp_jax.recovery.evidence import estimation
 from estexp_jax.recovery.foreign import ForeignTarget
 from estexp_jax.recovery.genome import Items
+from estexp_jax.recovery.mismatch import SAMPLES
 from estexp_jax.recovery.perturbation import ensemble
 from estexp_jax.recovery.reproduction import Reproduction
 from estexp_jax.recovery.simulator import Simulator
@@ -51,12 +52,25 @@ def test_an_ensemble_is_as_wrong_as_it_should_be(quadruped: Robot) -> None:
 
 
 def test_the_truth_costs_about_one_a_sample_and_nothing_else_does(reproduction: Reproduction) -> None:
-    _, misfit = reproduction.alone(LOST)
-    assert misfit < 2.0
+    (few, misfit), (many, surer) = (reproduction.alone(LOST, thorough=thorough) for thorough in (False, True))
+    assert misfit < 2.0 and surer < 2.0 and few != many
     others: list[Items] = [(), ((Place("part_lost", "upper_f"), 1.0),), ((Place("gravity_tilt", None), 0.5),)]
     for about in ((), LOST):
         truth, *wrong = reproduction([LOST, *others], about)
         assert np.all(np.array(wrong) > truth + 100.0)
+
+
+def test_half_the_physics_step_is_nearer_to_a_robot_that_has_none(world: Simulator, recorded: dict[str, Any]) -> None:
+    trials, angles = recorded["trials"], ~world.walker.interface.is_touch
+    seen = np.stack([trial.readings[:SAMPLES] for trial in trials])
+    heard = np.stack([trial.network_heard[:SAMPLES] for trial in trials])
+    off = {}
+    for simulator in (world, world.finer):
+        readings = simulator.trials([PLANTED], recorded["controllers"], seen.shape[1], heard).readings[0]
+        step = simulator.robot.model.opt.timestep
+        assert step * simulator.walker.substeps == pytest.approx(world.control_step)
+        off[step] = np.median(np.abs(readings - seen)[..., angles])
+    assert off[min(off)] < 0.9 * off[max(off)]
 
 
 def test_what_blew_up_is_never_best(reproduction: Reproduction, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import abc
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ from estexp_jax.physics.changes import Values
 from estexp_jax.physics.controllers import Network, decode, n_weights
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.engines.batching import Choice
-from estexp_jax.physics.engines.mjx_model import MjxModel
+from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now
 from estexp_jax.physics.interface import Interface
 from estexp_jax.physics.registry import Catalogue
@@ -116,6 +116,11 @@ class Walker(abc.ABC):
     def catalogue(self) -> Catalogue:
         """The effects that `values` have an entry for."""
         return self.on_mjx.catalogue
+
+    def finer(self, parts: int) -> Walker:
+        """The same simulator at a part of the physics step."""
+        on_mjx = mjx_model(self.robot.finer(parts), self.catalogue)
+        return replace(self, on_mjx=on_mjx, substeps=self.substeps * parts)
 
     def home(self, values: Values) -> BodyState:
         """The states of robots in their home posture, at rest, for values (robots, n_sites, n_parameters)."""
