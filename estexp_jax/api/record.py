@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -55,10 +55,23 @@ class RecordConfig:
                 raise InputError(f"{value} makes no sense", where=f"--{name}", right=f"{least} or more")
 
 
-def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder: RunFolder) -> Path:
+def record(
+    robot: Robot,
+    changes: Sequence[Change],
+    config: RecordConfig,
+    folder: RunFolder,
+    begun: Callable[[str], object] = lambda _: None,
+) -> Path:
     """Simulate a robot with changes, and write what it would have logged; gives the manifest's path.
 
     Writes nominal.xml, train_0.csv, train_1.csv, test_0.csv (a larger motion), recordings.toml and truth.json.
+
+    Args:
+        robot: the nominal one.
+        changes: how the robot differs.
+        config: how to record.
+        folder: where the files go.
+        begun: hears what is simulated next.
 
     Raises:
         InputError: an effect acts in the controller, where a replay of commands does not see it; or the simulation
@@ -78,6 +91,7 @@ def record(robot: Robot, changes: Sequence[Change], config: RecordConfig, folder
         ("test_0.csv", multisine(robot, time, 0.9, config.seed + 2)),
     )
     for i, (name, commands) in enumerate(motions):
+        begun(f"simulating {name}")
         traces = real.rollout(commands, period=1.0 / config.rate)
         _refuse_diverged(traces, name)
         write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))

@@ -51,7 +51,7 @@ def run(options: Options) -> int:
     from estexp_jax.physics.changes import parse_change
     from estexp_jax.physics.engines.mjx_without import within_mjx
     from estexp_jax.physics.robot import Robot
-    from estexp_jax.runs import open_run
+    from estexp_jax.runs import Progress, open_run
 
     config = RecordConfig(options.duration, options.rate, options.bits, options.noise, options.seed)
     robot = Robot.from_xml(options.model)
@@ -60,7 +60,8 @@ def run(options: Options) -> int:
     for part in within_mjx(robot).left_out:
         print(f"Simulated without {part}")
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
-    manifest = record(robot, changes, config, folder)
+    with Progress() as progress:
+        manifest = record(robot, changes, config, folder, progress.stage)
     for change in changes:
         print(f"The robot differs from its model: {change.sentence()}.")
     print(f"Recordings: {manifest}")

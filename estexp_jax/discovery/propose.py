@@ -14,6 +14,7 @@ from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import BENT
 from estexp_jax.discovery.rehearsal import Rehearsal, Shown, rehearsal_of
 from estexp_jax.errors import InputError
+from estexp_jax.inference.apart import kept_apart
 from estexp_jax.inference.separating import GENES, Limits, decoded, limits_of, random_motion, separated
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.registry import catalogue
@@ -105,8 +106,8 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
 
     Motions are evolved at the model's own step. The best ones, and random ones to compare with, are then simulated at
     the fine step that explanations were fitted at. The robot begins at home, at rest; what rivals claim acts all along,
-    also where it began part-way through the recordings. Errors of the start are left out: it will be measured, and soon
-    forgotten by robots that are held by servos.
+    also where it began part-way through the recordings. Parts that are apart at home are to stay so. Errors of the
+    start are left out: it will be measured, and soon forgotten by robots that are held by servos.
 
     Args:
         robot: the nominal one.
@@ -172,8 +173,9 @@ def _rehearsal(robot: Robot, contest: Contest, config: ProposeConfig) -> Rehears
     if robot.model.nu == 0:
         raise InputError("the robot has no actuators, so no motion can be proposed", where=robot.source)
     effects = dict.fromkeys(change.effect for rival in contest.rivals for change in rival.changes)
-    every = catalogue(dict.fromkeys((*effects, *BENT)))
-    return rehearsal_of(replayer(robot, every, [robot], engine=config.engine), contest)
+    every, apart = catalogue(dict.fromkeys((*effects, *BENT))), kept_apart(robot, [robot.home()[None]])
+    free = robot.without_contacts(apart)
+    return rehearsal_of(replayer(free, every, [free], engine=config.engine), contest, robot, apart)
 
 
 def _clock(contest: Contest, config: ProposeConfig) -> np.ndarray:

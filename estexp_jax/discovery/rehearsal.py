@@ -11,6 +11,7 @@ import numpy as np
 from estexp_jax.discovery.contest import Contest, Rival
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.errors import InputError, known
+from estexp_jax.inference.apart import kept_apart
 from estexp_jax.inference.channels import Channels
 from estexp_jax.inference.separating import Limits, separation, separation_beside
 from estexp_jax.inference.windows import parts_soon
@@ -28,6 +29,8 @@ _TIED = 0.1
 """Least probability that a rival counts with in a search if only its numbers make it improbable."""
 _MOST_LANES = 1024
 """Lanes replayed together, to bound memory."""
+_ROWS = 40
+"""Of a motion that are searched for parts which come near each other."""
 
 
 @final
@@ -38,7 +41,7 @@ class Shown:
     Attributes:
         readings: (rivals, rows, channels).
         apart: (rivals, rivals) how far apart that is, in deviations; NaN where a simulation blew up.
-        excess: how far any rival goes beyond limits, as of `Limits.excess`.
+        excess: how far any rival goes beyond limits, as of `Limits.excess`; above 1 where parts come near each other.
     """
 
     readings: np.ndarray
@@ -59,6 +62,8 @@ class Rehearsal:
         values: (rivals + variations, n_sites, n_parameters) for each effect.
         varied: (variations,) index of the rival that each is a variation of.
         timestep: longest step, s.
+        whole: the robot, which the replayer may know without some contacts.
+        apart: pairs of its bodies that the replayer lets through each other; no motion may bring them near.
         parting: whether the robot soon parts for good from one that differs a little, as robots on legs do.
         counted: robot steps simulated so far, a list of one number.
     """
@@ -70,6 +75,8 @@ class Rehearsal:
     values: Values
     varied: np.ndarray
     timestep: float
+    whole: Robot
+    apart: frozenset[tuple[int, int]] = frozenset()
     parting: bool = False
     counted: list[int] = field(default_factory=lambda: [0])
 
@@ -112,14 +119,30 @@ class Rehearsal:
         scaled = readings / self.deviations
         measure = separation_beside if self.parting else separation
         apart = measure(scaled[:n], scaled[n:] - scaled[self.varied])
-        return Shown(readings[:n], apart, limits.excess(replay.qpos[:n], replay.qvel[:n]))
+        excess = max(limits.excess(replay.qpos[:n], replay.qvel[:n]), self._touching(replay.qpos[0]))
+        return Shown(readings[:n], apart, excess)
+
+    def _touching(self, path: np.ndarray) -> float:
+        """0 where the likeliest rival keeps all parts off each other along a path (rows, nq); else more than 1."""
+        if not self.apart:
+            return 0.0
+        off = self.apart & set(kept_apart(self.whole, [path[:: max(1, len(path) // _ROWS)].astype(float)]))
+        return 2.0 - len(off) / len(self.apart) if off < self.apart else 0.0
 
 
-def rehearsal_of(replayer: Replayer, contest: Contest) -> Rehearsal:
+def rehearsal_of(
+    replayer: Replayer, contest: Contest, whole: Robot | None = None, apart: Sequence[tuple[int, int]] = ()
+) -> Rehearsal:
     """Rivals and their ordinary variations, for a replayer that knows their effects.
 
     Variations are of the model's values under the first rival, because rivals differ little in what these do, and of
     each rival's own claims.
+
+    Args:
+        replayer: of the robot.
+        contest: the rivals.
+        whole: the robot with all its contacts; None: the replayer's.
+        apart: see `Rehearsal`.
 
     Raises:
         InputError: a channel or an effect's place is not one of the robot's.
@@ -134,7 +157,9 @@ def rehearsal_of(replayer: Replayer, contest: Contest) -> Rehearsal:
     deviations = np.where(contest.deviations > 0.0, contest.deviations, np.inf)  # unknown: it tells nothing
     shares = np.array([max(rival.probability, _TIED * rival.tied) for rival in contest.rivals])
     step = float(robot.model.opt.timestep)
-    return Rehearsal(replayer, channels, deviations, shares, values, np.array(owner, int), step, parts_soon(robot))
+    through = (robot if whole is None else whole, frozenset(apart))
+    varied_of, soon = np.array(owner, int), parts_soon(robot)
+    return Rehearsal(replayer, channels, deviations, shares, values, varied_of, step, *through, soon)
 
 
 def _variations(replayer: Replayer, rivals: Sequence[Rival]) -> list[tuple[int, Change]]:

@@ -12,6 +12,9 @@ from estexp_jax.physics.touching import touching_pairs
 
 _NEAR = 0.02
 """Parts that come nearer, m, may touch in a simulation that moves a little otherwise."""
+_LOOSE, _SHARE, _PRESSED = 5e-4, 0.5, 1e-5
+"""Parts that one joint or two hold together are always near: they may touch where their gap changes by more, m or as a
+share of itself, or where they overlap by more, m."""
 _ROWS = 300
 """So many rows of each recording are looked at."""
 
@@ -27,24 +30,43 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray]) -> list[tuple[int, int
     """
     model, data = robot.model, mujoco.MjData(robot.model)
     pairs, near = _pairs(robot), set[tuple[int, int]]()
+    gaps = {bodies: list[float]() for bodies in pairs if _are_joined(model, *bodies)}
     for path in paths if pairs else ():
         for qpos in path[:: max(1, len(path) // _ROWS)]:
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
-            near |= {
-                bodies
-                for bodies, geoms in pairs.items()
-                if bodies not in near and any(_are_near(model, data, one, other) for one, other in geoms)
-            }
+            for bodies in pairs.keys() - near:
+                gap = min(_gap(model, data, one, other) for one, other in pairs[bodies])
+                if bodies in gaps:
+                    gaps[bodies].append(gap)
+                elif gap <= _NEAR:
+                    near.add(bodies)
+    near |= {bodies for bodies, found in gaps.items() if _may_touch(found)}
     return [bodies for bodies in pairs if bodies not in near] if len(paths) else []
 
 
-def _are_near(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) -> bool:
-    """Whether two geoms are; balls around them, which planes have not, tell most that are not."""
+def _gap(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) -> float:
+    """Distance of two geoms, m, at most twice what is near; balls around them, which planes have not, tell most."""
     around = model.geom_rbound[[one, other]]
-    if around.all() and np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]) > around.sum() + _NEAR:
-        return False
-    return mujoco.mj_geomDistance(model, data, one, other, 2.0 * _NEAR, None) <= _NEAR
+    if around.all() and np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]) > around.sum() + 2.0 * _NEAR:
+        return 2.0 * _NEAR
+    return mujoco.mj_geomDistance(model, data, one, other, 2.0 * _NEAR, None)
+
+
+def _may_touch(gaps: list[float]) -> bool:
+    """Whether two parts that joints hold together may, by their gap along the recordings."""
+    nearest = min(gaps)
+    return nearest < -_PRESSED or (nearest <= _NEAR and max(gaps) - nearest > max(_LOOSE, _SHARE * nearest))
+
+
+def _are_joined(model: mujoco.MjModel, one: int, other: int) -> bool:
+    """Whether one of two rigid groups of bodies hangs from the other, or from what hangs from it."""
+
+    def above(group: int) -> int:
+        return int(model.body_weldid[model.body_parentid[group]])
+
+    first, second = (int(model.body_weldid[body]) for body in (one, other))
+    return second in (above(first), above(above(first))) or first in (above(second), above(above(second)))
 
 
 def _pairs(robot: Robot) -> dict[tuple[int, int], list[tuple[int, int]]]:

@@ -166,7 +166,8 @@ def caution(proposed: Proposed) -> str:
     """What is beyond a limit; empty where nothing is."""
     if proposed.shown.excess <= SLACK:
         return ""
-    told = f"goes {proposed.shown.excess:.0%} beyond a limit of joint or speed under at least one explanation"
+    beyond = f"goes {proposed.shown.excess:.0%} beyond a limit of joint or speed, or brings parts together,"
+    told = f"{beyond} under at least one explanation"
     return f"no motion found stays within the limits; this one {told}."
 
 

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from unittest.mock import patch
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -64,6 +65,16 @@ def test_a_joint_that_was_held_may_move_as_fast_as_its_motor_allows():
     held = replace(moved, commands=np.zeros((1, 2)))
     fastest = [np.abs(np.diff(proposed(c).shown.readings[:, :, 0], axis=1)).max() * 100.0 for c in (moved, held)]
     assert fastest[0] < 0.5 < fastest[1]
+
+
+def test_no_motion_may_bring_parts_together_that_the_simulation_lets_through_each_other():
+    among, spec = contest(PAYLOAD, WEAK), nominal("one").spec.copy()
+    spec.worldbody.add_geom(name="wall", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.02, 0.5, 0.5], pos=[-0.2, 0, 0])
+    walled = rehearsal_of(shared_replayer("one"), among, Robot.from_spec(spec), [(0, 1)])
+    limits, time = limits_of(nominal("one"), 0.9, among.commands, np.array([np.inf])), np.arange(150) / 100.0
+    away, at = (np.full((150, 1), angle) for angle in (-1.0, 1.0))
+    assert [shown.excess > 1.0 for shown in walled.shown(time, [away, at], limits)] == [False, True]
+    assert all(shown.excess <= 0.0 for shown in rehearsal(among).shown(time, [away, at], limits))
 
 
 @pytest.mark.parametrize("pair", [(PAYLOAD, WEAK), (DRY, VISCOUS)], ids=["payload or weakness", "dry or viscous"])

@@ -63,3 +63,32 @@ def test_a_robot_without_them_is_the_same_but_for_them(robot: Robot) -> None:
     refused = lanes_refusal(mjx_model(robot, ()), frozenset())
     assert refused is not None and "'lf'" in refused
     assert lanes_refusal(mjx_model(found, ()), frozenset()) is None
+
+
+TURNTABLE = """
+<mujoco>
+  <worldbody>
+    <geom name="column" type="box" size="0.1 0.1 0.1" pos="0 0 -0.1"/>
+    <body name="table">
+      <joint name="j" axis="{axis}" pos="0 0 0.05"/>
+      <geom name="disc" type="cylinder" size="0.1 0.05" pos="0 0 {height}"/>
+    </body>
+  </worldbody>
+  <actuator><motor name="m" joint="j"/></actuator>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("axis", "height", "apart"),
+    [
+        pytest.param("0 0 1", 0.05, True, id="turns on its column"),
+        pytest.param("0 0 1", 0.045, False, id="pressed into it"),
+        pytest.param("0 1 0", 0.07, False, id="leans over until it touches"),
+        pytest.param("0 1 0", 0.2, True, id="leans over far above"),
+    ],
+)
+def test_what_a_joint_holds_at_one_distance_cannot_touch(axis: str, height: float, apart: bool) -> None:
+    robot = Robot.from_string(TURNTABLE.format(axis=axis, height=height))
+    found = kept_apart(robot, [np.linspace(-0.2, 0.2, 50)[:, None]])
+    assert ((0, 1) in found) == apart

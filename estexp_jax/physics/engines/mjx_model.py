@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import warnings
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -85,7 +86,9 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
     try:
         if np.any(model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)) and not _rows(model):
             _arm(robot, model)  # without any row, MJX's forward pass ends before the sensors of accelerations
-        return MjxModel(robot, catalogue, model, mjx.put_model(model), mjx.make_data(model))
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", 'Mesh ".*" has a coplanar face')  # slow contacts, which may be left out
+            return MjxModel(robot, catalogue, model, mjx.put_model(model), mjx.make_data(model))
     except NotImplementedError as error:
         what = re.sub(r"<?mjt\w+\.(\w+)(: \d+>)?", r"\1", str(error)).translate(str.maketrans("", "", "[]()"))
         raise InputError(f"MJX cannot simulate this model: {what}", where=robot.source) from None
