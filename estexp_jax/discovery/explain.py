@@ -59,6 +59,8 @@ from estexp_jax.physics.segment import Segment
 _WINDOWS, _WORK = (16, 48), 144_000
 """Fewest and most windows that are fitted of long recordings, and how often forces at a robot's joints are computed in
 them."""
+_TOGETHER = 0.005
+"""Gap, m, of parts that may have touched in a test recording, as far as model and readings tell."""
 
 
 def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
@@ -84,19 +86,20 @@ def _replayer(case: Case, config: ExplainConfig, effects: Sequence[str], apart: 
     return replayer(robot, catalogue(effects), robots, engine=config.engine)
 
 
-def _apart(case: Case, segments: Sequence[Segment], recordings: Sequence[int]) -> list[tuple[int, int]]:
+def _apart(case: Case, segments: Sequence[Segment], recordings: Sequence[int], *near: float) -> list[tuple[int, int]]:
     """Pairs of bodies that some recordings, whose paths are known, never brought near each other."""
     paths = {s.recording: s.path.qpos for s in segments if s.path is not None and s.recording in recordings}
-    return kept_apart(case.robot, list(paths.values())) if len(paths) == len(recordings) else []
+    return kept_apart(case.robot, list(paths.values()), *near) if len(paths) == len(recordings) else []
 
 
 def _shown(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
-    """The comparison that is shown: where test recordings bring parts near each other, these may touch."""
-    fitted, every = (_apart(case, whole.segments, r) for r in (case.indices("train"), range(len(case.recordings))))
+    """The comparison that is shown: where test recordings bring parts together, these may touch."""
+    fitted = _apart(case, whole.segments, case.indices("train"))
+    every = _apart(case, whole.segments, range(len(case.recordings)), _TOGETHER)
     near = set(fitted) - set(every)
     if not near:
         return whole
-    simulator = _replayer(case, config, [e.name for e in whole.replayer.catalogue], every)
+    simulator = _replayer(case, config, [e.name for e in whole.replayer.catalogue], sorted(set(fitted) - near))
     return replace(whole, replays=replace(whole.replays, replayer=simulator))
 
 

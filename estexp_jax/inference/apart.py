@@ -19,7 +19,7 @@ _ROWS = 300
 """So many rows of each recording are looked at."""
 
 
-def kept_apart(robot: Robot, paths: Sequence[np.ndarray]) -> list[tuple[int, int]]:
+def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = _NEAR) -> list[tuple[int, int]]:
     """Pairs of bodies whose contacts can be left out: they stayed apart all along.
 
     Two moving bodies, or one of a robot that is bolted down and one of its surroundings: what floats falls on these.
@@ -27,22 +27,23 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray]) -> list[tuple[int, int
     Args:
         robot: as described.
         paths: (rows, nq) configurations of each recording.
+        near: gap of parts that may touch, m.
     """
     model, data = robot.model, mujoco.MjData(robot.model)
-    pairs, near = _pairs(robot), set[tuple[int, int]]()
+    pairs, met = _pairs(robot), set[tuple[int, int]]()
     gaps = {bodies: list[float]() for bodies in pairs if _are_joined(model, *bodies)}
     for path in paths if pairs else ():
         for qpos in path[:: max(1, len(path) // _ROWS)]:
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
-            for bodies in pairs.keys() - near:
+            for bodies in pairs.keys() - met:
                 gap = min(_gap(model, data, one, other) for one, other in pairs[bodies])
                 if bodies in gaps:
                     gaps[bodies].append(gap)
-                elif gap <= _NEAR:
-                    near.add(bodies)
-    near |= {bodies for bodies, found in gaps.items() if _may_touch(found)}
-    return [bodies for bodies in pairs if bodies not in near] if len(paths) else []
+                elif gap <= near:
+                    met.add(bodies)
+    met |= {bodies for bodies, found in gaps.items() if _may_touch(found, near)}
+    return [bodies for bodies in pairs if bodies not in met] if len(paths) else []
 
 
 def _gap(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) -> float:
@@ -53,10 +54,10 @@ def _gap(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) -> fl
     return mujoco.mj_geomDistance(model, data, one, other, 2.0 * _NEAR, None)
 
 
-def _may_touch(gaps: list[float]) -> bool:
+def _may_touch(gaps: list[float], near: float) -> bool:
     """Whether two parts that joints hold together may, by their gap along the recordings."""
     nearest = min(gaps)
-    return nearest < -_PRESSED or (nearest <= _NEAR and max(gaps) - nearest > max(_LOOSE, _SHARE * nearest))
+    return nearest < -_PRESSED or (nearest <= near and max(gaps) - nearest > max(_LOOSE, _SHARE * nearest))
 
 
 def _are_joined(model: mujoco.MjModel, one: int, other: int) -> bool:

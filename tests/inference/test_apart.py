@@ -92,3 +92,9 @@ def test_what_a_joint_holds_at_one_distance_cannot_touch(axis: str, height: floa
     robot = Robot.from_string(TURNTABLE.format(axis=axis, height=height))
     found = kept_apart(robot, [np.linspace(-0.2, 0.2, 50)[:, None]])
     assert ((0, 1) in found) == apart
+
+
+@pytest.mark.parametrize(("near", "apart"), [(0.02, False), (0.005, True)])
+def test_how_near_is_near_can_be_told(robot: Robot, near: float, apart: bool) -> None:
+    pair = robot.index("body", "left"), robot.index("body", "right")
+    assert (pair in kept_apart(robot, [path(0.19)], near)) == apart  # they come within 11 mm
