@@ -46,7 +46,7 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.inference.apart import kept_apart
+from estexp_jax.inference.apart import NEAR, kept_apart
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import cut_of, fitting_window
@@ -86,10 +86,12 @@ def _replayer(case: Case, config: ExplainConfig, effects: Sequence[str], apart: 
     return replayer(robot, catalogue(effects), robots, engine=config.engine)
 
 
-def _apart(case: Case, segments: Sequence[Segment], recordings: Sequence[int], *near: float) -> list[tuple[int, int]]:
+def _apart(
+    case: Case, segments: Sequence[Segment], recordings: Sequence[int], near: float = NEAR
+) -> list[tuple[int, int]]:
     """Pairs of bodies that some recordings, whose paths are known, never brought near each other."""
     paths = {s.recording: s.path.qpos for s in segments if s.path is not None and s.recording in recordings}
-    return kept_apart(case.robot, list(paths.values()), *near) if len(paths) == len(recordings) else []
+    return kept_apart(case.robot, list(paths.values()), near) if len(paths) == len(recordings) else []
 
 
 def _shown(case: Case, config: ExplainConfig, whole: Problem) -> Problem:

@@ -10,7 +10,7 @@ import numpy as np
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.touching import touching_pairs
 
-_NEAR = 0.02
+NEAR = 0.02
 """Parts that come nearer, m, may touch in a simulation that moves a little otherwise."""
 _LOOSE, _SHARE, _PRESSED = 5e-4, 0.5, 1e-5
 """Parts that one joint or two hold together are always near: they may touch where their gap changes by more, m or as a
@@ -19,7 +19,7 @@ _ROWS = 300
 """So many rows of each recording are looked at."""
 
 
-def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = _NEAR) -> list[tuple[int, int]]:
+def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) -> list[tuple[int, int]]:
     """Pairs of bodies whose contacts can be left out: they stayed apart all along.
 
     Two moving bodies, or one of a robot that is bolted down and one of its surroundings: what floats falls on these.
@@ -49,9 +49,9 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = _NEAR) -
 def _gap(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) -> float:
     """Distance of two geoms, m, at most twice what is near; balls around them, which planes have not, tell most."""
     around = model.geom_rbound[[one, other]]
-    if around.all() and np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]) > around.sum() + 2.0 * _NEAR:
-        return 2.0 * _NEAR
-    return mujoco.mj_geomDistance(model, data, one, other, 2.0 * _NEAR, None)
+    if around.all() and np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]) > around.sum() + 2.0 * NEAR:
+        return 2.0 * NEAR
+    return mujoco.mj_geomDistance(model, data, one, other, 2.0 * NEAR, None)
 
 
 def _may_touch(gaps: list[float], near: float) -> bool:

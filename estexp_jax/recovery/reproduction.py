@@ -4,7 +4,7 @@ Each hypothesis is replayed: its network hears the recorded readings, so that sm
 What is left between recorded and simulated readings is compared with what errors of a few percent in the simulator's
 parameters do to them about a reference hypothesis: see `mismatch`. The healthy robot's trials stand in both as well: an
 error that the robot has shown before the damage is not taken for damage. All is simulated at half the physics step: no
-robot has one, and where feet stick and slip, what it does to the angles is more than what the parameters' errors do.
+robot has one, and where feet stick and slip, it does more to the angles than errors of gains, damping or friction do.
 """
 
 from __future__ import annotations
