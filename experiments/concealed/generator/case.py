@@ -263,14 +263,17 @@ def reading(
     planted: Sequence[Planted],
     robot: str,
 ) -> np.ndarray:
-    """A sensor's reading without noise at some times, spoilt by sensor effects."""
+    """A sensor's reading without noise at some times, spoilt by sensor effects, one after the other."""
     time, true = recorded.whole.time, true_reading(channel, recorded.whole, layout(robot))
+    spoilt = None
     for effect, p in zip(effects, planted, strict=True):
         if CATALOGUE[p.effect].kind == "sensor" and p.joint == channel.joint and channel.kind == "position":
             effect.start = -1e9 if recorded.onset is None else recorded.onset
             found = effect.read(time, true, at)
             if found is not None:
-                return found
+                spoilt, true = found, np.asarray(effect.read(time, true, time))
+    if spoilt is not None:
+        return spoilt
     if channel.kind == "torque":  # jumps with commands, so taken where it was seen
         return (
             true_reading(channel, recorded.rows, layout(robot))

@@ -61,6 +61,19 @@ def test_a_late_sensor_shows_at_the_first_row_where_the_robot_was_before():
         assert steps.time[0] == 0.0 and recorded.whole.time[0] == pytest.approx(-0.1, abs=2e-3)
 
 
+def test_two_faults_of_one_sensor_both_show():
+    planted = (Planted("sensor_delay", 0, 0.4), Planted("sensor_gain", 0, 0.4))
+    case = make(Plan("pair", "planar", planted, 8), shorter=0.3, refit=False)
+    late, weak = case.effects
+    shoulder = channels(ROBOTS["planar"].model, layout("planar"))[0]
+    recorded = case.recorded[0]
+    time, steps = recorded.rows.time, recorded.whole
+    shown = reading(shoulder, recorded, time, case.effects, case.plan.planted, "planar")
+    before = np.interp(time - late.delay, steps.time, steps.q[:, 0])
+    np.testing.assert_allclose(shown, weak.gain * before, atol=1e-3)
+    assert np.abs(shown - before).max() > 0.01
+
+
 @pytest.mark.parametrize("robot", ["planar", "cartpole"])
 def test_the_equations_by_hand_are_mujocos(robot):
     model, rng = ROBOTS[robot].model, np.random.default_rng(0)
