@@ -50,9 +50,10 @@ def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]
             ]
             judged[i, outside] = own[int(np.argmin(costs)), outside]
     order = np.concatenate([np.flatnonzero(np.isin(windows, held)) for _, held in folds])
+    unusual = [prior_cost(f.hypothesis, f.vector, price) for f, price in zip(fits, prices, strict=True)]
     return [
-        Explanation(f, (bounded(own, fitted) * shares)[order])
-        for f, own, fitted in zip(fits, judged, left, strict=True)
+        Explanation(f, (bounded(own, fitted) * shares)[order], cost)
+        for f, own, fitted, cost in zip(fits, judged, left, unusual, strict=True)
     ]
 
 
@@ -79,4 +80,5 @@ def as_fitted(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]) -> l
     members = [f.member for f in fits]
     squares = [np.sum(np.square(problem.residuals(members, held), dtype=np.float64), axis=2) for _, held in folds]
     each = np.concatenate(squares, axis=1) / len(folds)
-    return [Explanation(f, own) for f, own in zip(fits, each, strict=True)]
+    unusual = [prior_cost(f.hypothesis, f.vector, p) for f, p in zip(fits, problem.prices(members), strict=True)]
+    return [Explanation(f, own, cost) for f, own, cost in zip(fits, each, unusual, strict=True)]

@@ -15,12 +15,23 @@ from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
 from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
-from estexp_jax.discovery.selection import NOISE, Explanation, Fold, Selection, folds_of, simplest, steadiest, worth
-from estexp_jax.discovery.slopes import Fit, stretched
+from estexp_jax.discovery.selection import (
+    NOISE,
+    Explanation,
+    Fold,
+    Selection,
+    folds_of,
+    plainest,
+    simplest,
+    steadiest,
+    worth,
+)
+from estexp_jax.discovery.slopes import Fit, stretched, unbent
 from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.effects.sites import ALL_ALIKE
+from estexp_jax.physics.robot import Robot
 
 _NEAR = 2.0
 """Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out.
@@ -98,27 +109,41 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
         if n == 2 and len(bases) == 1 and found.chosen.error > NOISE:
             found = yield from _exchanged(search, found, found.chosen.places[0])
     found = yield from _all_exchanged(search, found, as_it_is)
+    if found.chosen.places and found.chosen.error <= NOISE:
+        found = yield from _unbound(search, found)
     found = yield from _simplified(search, found)
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
 
 
 def _unbound(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
-    """A value that refitting bent nearly as far as it may is claimed instead, if windows are predicted no worse so.
+    """Values that refitting bent nearly as far as they may are claimed instead, if windows are predicted no worse so.
 
-    All values of a model together, each a little off, may stand in for one that is far off, or for all of a kind.
+    All values of a model together, each a little off, may stand in for one that is far off, or for all of a kind: where
+    masses, motors and frictions grow by one factor most motions stay as they are, and one value that may not grow as
+    far as it is off makes all others shrink.
     """
-    fitted = found.chosen.fitted
-    bent = [(f.effect, f.site) for f in stretched(fitted)]
-    alike = dict.fromkeys((name, ALL_ALIKE) for name, _ in bent)
-    places = [place for place in (*bent, *alike) if place in found.problem.places]
-    if not places:
-        return found
-    nothing = Fit(fitted.hypothesis, fitted.hypothesis.start(), np.inf)
-    tasks = [extended(found.problem, search.parameters, nothing, place) for place in places]
-    judged = yield from _judged(search, found.problem, tasks, "values that are far off")
-    best = simplest([found.chosen, *judged])
-    problem = found.problem if best is found.chosen else about(found.problem, best.fitted)
-    return _Found(problem, best, (*found.tried, *judged))
+    while bent := [(f.effect, f.site) for f in stretched(found.chosen.fitted)]:
+        fitted, claims = found.chosen.fitted, found.chosen.places
+        alike = dict.fromkeys((name, ALL_ALIKE) for name, _ in bent)
+        drags = _like_drag(found.problem.replayer.robot, [site for name, site in bent if name == "viscous_friction"])
+        places = [p for p in (*bent, *drags, *alike) if p in found.problem.places and p not in claims]
+        if not places:
+            break
+        base = unbent(fitted)
+        tasks = [extended(found.problem, search.parameters, base, place) for place in places]
+        stage = "values that are far off" + f", beside {fitted.hypothesis.label}" * bool(claims)
+        judged = yield from _judged(search, found.problem, tasks, stage)
+        best, tried = plainest([found.chosen, *judged]), (*found.tried, *judged)
+        if best is found.chosen:
+            return replace(found, tried=tried)
+        found = _Found(about(found.problem, best.fitted), best, tried)
+    return found
+
+
+def _like_drag(robot: Robot, joints: Sequence[str]) -> list[Place]:
+    """What brakes some joints as viscous friction does, while their motors are on."""
+    driven = [(a, robot.joint_of_actuator(i)) for i, a in enumerate(robot.names("actuator"))]
+    return [("back_emf", a) for a, j in driven if j is not None and robot.names("joint")[j] in joints]
 
 
 def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bool:
@@ -207,15 +232,17 @@ def _all_exchanged(search: _Search, found: _Found, as_it_is: Explanation) -> Gen
 def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
     """The simplest explanation that neither the chosen one nor any on the way to it is worth more than.
 
-    Of several small steps each may seem to cost nothing; together they must not cost what one would not be let.
+    Of several small steps each may seem to cost nothing; together they must not cost what one would not be let. Nor is
+    it simpler to bend a value of the model far, where nothing but noise is left, than to claim it.
     """
     richer = [found.chosen]
     while tasks := simpler(found.problem, search.parameters, found.chosen.fitted):
         stage = f"simpler than {found.chosen.fitted.hypothesis.label}"
         fewer = yield from _judged(search, found.problem, tasks, stage)
-        best = min(fewer, key=lambda e: e.error)
+        bent = len(stretched(found.chosen.fitted)) if found.chosen.error <= NOISE else np.inf
+        best = min(fewer, key=lambda e: (len(stretched(e.fitted)) > bent, e.error))
         tried = (*found.tried, *fewer)
-        if any(worth(one, best) for one in richer):
+        if len(stretched(best.fitted)) > bent or any(worth(one, best) for one in richer):
             return replace(found, tried=tried)
         found = _Found(about(found.problem, best.fitted), best, tried)
         richer.append(best)

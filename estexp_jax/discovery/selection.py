@@ -44,10 +44,12 @@ class Explanation:
     Attributes:
         fitted: the hypothesis with its parameters, on all training windows.
         held_out: (windows,) sums of squared residuals on the held-out windows; their total is 1 for noise.
+        unusual: what values of the model that are off cost, in the same unit.
     """
 
     fitted: Fit
     held_out: np.ndarray
+    unusual: float = 0.0
 
     @property
     def places(self) -> tuple[Place, ...]:
@@ -111,6 +113,16 @@ def simplest(found: Sequence[Explanation]) -> Explanation:
     return min(near, key=lambda e: (len(e.fitted.hypothesis.free), e.error))
 
 
+def plainest(found: Sequence[Explanation]) -> Explanation:
+    """The best on held-out windows, with what its values of the model cost; of near ties, the one that needs least.
+
+    That is fewest effects and values far off together, and of those that need as many the one that names most of them.
+    """
+    costs = [float(e.held_out.sum()) + e.unusual for e in found]
+    near = [(e, len(stretched(e.fitted))) for e, cost in zip(found, costs, strict=True) if cost <= _TIE * min(costs)]
+    return min(near, key=lambda n: (len(n[0].places) + n[1], n[1], len(n[0].fitted.hypothesis.free), n[0].error))[0]
+
+
 def steadiest(found: Sequence[Explanation], old: Explanation) -> Explanation:
     """The simplest of those that are worth it, else of all: one that wins much on few windows must not hide others."""
     return simplest([e for e in found if worth(e, old)] or found)
@@ -152,12 +164,13 @@ def p_value(new: Explanation, old: Explanation) -> float:
 def probabilities(selection: Selection, seed: int, n: int = 2000) -> np.ndarray:
     """Share of resampled held-out windows on which each of (parameters, *tried) is best, after its price.
 
-    Those that the windows can hardly tell from the best share what falls to it.
+    What its values of the model cost is part of that. Those that the windows can hardly tell from the best share what
+    falls to it.
     """
     everything = [selection.parameters, *selection.tried]
     costs = np.array([e.held_out * _penalty(e) for e in everything])
     windows = np.random.default_rng(seed).integers(0, costs.shape[1], size=(n, costs.shape[1]))
-    total = costs[:, windows].sum(axis=2)
+    total = costs[:, windows].sum(axis=2) + np.array([e.unusual * _penalty(e) for e in everything])[:, None]
     wins = total <= _SAME * total.min(axis=0)
     return np.mean(wins / wins.sum(axis=0), axis=1)
 

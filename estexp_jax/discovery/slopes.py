@@ -56,6 +56,12 @@ def stretched(fitted: Fit) -> list[Free]:
     return [f for f, value in ends if np.isfinite(f.spread) and abs(value) >= _STRETCHED * f.high]
 
 
+def unbent(fitted: Fit) -> Fit:
+    """What a fit claims, with the model's own values as they were."""
+    ends = zip(fitted.hypothesis.free, fitted.vector, strict=True)
+    return Fit(fitted.hypothesis, np.array([f.neutral if np.isfinite(f.spread) else v for f, v in ends]), np.inf)
+
+
 def prior_cost(hypothesis: Hypothesis, vector: np.ndarray, price: float) -> float:
     """What values of the model that are off cost."""
     return price * sum(((v - f.neutral) / f.spread) ** 2 for f, v in zip(hypothesis.free, vector, strict=True))

@@ -9,13 +9,14 @@ import pytest
 
 from estexp_jax.discovery import searching
 from estexp_jax.discovery.hypotheses import Free, Hypothesis
-from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search, _unbound
+from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search, _simplified, _unbound
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
 
 
 def problem(steps: int, joints: int = 1) -> Any:
-    robot = SimpleNamespace(model=SimpleNamespace(nv=joints))
+    names = {"joint": ("shoulder", "elbow"), "actuator": ("shoulder_motor", "elbow_motor")}
+    robot = SimpleNamespace(model=SimpleNamespace(nv=joints), names=names.get, joint_of_actuator=lambda a: a)
     return SimpleNamespace(counted=[steps], replayer=SimpleNamespace(robot=robot))
 
 
@@ -50,7 +51,8 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
     free = Free(*place, "c", 0, 0, -0.3, 0.3, 0.0, 0.03)
     hypothesis, asked = Hypothesis((), (free,)), list[Any]()
     there, search, alike = problem(0), _Search(hypothesis, []), ("viscous_friction", "*")
-    there.places = (place, alike, ("armature", "elbow"))
+    drags = ("back_emf", "elbow_motor")
+    there.places = (place, alike, ("armature", "elbow"), drags, ("back_emf", "shoulder_motor"))
 
     def bent(value: float) -> _Found:
         return _Found(there, Explanation(Fit(hypothesis, np.array([value]), 1.0), np.full(4, 0.28)), ())
@@ -63,7 +65,7 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
 
         return steps
 
-    monkeypatch.setattr(searching, "extended", lambda *arguments: asked.append(arguments))
+    monkeypatch.setattr(searching, "extended", lambda *arguments: (asked.append(arguments), []))
     monkeypatch.setattr(searching, "about", lambda problem, _: problem)
     for value, error, claimed in ((0.2, 0.9, False), (0.29, 0.9, True), (0.29, 1.2, False), (-0.29, 0.9, True)):
         monkeypatch.setattr(searching, "_judged", judged(error))
@@ -73,6 +75,51 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
                 next(steps)
         assert (len(asked) > begin) == (abs(value) > 0.24)
         assert (end.value.value.chosen.places == (place,)) == claimed
-    assert {looked for *_, looked in asked} == {place, alike}
+    assert {looked for *_, looked in asked} == {place, alike, drags}
     for _, _, base, _ in asked:
         assert base.vector == pytest.approx(0.0), "values bent to stand in for it are no place to begin"
+
+
+def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Elbow's motor bent to its bound beside a moved centre of mass, which fits as well with the motor claimed."""
+    moved, weak = ("com_shift", "upper"), ("motor_weakness", "elbow_motor")
+    loss, own = Free(*weak, "loss", 0, 0, -0.3, 0.3, 0.0, 0.03), Free(*moved, "x", 0, 0, -1.0, 1.0, 0.0, np.inf)
+    there, search = problem(0), _Search(Hypothesis((), (loss,)), [])
+    there.places = (moved, weak)
+    bent = Explanation(Fit(Hypothesis((moved,), (loss, own)), np.array([0.3, 0.04]), 0.1), np.full(4, 0.025))
+    both = Hypothesis((moved, weak), (own, replace(loss, high=0.9, spread=np.inf)))
+    starts = list[Any]()
+
+    def extended(_: Any, __: Any, base: Fit, place: Any) -> Any:
+        starts.append(base.vector)
+        return both, [base.vector]
+
+    def judged(_: Any, __: Any, tasks: Any, stage: str) -> Any:
+        yield
+        assert len(tasks) == 1, "what is claimed already is not asked for again"
+        return [Explanation(Fit(both, np.array([0.028, 0.39]), 0.1), np.full(4, 0.0251))]
+
+    monkeypatch.setattr(searching, "extended", extended)
+    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
+    monkeypatch.setattr(searching, "_judged", judged)
+    steps = _unbound(search, _Found(there, bent, ()))
+    with pytest.raises(StopIteration) as end:
+        while True:
+            next(steps)
+    found = end.value.value.chosen
+    assert found.places == (moved, weak)
+    np.testing.assert_allclose(starts, [[0.0, 0.04]], err_msg="bent values are no place to begin, claims are")
+
+    def fewer(*_: Any) -> Any:
+        yield
+        return [bent]
+
+    monkeypatch.setattr(searching, "simpler", lambda *_: [bent.fitted])
+    monkeypatch.setattr(searching, "_judged", fewer)
+    steps = _simplified(search, _Found(there, found, ()))
+    with pytest.raises(StopIteration) as end:
+        while True:
+            next(steps)
+    assert end.value.value.chosen is found, "to bend a value far is not simpler than to claim it"
