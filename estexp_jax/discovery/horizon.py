@@ -36,17 +36,22 @@ _PARTS, _FEW = 0.7, 0.1
 where servos hold the joints it is a tenth."""
 _BEST = 3
 """So many of the best explanations are asked."""
+_WORK = 1_600_000_000
+"""Steps of a joint simulated so far, from which on another search would take too long."""
 
 
 def hangs_on_hairs(problem: Problem, selection: Selection) -> bool:
     """Whether shorter windows are worth a try: nothing explains these well, and motions that start alike part in them.
+
+    Not where the usual windows took long already: searching again takes nearly as long.
 
     Args:
         problem: the comparison in the usual windows.
         selection: what was chosen by them.
     """
     rows = np.median([problem.segments[w].rows for w in problem.fitted])
-    if selection.chosen.error <= FAR or SHARE * rows < _LEAST:
+    long = problem.counted[0] * problem.replayer.robot.model.nv >= _WORK
+    if selection.chosen.error <= FAR or SHARE * rows < _LEAST or long:
         return False
     best = sorted(selection.tried, key=lambda e: e.error)[:_BEST]
     return any(np.quantile(_parting(problem, e.fitted.member), 1.0 - _FEW) > _PARTS for e in (selection.chosen, *best))

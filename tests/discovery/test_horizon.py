@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery import explain as explain_module
+from estexp_jax.discovery import horizon
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.horizon import hangs_on_hairs
@@ -59,3 +60,14 @@ def test_starts_that_are_known_exactly_part_nowhere():
     own = parameters_only(problem.replayer.robot, problem.replayer.catalogue)
     far = Explanation(Fit(own, own.start(), 1.0), np.full(len(problem.fitted), 2.0 * FAR**2))
     assert not hangs_on_hairs(problem, Selection(far, far, far, (), far))
+
+
+def test_where_the_usual_windows_took_long_shorter_ones_are_not_tried(monkeypatch: pytest.MonkeyPatch):
+    problem = problem_of(case_of("two", Plant(), 644), FEW)
+    monkeypatch.setattr(horizon, "_parting", lambda problem, _: np.ones(len(problem.fitted)))
+    own = parameters_only(problem.replayer.robot, problem.replayer.catalogue)
+    far = Explanation(Fit(own, own.start(), 1.0), np.full(len(problem.fitted), 2.0 * FAR**2))
+    selection = Selection(far, far, far, (), far)
+    assert hangs_on_hairs(problem, selection)
+    problem.counted[0] = 10**9  # steps of a robot with two joints
+    assert not hangs_on_hairs(problem, selection)
