@@ -31,18 +31,21 @@ def write_results(
         folder: where to.
         diagnosis: what was found.
         findings: complete, as in `findings.json`.
-        pictures: whether the report shows the robots in one scene.
+        pictures: whether the report shows the robot, and the robots in one scene.
 
     Returns:
         The report's path, and why it has no such picture though one was wanted, or nothing.
     """
     from estexp_jax.report.explain_ghosts import ghosts_of
+    from estexp_jax.report.explain_marked import guilty, marked_of
     from estexp_jax.report.explain_page import page
     from estexp_jax.report.gl import NoGlError
 
-    ghosts, missing = None, ""
+    ghosts, marked, missing = None, None, ""
     try:
-        ghosts = ghosts_of(diagnosis) if pictures else None
+        if pictures:
+            marked = marked_of(diagnosis.case.robot, guilty(findings))
+            ghosts = ghosts_of(diagnosis)
     except NoGlError as error:
         missing = str(error)
     write_json(folder.file("findings.json"), findings)
@@ -60,7 +63,7 @@ def write_results(
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
-    write_text(report, page(diagnosis, findings, ghosts))
+    write_text(report, page(diagnosis, findings, ghosts=ghosts, marked=marked))
     return report, missing
 
 

@@ -26,13 +26,16 @@ _NOTHING = {
 }
 
 
-def page(diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None = None) -> str:
+def page(
+    diagnosis: Diagnosis, findings: Mapping[str, Any], *, ghosts: bytes | None = None, marked: bytes | None = None
+) -> str:
     """HTML of an explanation.
 
     Args:
         diagnosis: with the arrays that figures need.
         findings: complete, as in `findings.json`.
         ghosts: the robots in one scene (JPEG), where they could be drawn.
+        marked: the robot with the parts that are named (JPEG), where it could be drawn.
     """
     return render(
         "explain_page.html",
@@ -58,6 +61,7 @@ def page(diagnosis: Diagnosis, findings: Mapping[str, Any], ghosts: bytes | None
         rivals=image(figure_rivals(findings)),
         ranking=image(figure_ranking(diagnosis)),
         ghosts="" if ghosts is None else source(ghosts, "image/jpeg"),
+        marked="" if marked is None else source(marked, "image/jpeg"),
     )
 
 

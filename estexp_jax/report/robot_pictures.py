@@ -11,7 +11,7 @@ import numpy as np
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.robot import Robot
 
-_CHANGED = np.array([0.9, 0.35, 0.1, 1.0])
+MARK = (0.9, 0.35, 0.1)
 """Colour of parts that something has happened to."""
 _SKY = ([0.93, 0.95, 0.98], [0.75, 0.82, 0.9])
 _FIT = 2.4
@@ -44,12 +44,15 @@ def colours(robot: Robot, changes: Sequence[Change] = ()) -> np.ndarray:
     model = robot.model
     rgba = model.geom_rgba.copy()
     for change in changes:
-        body = _body(robot, change)
+        body = part_at(robot, change.kind, change.name)
         if body is None:
             continue
         gone = change.effect == "part_lost"
         of = np.isin(model.geom_bodyid, robot.subtree(body) if gone else (body,))
-        rgba[of] = [0.0, 0.0, 0.0, 0.0] if gone else _CHANGED * np.array([1.0, 1.0, 1.0, 0.0]) + rgba[of] * [0, 0, 0, 1]
+        if gone:
+            rgba[of] = 0.0
+        else:
+            rgba[of, :3] = MARK
     return rgba
 
 
@@ -95,19 +98,19 @@ def standing_view(robot: Robot, radius: float) -> View:
     return View(_FIT * radius, side + _ASKEW, _FROM_SIDE)
 
 
-def _body(robot: Robot, change: Change) -> int | None:
-    """The part on which a change acts; None for all of them, and for what is no part."""
-    if change.name is None or change.name == "*":
+def part_at(robot: Robot, kind: str, name: str | None) -> int | None:
+    """Id of the body that a place is at; None for all of a kind, and for what is no part."""
+    if name is None or name == "*":
         return None
-    match change.kind:
+    match kind:
         case "body":
-            return robot.index("body", change.name)
+            return robot.index("body", name)
         case "joint":
-            return int(robot.model.jnt_bodyid[robot.index("joint", change.name)])
+            return int(robot.model.jnt_bodyid[robot.index("joint", name)])
         case "actuator":
-            joint = robot.joint_of_actuator(robot.index("actuator", change.name))
+            joint = robot.joint_of_actuator(robot.index("actuator", name))
             return None if joint is None else int(robot.model.jnt_bodyid[joint])
         case "sensor":
-            return robot.body_of_sensor(robot.index("sensor", change.name))
+            return robot.body_of_sensor(robot.index("sensor", name))
         case _:
             return None

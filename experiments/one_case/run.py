@@ -32,6 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     import estexp_jax as ee
     from estexp_jax.recordings.read import read_table
     from estexp_jax.report.explain_ghosts import ghosts_of
+    from estexp_jax.report.explain_marked import guilty, marked_of
     from estexp_jax.report.gl import NoGlError
     from experiments.concealed.generator.__main__ import write_one
     from experiments.concealed.generator.case import Plan, Planted
@@ -60,6 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         getattr(found, f"plot_{name}")().save(str(given.out / f"{name}.png"))
     with suppress(NoGlError):
         (given.out / "robots.jpg").write_bytes(ghosts_of(found.diagnosis) or b"")
+        robot, places = found.diagnosis.case.robot, guilty(found.findings)
+        (given.out / "marked.jpg").write_bytes(marked_of(robot, places) or b"")
     print(found.summary())
     for effect in answer["effects"]:
         numbers = ", ".join(f"{name} = {value:.3g}" for name, value in effect["parameters"].items())

@@ -20,6 +20,7 @@ from estexp_jax.recovery.state import Row, RunState
 from estexp_jax.recovery.target import SameTarget
 from estexp_jax.report import gl, recover_film
 from estexp_jax.report.explain_ghosts import angles_of, ghosts_of, postures
+from estexp_jax.report.explain_marked import guilty, marked_of
 from estexp_jax.report.film import can_film, captioned, film, strip
 from estexp_jax.report.gl import NoGlError, Shot, render
 from estexp_jax.report.recover_film import film_of
@@ -181,3 +182,27 @@ def test_ghosts_are_drawn(diagnosis, drawing: None) -> None:
     assert orange.any()
     diagnosis.predictions[0] = replace(diagnosis.predictions[0], channels=("sensor_0", "sensor_0", "sensor_0"))
     assert ghosts_of(diagnosis) is None
+
+
+def test_places_to_be_marked_are_those_named_or_else_the_likeliest() -> None:
+    knee, tilt = {"kind": "joint", "name": "knee"}, {"kind": "environment", "name": None}
+    motors, hip = {"kind": "actuator", "name": "*"}, {"kind": "joint", "name": "hip"}
+    assert guilty({"what": [knee, tilt, motors, dict(knee)], "where": [hip]}) == [("joint", "knee")]
+    assert guilty({"what": [], "where": [hip, knee]}) == [("joint", "hip")]
+    assert guilty({"what": [], "where": []}) == []
+
+
+def test_the_guilty_part_is_marked(diagnosis, drawing: None) -> None:
+    arm = diagnosis.case.robot
+    shares = []
+    for places in ([("joint", "b")], [("joint", "a"), ("sensor", "angle"), ("joint", "b")]):
+        content = marked_of(arm, places)
+        assert content is not None
+        picture = np.asarray(Image.open(io.BytesIO(content))).astype(int)
+        assert picture.shape == (348, 840, 3)
+        orange = (picture[..., 0] - picture[..., 2]) > 60
+        shares.append([half.mean() for half in (orange[:, :420], orange[:, 420:])])
+    lower, both = np.array(shares)
+    assert (lower > 0.002).all() and (both > 1.5 * lower).all()
+    assert marked_of(arm, []) is None
+    assert marked_of(arm, [("environment", "gravity")]) is None
