@@ -12,6 +12,7 @@ from estexp_jax.report.film import captioned, strip
 from estexp_jax.report.gl import Shot, render
 from estexp_jax.report.robot_pictures import MARK, drawn, ground_covered, part_at, standing_view, tinted
 
+_KINDS = ("body", "joint", "actuator", "sensor")
 _SIZE = (420, 330)
 _GREY = (0.55, 0.6, 0.65)
 _TURN, _RAISE = 55.0, -25.0
@@ -22,6 +23,8 @@ _AWAY = 1.2
 
 def guilty(findings: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Kind and name of each place that is named, or of the likeliest one where nothing is; not the environment."""
+    if findings["verdict"] == "consistent":
+        return []
     places = findings["what"] or findings["where"][:1]
     return list(dict.fromkeys((p["kind"], p["name"]) for p in places if p["name"] not in (None, "*")))
 
@@ -40,7 +43,8 @@ def marked_of(robot: Robot, places: Sequence[tuple[str, str]]) -> bytes | None:
         NoGlError: nothing here can draw.
     """
     model, rgba = robot.model, tinted(robot, _GREY, 1.0)
-    parts = [part for part in (part_at(robot, *place) for place in places) if part is not None]
+    known = [(kind, name) for kind, name in places if kind in _KINDS and name in robot.names(kind)]
+    parts = [part for part in (part_at(robot, *place) for place in known) if part is not None]
     geoms = np.isin(model.geom_bodyid, parts) & (rgba[:, 3] > 0.0)
     if not geoms.any():
         return None
@@ -51,5 +55,5 @@ def marked_of(robot: Robot, places: Sequence[tuple[str, str]]) -> bytes | None:
     other = view._replace(azimuth=view.azimuth + _TURN, elevation=max(-80.0, view.elevation + _RAISE))
     shots = [Shot(qpos, rgba[None], centre[None], *v) for v in (view, other)]
     pictures = render(drawn(robot), shots, width=_SIZE[0], height=_SIZE[1])
-    told = ", ".join(f"{kind} {name}" for kind, name in places)
+    told = ", ".join(f"{kind} {name}" for kind, name in known)
     return strip([[captioned(frames[0], text) for frames, text in zip(pictures, (told, ""), strict=True)]])

@@ -187,9 +187,11 @@ def test_ghosts_are_drawn(diagnosis, drawing: None) -> None:
 def test_places_to_be_marked_are_those_named_or_else_the_likeliest() -> None:
     knee, tilt = {"kind": "joint", "name": "knee"}, {"kind": "environment", "name": None}
     motors, hip = {"kind": "actuator", "name": "*"}, {"kind": "joint", "name": "hip"}
-    assert guilty({"what": [knee, tilt, motors, dict(knee)], "where": [hip]}) == [("joint", "knee")]
-    assert guilty({"what": [], "where": [hip, knee]}) == [("joint", "hip")]
-    assert guilty({"what": [], "where": []}) == []
+    named = {"verdict": "missing_physics", "what": [knee, tilt, motors, dict(knee)], "where": [hip]}
+    assert guilty(named) == [("joint", "knee")]
+    assert guilty({"verdict": "unexplained", "what": [], "where": [hip, knee]}) == [("joint", "hip")]
+    assert guilty({"verdict": "unexplained", "what": [], "where": []}) == []
+    assert guilty({"verdict": "consistent", "what": [], "where": [hip]}) == []
 
 
 def test_the_guilty_part_is_marked(diagnosis, drawing: None) -> None:
@@ -205,4 +207,4 @@ def test_the_guilty_part_is_marked(diagnosis, drawing: None) -> None:
     lower, both = np.array(shares)
     assert (lower > 0.002).all() and (both > 1.5 * lower).all()
     assert marked_of(arm, []) is None
-    assert marked_of(arm, [("environment", "gravity")]) is None
+    assert marked_of(arm, [("environment", "gravity"), ("sensor", "no.such")]) is None
