@@ -60,9 +60,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in ("where", "fit", "rivals", "ranking"):
         getattr(found, f"plot_{name}")().save(str(given.out / f"{name}.png"))
     with suppress(NoGlError):
-        (given.out / "robots.jpg").write_bytes(ghosts_of(found.diagnosis) or b"")
-        robot, places = found.diagnosis.case.robot, guilty(found.findings)
-        (given.out / "marked.jpg").write_bytes(marked_of(robot, places) or b"")
+        marked = marked_of(found.diagnosis.case.robot, guilty(found.findings))
+        for name, picture in (("robots", ghosts_of(found.diagnosis)), ("marked", marked)):
+            if picture is not None:
+                (given.out / f"{name}.jpg").write_bytes(picture)
     print(found.summary())
     for effect in answer["effects"]:
         numbers = ", ".join(f"{name} = {value:.3g}" for name, value in effect["parameters"].items())
