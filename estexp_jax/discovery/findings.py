@@ -12,7 +12,7 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics import units
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
+from estexp_jax.physics.effects.laws.base import UNKNOWN
 from estexp_jax.physics.engines.mjx_without import within_mjx
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import effect
@@ -40,7 +40,7 @@ def told_change(change: Change) -> Change:
 
 def told_place(change: Change) -> str:
     """`effect@name` as it is reported: terms of a law are all one."""
-    if isinstance(effect(change.effect), JointLaw):
+    if not effect(change.effect).named:
         return f"{UNKNOWN}@{change.name}"
     return told_change(change).place
 
@@ -70,13 +70,13 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         for name, value in told.parameters.items()
     }
     return {
-        "effect": told.effect,
+        "effect": told.effect if e.named else UNKNOWN,
         "kind": e.kind,
         "name": change.name,
         "probability": probability,
         "in_mjcf": effect(told.effect).in_mjcf,
         "sentence": units.told_of(robot, e.kind, change.name, told.sentence()),
-        "equation": effect(told.effect).equation,
+        "equation": effect(told.effect).numbered(told.parameters),
         "parameters": parameters,
     }
 

@@ -45,6 +45,9 @@ VARIANTS = {
 }
 """Other forms of effects, tried wherever these are."""
 
+BESIDE = {"law_drift": "sensor_bias"}
+"""Unknown laws that may be claimed alone, wherever these effects may."""
+
 TOLERANCE = 0.3
 """Share by which a value of the model may be off and still count as a wrong parameter."""
 _ORDINARY = 0.03
@@ -54,8 +57,8 @@ _JAMMED = 0.5
 
 
 def claimable(effects: Sequence[str]) -> tuple[str, ...]:
-    """Names of effects with their other forms."""
-    return (*effects, *(variant for variant, name in VARIANTS.items() if name in effects))
+    """Names of effects with their other forms, and unknown laws like them."""
+    return (*effects, *(other for other, name in (VARIANTS | BESIDE).items() if name in effects))
 
 
 def told_of(place: Place) -> Place:

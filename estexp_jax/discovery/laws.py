@@ -31,8 +31,9 @@ from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.laws.base import JointLaw
+from estexp_jax.physics.effects.laws.of_motors import MotorLaw
 from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import effect, every
+from estexp_jax.physics.registry import LAWS, effect, every
 from estexp_jax.physics.robot import Robot
 
 _MEMORY, _INSTEAD = "unknown laws", "in place of names"
@@ -108,7 +109,8 @@ def unknown_law(
     if not starts:
         return None
     plain = [p for p in unnamed.problem.places if p[0] in _BESIDE and p[1] in joints]
-    places = tuple(dict.fromkeys((*starts, *plain, *named.chosen.places)))
+    motors = [p for joint in joints for p in _of_motors(robot, named.chosen, joint)]
+    places = tuple(dict.fromkeys((*starts, *motors, *plain, *named.chosen.places)))
     kept = _kept(robot, named)
     problem = _among(unnamed.problem, replayer(_names(kept, places)), places, starts)
     if verdict(robot, named, named.chosen.claims) == "missing_physics":
@@ -128,7 +130,7 @@ def unknown_law(
 def _promising(unnamed: Unnamed, problem: Problem, joints: Sequence[str]) -> Generator[Progress, None, bool]:
     """Whether one term of a law, in the place of named forces at these joints or beside them, explains much more."""
     chosen = unnamed.selection.chosen
-    forced = {p[1] for p in chosen.places if effect(p[0]).kind == "joint"} & set(joints)
+    forced = {pushed(unnamed.robot, p) for p in chosen.places} & set(joints)
     if forced:
         before, after = yield from _instead(unnamed, problem, forced)
         if after.held_out.sum() <= _PROMISE * before.held_out.sum():
@@ -138,13 +140,14 @@ def _promising(unnamed: Unnamed, problem: Problem, joints: Sequence[str]) -> Gen
 
 
 def _instead(
-    unnamed: Unnamed, problem: Problem, joints: Collection[str]
+    unnamed: Unnamed, problem: Problem, joints: Collection[str | None]
 ) -> Generator[Progress, None, tuple[Explanation, Explanation]]:
     """What is chosen, and the best explanation by one term in the place of its forces at some joints, judged alike."""
     chosen, parameters = unnamed.selection.chosen.fitted, unnamed.parameters
     problem = replace(problem, memory=problem.memory.setdefault(_INSTEAD, {}))
-    rest = [p for p in chosen.hypothesis.places if effect(p[0]).kind != "joint" or p[1] not in joints]
-    task, stage = keeping(problem, parameters, chosen, rest), f"without forces at {' and '.join(sorted(joints))}"
+    rest = [p for p in chosen.hypothesis.places if pushed(unnamed.robot, p) not in joints]
+    at = " and ".join(sorted(filter(None, joints)))
+    task, stage = keeping(problem, parameters, chosen, rest), f"without forces at {at}"
     [base] = yield from _told(at_first(about(problem, chosen), [task], stage))
     return (yield from _told(one_more(problem, parameters, base, chosen, _TERMS)))
 
@@ -153,9 +156,15 @@ def crowded(robot: Robot, selection: Selection) -> str | None:
     """The joint where an explanation claims several forces, if any: what no name says may be put together of them."""
     if verdict(robot, selection, selection.chosen.claims) != "missing_physics" or selection.seen:
         return None
-    sites = [site for name, site in selection.chosen.places if effect(name).kind == "joint"]
+    sites = [pushed(robot, place) for place in selection.chosen.places]
     joint = max((s for s in sites if s in robot.names("joint")), key=sites.count, default=None)
     return joint if joint is not None and sites.count(joint) > 1 else None
+
+
+def pushed(robot: Robot, place: Place) -> str | None:
+    """The joint whose force a claim changes, itself or by its motor; None for what acts elsewhere."""
+    kind, name = element(robot, place)
+    return name if kind == "joint" and effect(place[0]).side == "plant" else None
 
 
 def single_term(
@@ -172,16 +181,23 @@ def single_term(
     robot, named = unnamed.robot, unnamed.selection
     chosen = named.chosen
     starts = likely(robot, unnamed.seen, joint, _TERMS, {name for name, _ in unnamed.problem.places})
-    if not starts:
+    places = tuple(dict.fromkeys((*starts, *_of_motors(robot, chosen, joint))))
+    if not places:
         return None
     kept = _kept(robot, named)
-    problem = _among(unnamed.problem, replayer(_names(kept, tuple(starts))), tuple(starts), starts)
+    problem = _among(unnamed.problem, replayer(_names(kept, places)), places, starts)
     before, best = yield from _instead(unnamed, problem, {joint})
     kept = [before if e is chosen else e for e in kept]
     found = replace(named, tried=(*kept, best), chosen=best)
     if simplest([before, best]) is before or verdict(robot, found, best.claims) != "missing_physics":
         return None
     return found, about(problem, best.fitted)
+
+
+def _of_motors(robot: Robot, chosen: Explanation, joint: str) -> list[Place]:
+    """Laws of a joint's motor, where it is blamed: what it lacks in jolts hardly shows in the forces that are seen."""
+    blamed = any(effect(p[0]).kind == "actuator" and pushed(robot, p) == joint for p in chosen.places)
+    return [(law.name, joint) for law in LAWS if isinstance(law, MotorLaw)] if blamed else []
 
 
 def fewest_terms(found: Selection) -> Explanation:

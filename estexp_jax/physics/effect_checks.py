@@ -22,6 +22,7 @@ from estexp_jax.physics.effects.base import (
     Effect,
     JointForce,
     JointMoment,
+    ReadingDrift,
     ReadingShift,
     Term,
     neutral_values,
@@ -175,6 +176,8 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             return np.zeros(model.nu), e.shift(robot, np.asarray(values))
         case ReadingShift():
             return np.zeros(model.nsensordata), e.shift(robot, np.asarray(values))
+        case ReadingDrift():
+            return np.zeros(model.nsensordata), e.rate(robot, np.asarray(values))
         case CommandLaw():
             return line, e.act(p, line, 0.3 * line, 0.002, e.initial(p, line))[0]
         case BodyPull():

@@ -28,7 +28,7 @@ from estexp_jax.physics.effects.joint_offset import JointOffset
 from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.effects.laws.of_friction import LawFrictionWave, LawTightSpot, LawTwoWayFriction
-from estexp_jax.physics.effects.laws.of_motors import LawSlowMotor, LawSoftMotor
+from estexp_jax.physics.effects.laws.of_motors import LawSaggingMotor, LawSlowMotor, LawSoftMotor
 from estexp_jax.physics.effects.laws.of_others import LawFling, LawSquareFling, LawStir, LawTie, LawTow, LawWhirl
 from estexp_jax.physics.effects.laws.of_plain import (
     LawDamping,
@@ -44,6 +44,7 @@ from estexp_jax.physics.effects.laws.of_position import (
     LawDetent,
     LawSquare,
 )
+from estexp_jax.physics.effects.laws.of_sensors import LawDrift
 from estexp_jax.physics.effects.laws.of_speed import (
     LawCubicDrag,
     LawHump,
@@ -154,6 +155,7 @@ LAWS: tuple[JointLaw, ...] = (
     LawCreep(),
     LawThinning(),
     LawSoftMotor(),
+    LawSaggingMotor(),
     LawSlowMotor(),
     LawDamping(),
     LawDrag(),
@@ -163,6 +165,9 @@ LAWS: tuple[JointLaw, ...] = (
     LawWave(),
 )
 """Terms of unknown laws: nobody claims one by name; a few of them at one joint are told as its `unknown_law`."""
+
+NAMELESS: Catalogue = (LawDrift(),)
+"""Unknown laws of other elements than joints, each of which explains something alone."""
 
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")
 """The six edits of the paper's estimation phase, in the order of its genome."""
@@ -178,7 +183,7 @@ def own() -> Catalogue:
 
 def every() -> Catalogue:
     """All effects that have a name, in the order in which terms act."""
-    return (*ALL, *VARIANTS, *LAWS, *own())
+    return (*ALL, *VARIANTS, *LAWS, *NAMELESS, *own())
 
 
 def add(effect: Effect) -> None:
@@ -187,7 +192,7 @@ def add(effect: Effect) -> None:
     Raises:
         InputError: the program has one of that name.
     """
-    if effect.name in {e.name for e in (*ALL, *VARIANTS, *LAWS)}:
+    if effect.name in {e.name for e in (*ALL, *VARIANTS, *LAWS, *NAMELESS)}:
         raise InputError(f"there is an effect '{effect.name}' already", right="call yours otherwise")
     _OWN[effect.name] = effect
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, Values, encode_all
-from estexp_jax.physics.effects.base import CommandShift, ReadingShift
+from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.engines.choice import walker
 from estexp_jax.physics.engines.walking import BodyState, Heard, Walk, Walker, recorded
 from estexp_jax.physics.registry import PAPER, catalogue, effect
@@ -146,9 +146,10 @@ def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) 
     Raises:
         InputError: a planted effect has no place in closed loop, or the robot has no controller's senses.
     """
-    late = next((c for c in planted if isinstance(effect(c.effect), CommandShift | ReadingShift)), None)
-    if late is not None:
-        raise InputError(f"'{late.effect}' is not simulated in closed loop", where="--damage")
+    timed = (CommandShift, ReadingShift, ReadingDrift)
+    other = next((c for c in planted if isinstance(effect(c.effect), timed)), None)
+    if other is not None:
+        raise InputError(f"'{other.effect}' is not simulated in closed loop", where="--damage")
     extended = EXTENDED if settings.catalogue == "full" or settings.rough > 0.0 else ()
     names = dict.fromkeys([*PAPER, *FAULTS, *extended, *(c.effect for c in planted)])
     engine = walker(

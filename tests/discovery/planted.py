@@ -76,6 +76,7 @@ class Plant:
         old, new: text of the MJCF and what stands there in truth.
         delay: of all commands, s.
         bias: of the first encoder, rad.
+        drift: of the first encoder, rad/s.
         off: whether all motors are off in the middle of each recording.
         finer: the robot steps so many times as often as its nominal simulator.
         law: force on the joints from the time, positions and speeds, that no MJCF has.
@@ -85,6 +86,7 @@ class Plant:
     new: str = ""
     delay: float = 0.0
     bias: float = 0.0
+    drift: float = 0.0
     off: bool = False
     finer: int = 5
     law: Callable[[float, np.ndarray, np.ndarray], Any] | None = None
@@ -158,9 +160,8 @@ def record(
         mujoco.mj_step(model, data)
     quantum = 2.0 * np.pi / 2**bits
     read = np.round((angles + noise * rng.standard_normal(angles.shape)) / quantum) * quantum
-    read[:, 0] += plant.bias
-    nothing = np.full((n, model.nq), np.nan)
-    time = np.arange(n) / RATE
+    nothing, time = np.full((n, model.nq), np.nan), np.arange(n) / RATE
+    read[:, 0] += plant.bias + plant.drift * time
     return Recording(f"{role}_{seed}.csv", time, command[_BEFORE:], enable, read, nothing, nothing, role)
 
 

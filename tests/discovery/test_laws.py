@@ -128,7 +128,8 @@ def test_a_term_may_take_the_place_of_a_name_that_half_explains(monkeypatch, pla
 
     monkeypatch.setattr(laws, "_instead", found(5.0))
     monkeypatch.setattr(laws, "one_more", found(7.9))  # beside it, no term pays
-    unnamed: Any = SimpleNamespace(selection=SimpleNamespace(chosen=leaving(8.0)), parameters=None)
+    chosen = SimpleNamespace(chosen=leaving(8.0))
+    unnamed: Any = SimpleNamespace(robot=nominal("one"), selection=chosen, parameters=None)
     problem: Any = None
     steps = laws._promising(unnamed, problem, joints)
     with pytest.raises(StopIteration) as end:
@@ -230,6 +231,20 @@ def test_several_forces_at_one_joint_make_a_law_likely():
     assert crowded(robot, selection({(): 20.0, both: 1.2}, both)) == "elbow"
     assert crowded(robot, selection({(): 20.0, apart: 1.2}, apart)) is None
     assert crowded(robot, selection({(): 20.0, both: 15.0}, both)) is None, "that is no explanation yet"
+    motor = (("torque_saturation", "knee"), ("motor_fade", "knee"))
+    assert crowded(robot, selection({(): 20.0, motor: 1.2}, motor)) == "elbow"
+    late = (("command_delay", "knee"), spring)
+    assert crowded(robot, selection({(): 20.0, late: 1.2}, late)) is None, "a late command is no force"
+
+
+def test_a_sensor_that_drifts_is_told_as_a_law_of_its_own():
+    findings = explained(case_of("one", Plant(drift=0.02), 31)).findings
+    [law] = findings["what"]
+    assert (law["effect"], law["kind"], law["name"]) == ("unknown_law", "sensor", "angle")
+    assert law["parameters"]["a"]["value"] == pytest.approx(0.02, rel=0.05)
+    assert law["equation"].startswith("reading = true + 0.02") and law["equation"] in claim(law)
+    assert findings["side"] == "sensor" and findings["where"][0]["name"] == "angle"
+    assert any("angle" in line and "trusted" not in line for line in findings["advice"])
 
 
 def test_a_law_takes_the_place_of_names_that_are_put_together_for_it():

@@ -58,6 +58,7 @@ class Effect(abc.ABC):
         parameters: its numbers, in the order of the value array's columns.
         equation: what it does, as text.
         in_mjcf: whether MJCF has a parameter for it.
+        named: whether it is told under its name; else it is an unknown law, and told by its equation.
         source: where the law is described.
     """
 
@@ -67,6 +68,7 @@ class Effect(abc.ABC):
     parameters: ClassVar[tuple[Parameter, ...]]
     equation: ClassVar[str]
     in_mjcf: ClassVar[bool] = False
+    named: ClassVar[bool] = True
     source: ClassVar[str] = ""
     #: Parts of the model that must be there when MJX compiles it, or later values of them do nothing; see `mjx_model`.
     arms: ClassVar[tuple[str, ...]] = ()
@@ -86,6 +88,10 @@ class Effect(abc.ABC):
     def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         """The name under which it is reported at these values, and those of them that this name has."""
         return self.name, values
+
+    def numbered(self, values: Mapping[str, float]) -> str:
+        """What it does, as text, with its numbers where it has no name to know it by."""
+        return self.equation
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Put the effect into a description, where MJCF has a place for it; `values` holds every parameter."""
@@ -230,6 +236,19 @@ class ReadingShift(Effect):
     @abc.abstractmethod
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
         """Age of each reading, (..., nsensordata), s, of values (..., n_sites, n_parameters)."""
+
+
+class ReadingDrift(Effect):
+    """Acts between the robot and its log: what each reading gains with time."""
+
+    side: ClassVar[str] = "sensor"
+
+    @abc.abstractmethod
+    def rate(self, robot: Robot, values: np.ndarray) -> np.ndarray:
+        """Gain of each reading (..., nsensordata), in its unit per second, of values (..., n_sites, n_parameters).
+
+        The recording's time counts, from its beginning.
+        """
 
 
 class Distortion(Effect):

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from estexp_jax.errors import InputError, known
-from estexp_jax.physics.effects.base import CommandShift, ReadingShift
+from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.engines.agreement import Agreement, agreement_of, replay_agreement, visited
 from estexp_jax.physics.engines.batching import Choice
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
@@ -66,7 +66,7 @@ def walker(
 
     Args:
         robot: the nominal robot.
-        catalogue: effects that may be planted; none of them a `CommandShift` or `ReadingShift`.
+        catalogue: effects that may be planted; none of them a `CommandShift`, `ReadingShift` or `ReadingDrift`.
         rows: longest walk, control steps.
         control_step: s; rounded to whole physics steps.
         gain: of the neurons' tanh.
@@ -76,9 +76,9 @@ def walker(
     Raises:
         InputError: no engine can simulate the robot, or not the one that is wanted.
     """
-    late = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift)]
-    if late:
-        raise ValueError(f"not simulated in closed loop: {', '.join(late)}")
+    timed = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift | ReadingDrift)]
+    if timed:
+        raise ValueError(f"not simulated in closed loop: {', '.join(timed)}")
     on_mjx = mjx_model(robot, catalogue)
     substeps = max(1, int(np.round(control_step / robot.model.opt.timestep)))
     choice, face = chosen(engine, on_mjx), interface_of(robot)

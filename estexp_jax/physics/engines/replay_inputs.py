@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.effects.base import CommandShift, Distortion, Effect, ReadingShift
+from estexp_jax.physics.effects.base import CommandShift, Distortion, Effect, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.controller_fault import CommandRoute
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
@@ -76,7 +76,8 @@ def starts(
     qvel = np.array([s.start.qvel for s in segments], np.float32)
     faults = [e for e in catalogue if isinstance(e, Distortion)]
     late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
-    doubted = late.any(axis=1) | changed(robot, faults, values)
+    drift = _drifts(robot, catalogue, values)
+    doubted = late.any(axis=1) | drift.any(axis=1) | changed(robot, faults, values)
     for i, s in enumerate(segments):
         if not (doubted[i] and s.start.sensed):
             continue
@@ -89,6 +90,7 @@ def starts(
         now = np.zeros((2, robot.model.nsensordata))
         now[:, columns] = qpos[i, places]
         now[1, columns] += qvel[i, speeds]  # the reading a second later, at this speed
+        now -= drift[i] * (s.steps.start[0] - s.history.time[0] + np.array([[0.0], [1.0]]))
         for effect in reversed(faults):
             now = effect.restore(robot, now, values[effect.name][i])
         blind = np.isnan(now[0, columns])
@@ -165,6 +167,24 @@ def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: V
                 before = time - late[i, column] < time[0]
                 read[before] = s.path.at(time[before], s.path.qpos, place)
         sensors[: n + 1, column, i] = read
+
+
+def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:
+    """Add, in place, to the readings (steps, nsensordata, lanes) what they gained since the recordings began."""
+    drift = _drifts(robot, catalogue, values)
+    for i in np.flatnonzero(drift.any(axis=1)).tolist():
+        steps = segments[i].steps
+        age = np.append(steps.start, steps.start[-1] + steps.length[-1]) - segments[i].history.time[0]
+        sensors[: len(age), :, i] += age[:, None] * drift[i]
+
+
+def _drifts(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
+    """What each lane's readings gain with each second, (lanes, nsensordata)."""
+    total = np.zeros((_lanes(values), robot.model.nsensordata))
+    for effect in catalogue:
+        if isinstance(effect, ReadingDrift):
+            total += effect.rate(robot, values[effect.name])
+    return total
 
 
 def _shifts(

@@ -23,7 +23,17 @@ from estexp_jax.physics.effects.base import CommandLaw, Term
 from estexp_jax.physics.engines.batching import Choice, cores
 from estexp_jax.physics.engines.mjx_model import MjxModel, fields_of, mjx_model
 from estexp_jax.physics.engines.mjx_terms import Hidden, stateful
-from estexp_jax.physics.engines.replay_inputs import Drive, Roll, alike, changed, drive_of, read_late, rolls, starts
+from estexp_jax.physics.engines.replay_inputs import (
+    Drive,
+    Roll,
+    add_drift,
+    alike,
+    changed,
+    drive_of,
+    read_late,
+    rolls,
+    starts,
+)
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment
@@ -175,6 +185,7 @@ class Replayer(abc.ABC):
             state = state._replace(hidden=self._hidden(prepared, values, segments, remembers=remembers))
         whole = [x[1:] for x in self._advanced(prepared, state, drive)]
         read_late(self.robot, self.catalogue, whole[0], values, segments)
+        add_drift(self.robot, self.catalogue, whole[0], values, segments)
         rows = max(s.rows for s in segments[:n])
         return Replay(*(_rows(x, segments[:n], rows) for x in whole))
 

@@ -13,10 +13,10 @@ from estexp_jax.physics.effects.base import (
     Effect,
 )
 from estexp_jax.physics.effects.controller_fault import ControllerFault
-from estexp_jax.physics.registry import ALL, PAPER, catalogue, effect
+from estexp_jax.physics.registry import ALL, NAMELESS, PAPER, catalogue, effect
 from tests.physics.robots import MUTE, ROBOTS, robot
 
-every_effect = pytest.mark.parametrize("e", ALL, ids=lambda e: e.name)
+every_effect = pytest.mark.parametrize("e", [*ALL, *NAMELESS], ids=lambda e: e.name)
 every_robot = pytest.mark.parametrize("name", [*ROBOTS, MUTE])
 
 

@@ -10,7 +10,7 @@ from estexp_jax.physics.effects.base import JointForce, JointMoment, neutral_val
 from estexp_jax.physics.effects.laws.base import JointLaw, Reach
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import ALL, LAWS, VARIANTS, catalogue, effect
+from estexp_jax.physics.registry import ALL, LAWS, NAMELESS, VARIANTS, catalogue, effect
 from estexp_jax.physics.segment import Start, segment
 from tests.discovery.planted import nominal
 from tests.physics.robots import ROBOTS, robot
@@ -64,6 +64,7 @@ EXPECTED = {
     "law_whirl": ((0.3, 2.0), 0.3 * W2 * W),
     "law_tie": ((0.3, 2.0, 0.1), -0.3 * (Q2 - 0.1)),
     "law_soft_motor": ((0.4,), (1.0 / np.sqrt(1.0 + 0.4 * M**2) - 1.0) * M),
+    "law_sagging_motor": ((0.2,), -0.2 * np.abs(M) * M),
     "law_slow_motor": ((0.2,), -0.2 * np.abs(W) * M),
     "law_damping": ((0.2,), -0.2 * W),
     "law_drag": ((0.2,), -0.2 * np.abs(W) * W),
@@ -75,7 +76,7 @@ EXPECTED = {
 
 
 def test_the_library_is_one_of_its_own() -> None:
-    names = [e.name for e in (*ALL, *VARIANTS, *LAWS)]
+    names = [e.name for e in (*ALL, *VARIANTS, *LAWS, *NAMELESS)]
     assert len(set(names)) == len(names)
     assert {law.name for law in LAWS} == {*EXPECTED, "law_rhythm", "law_creep", "law_thinning"}
     assert {law.stands_for for law in LAWS} - {""} <= {e.name for e in ALL}

@@ -1,4 +1,4 @@
-"""What is remembered from before a window, commands that go elsewhere, and readings that are late or stuck."""
+"""What is remembered from before a window, commands that go elsewhere, and readings that are late, stuck or drift."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from tests.physics.effects.twins import XML
 ROBOT = Robot.from_string(XML, "twin.xml")
 EFFECTS = catalogue(
     ["hysteresis", "motor_fade", "joint_compliance", "backlash", "actuator_lag", "tied_outputs"]
-    + ["sensor_delay", "sensor_stuck"]
+    + ["sensor_delay", "sensor_stuck", "law_drift"]
 )
 REPLAYER = replayer(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
 PERIOD, ROWS, MIDDLE = 0.005, 160, 100
@@ -87,6 +87,25 @@ def test_a_window_under_a_late_sensor_starts_where_the_robot_was() -> None:
     speed[4:, 1] = true.qvel[0, :-4, 1]
     late = part(MIDDLE, Start(read[MIDDLE], speed[MIDDLE], ((1, 1, 1),)))
     replay = run("sensor_delay@bend delay=0.02", replace(late, path=Path(log().time, read, speed)))
+    np.testing.assert_allclose(replay.qpos[0], true.qpos[0, MIDDLE:], atol=1e-3)
+    np.testing.assert_allclose(replay.sensors[0, :, 1], read[MIDDLE:, 1], atol=1e-3)
+
+
+def test_a_drifting_sensor_gains_from_the_recordings_beginning_on() -> None:
+    log_ = replace(log(), time=log().time + 7.0)
+    true, drifts = run("", part(recording=log_)), run("law_drift@bend a=0.3", part(recording=log_))
+    np.testing.assert_array_equal(drifts.qpos, true.qpos)
+    np.testing.assert_array_equal(drifts.sensors[..., 0], true.sensors[..., 0])
+    gained = drifts.sensors[0, :, 1] - true.sensors[0, :, 1]
+    np.testing.assert_allclose(gained, 0.3 * (log_.time - 7.0), atol=1e-6)
+
+
+def test_a_window_under_a_drifting_sensor_starts_where_the_robot_was() -> None:
+    true, gained = run("", part()), 0.3 * log().time
+    read, speed = true.qpos[0].astype(float), true.qvel[0].astype(float)
+    read[:, 1] += gained
+    speed[:, 1] += 0.3
+    replay = run("law_drift@bend a=0.3", part(MIDDLE, Start(read[MIDDLE], speed[MIDDLE], ((1, 1, 1),))))
     np.testing.assert_allclose(replay.qpos[0], true.qpos[0, MIDDLE:], atol=1e-3)
     np.testing.assert_allclose(replay.sensors[0, :, 1], read[MIDDLE:, 1], atol=1e-3)
 

@@ -54,6 +54,7 @@ class JointLaw(Term):
     """
 
     kind: ClassVar[str] = "joint"
+    named: ClassVar[bool] = False
     source: ClassVar[str] = "Brunton, Proctor and Kutz, PNAS 113 (2016)"
     resembles: ClassVar[str]
     symbols: ClassVar[str] = ""

@@ -10,14 +10,14 @@ from estexp_jax.physics.effects.laws.base import Shapeless, amplitude, torque
 from estexp_jax.physics.robot import Robot
 
 
-class _MotorLaw(Shapeless):
+class MotorLaw(Shapeless):
     """At a joint without a motor it does nothing."""
 
     symbols: ClassVar[str] = "m the motor's torque"
 
 
 @final
-class LawSoftMotor(_MotorLaw):
+class LawSoftMotor(MotorLaw):
     """tau = -(1 - 1 / sqrt(1 + c m^2)) m of motor torque m: a limit that is reached gradually, at c^(-1/2)."""
 
     name: ClassVar[str] = "law_soft_motor"
@@ -36,7 +36,26 @@ class LawSoftMotor(_MotorLaw):
 
 
 @final
-class LawSlowMotor(_MotorLaw):
+class LawSaggingMotor(MotorLaw):
+    """tau = -min(a |m|, 1) m of motor torque m: a supply whose voltage falls with the current that is drawn."""
+
+    name: ClassVar[str] = "law_sagging_motor"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("a", "1/(N m)", signed=False),)
+    equation: ClassVar[str] = "tau = -min(a |m|, 1) m, m the motor's torque"
+    resembles: ClassVar[str] = "a motor whose supply sags under its load"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 1.0 / torque(robot, joint)
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return f"- min({values['a']:.3g} |m|, 1) m"
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(moment.torque), 0.0)), state
+
+
+@final
+class LawSlowMotor(MotorLaw):
     """tau = -min(a |w|, 1) m of motor torque m: a motor that gives less, the faster it turns."""
 
     name: ClassVar[str] = "law_slow_motor"
