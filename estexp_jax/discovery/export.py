@@ -47,6 +47,9 @@ def explained_xml(
     lines += [f"Its step is {step / finer:g} s instead of {step:g} s."]
     lines += [f"In it: {c.sentence()}." for c in changes if expressible(c)]
     lines += [f"NOT in it, MJCF has no place for it: {c.sentence()} ({c.place})." for c in left_out]
+    spec = explained_spec(robot, changes, finer)
+    if any(any(joint.damping[1:]) or any(joint.stiffness[1:]) for joint in spec.joints):
+        lines += ["Damping or stiffness of several numbers, one for each power, needs MuJoCo 4."]
     comment = "\n     ".join(lines).replace("--", "- -")
-    text, files = portable(explained_spec(robot, changes, finer))
+    text, files = portable(spec)
     return f"<!-- {comment} -->\n{text}", files

@@ -11,8 +11,9 @@ from mujoco import mjx
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, Edit, Parameter
-from estexp_jax.physics.effects.sites import angle_unit, scalar_joint_sites
-from estexp_jax.physics.robot import Robot, spec_element
+from estexp_jax.physics.effects.passive import add_spring
+from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.robot import Robot
 
 
 @final
@@ -49,13 +50,7 @@ class JointStiffness(Edit):
         )
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        joint = spec_element(spec, robot, "joint", site)
-        unit = angle_unit(robot, spec, site)
-        k, rest = _together(
-            *(np.asarray(x) for x in (joint.stiffness[0], joint.springref * unit, values["k"], values["q0"]))
-        )
-        joint.stiffness = [float(k), *joint.stiffness[1:]]
-        joint.springref = float(rest) / unit
+        add_spring(robot, spec, site, (values["k"], 0.0, 0.0), values["q0"])
 
 
 def _together(k: Array, rest: Array, more: Array, other: Array) -> tuple[Array, Array]:

@@ -4,9 +4,11 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.passive import add_damper
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.robot import Robot
 
@@ -19,6 +21,7 @@ class QuadraticDrag(Term):
     kind: ClassVar[str] = "joint"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("c", "N m s2/rad2"),)
     equation: ClassVar[str] = "tau = -c |w| w"
+    in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "turbulent drag: Batchelor, An Introduction to Fluid Dynamics, section 5.11"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
@@ -34,3 +37,6 @@ class QuadraticDrag(Term):
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         (c,) = p
         return JointForce(damping=c * jnp.abs(moment.w)), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_damper(robot, spec, site, (0.0, values["c"], 0.0))

@@ -22,6 +22,7 @@ from estexp_jax.physics.effects.sites import driven_actuators, joint_dofs
 from estexp_jax.physics.engines.devices import exact_products
 from estexp_jax.physics.engines.mjx_terms import Acted, Hidden, Now, acted, resting
 from estexp_jax.physics.engines.mjx_without import within_mjx
+from estexp_jax.physics.engines.polynomials import with_polynomials
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 
@@ -64,7 +65,9 @@ class MjxModel:
 
     def acted(self, model: mjx.Model, values: Values, hidden: Hidden, now: Now) -> Acted:
         """What one step is taken with, from an edited model whose motors are switched."""
-        return acted(self.robot, self.catalogue, model, values, hidden, now)
+        model, force = with_polynomials(self.armed, model, now.qpos, now.qvel)
+        does = acted(self.robot, self.catalogue, model, values, hidden, now)
+        return does._replace(force=does.force + force)
 
 
 def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:

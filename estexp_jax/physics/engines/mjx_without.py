@@ -18,7 +18,8 @@ from estexp_jax.errors import InputError, listing
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.touching import touching_pairs
 
-_GEOM, _INTEGRATOR, _ENABLE = mujoco.mjtGeom, mujoco.mjtIntegrator, mujoco.mjtEnableBit
+_GEOM, _JOINT = mujoco.mjtGeom, mujoco.mjtJoint
+_INTEGRATOR, _ENABLE = mujoco.mjtIntegrator, mujoco.mjtEnableBit
 APART = frozenset(
     {
         (_GEOM.mjGEOM_HFIELD, _GEOM.mjGEOM_ELLIPSOID),
@@ -41,6 +42,18 @@ _ROUGH = (_GEOM.mjGEOM_MESH, _GEOM.mjGEOM_HFIELD)
 """Shapes whose contacts begin at touch in MJX."""
 _IDLE = int(_ENABLE.mjENBL_ENERGY) | int(_ENABLE.mjENBL_FWDINV)
 """Flags that change no motion, and that MJX does not know."""
+_UNKNOWN = {
+    "actuator_damping": "damping of actuators other than at hinges and slides",
+    "actuator_dampingpoly": "damping polynomials of actuators other than at hinges and slides",
+    "actuator_armature": "armature of actuators other than at hinges and slides",
+    "actuator_delay": "delays of actuators (give such a delay to the recording's clock, or see it found)",
+    "sensor_delay": "delays of sensors",
+    "tendon_dampingpoly": "damping polynomials of tendons",
+    "tendon_stiffnesspoly": "stiffness polynomials of tendons",
+    "geom_adhesion": "adhesion",
+    "geom_surfacevel": "moving surfaces",
+}
+"""Fields that MJX 3.17 passes over in silence; they are zero in a model that does not use them."""
 
 
 class Within(NamedTuple):
@@ -63,7 +76,36 @@ def within_mjx(robot: Robot) -> Within:
     """
     apart = _apart(robot)
     model = copy.deepcopy(robot.without_contacts(apart).model)
-    return Within(model, (*_contacts(robot, apart), *_without_margins(model), *_options(model.opt)))
+    _to_joints(model)
+    left_out = (*_contacts(robot, apart), *_without_margins(model), *_options(model.opt), *_passed_over(model))
+    return Within(model, left_out)
+
+
+def _to_joints(model: mujoco.MjModel) -> None:
+    """Give joints the damping and armature of the actuators that turn them."""
+    scalar = (int(_JOINT.mjJNT_HINGE), int(_JOINT.mjJNT_SLIDE))
+    for a in range(model.nu):
+        joint, gear = int(model.actuator_trnid[a, 0]), float(model.actuator_gear[a, 0])
+        if int(model.actuator_trntype[a]) != mujoco.mjtTrn.mjTRN_JOINT or int(model.jnt_type[joint]) not in scalar:
+            continue
+        dof = int(model.jnt_dofadr[joint])
+        model.dof_armature[dof] += gear**2 * model.actuator_armature[a]
+        model.dof_damping[dof] += gear**2 * model.actuator_damping[a]
+        model.dof_dampingpoly[dof] += gear**2 * model.actuator_dampingpoly[a]
+        model.actuator_armature[a] = model.actuator_damping[a] = 0.0
+        model.actuator_dampingpoly[a] = 0.0
+
+
+def _passed_over(model: mujoco.MjModel) -> Iterator[str]:
+    """What MJX would pass over in silence; sentences."""
+    for field, what in _UNKNOWN.items():
+        if np.any(getattr(model, field)):
+            yield what
+    round_joints = ~np.isin(model.jnt_type, (_JOINT.mjJNT_HINGE, _JOINT.mjJNT_SLIDE))
+    if np.any(model.jnt_stiffnesspoly[round_joints]):
+        yield "stiffness polynomials of ball and free joints"
+    if np.any(np.isfinite(model.jnt_springyield) & (model.jnt_springyield > 0)):
+        yield "springs that yield"
 
 
 def _options(option: mujoco.MjOption) -> Iterator[str]:

@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from estexp_jax.physics import scales
@@ -23,7 +24,8 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.passive import add_damper, add_spring
+from estexp_jax.physics.robot import Robot, spec_element
 
 _DENSEST = 60.0
 """Largest spatial frequency, 1/rad or 1/m."""
@@ -36,6 +38,7 @@ class LawDamping(Shapeless):
     name: ClassVar[str] = "law_damping"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s/rad", signed=False),)
     equation: ClassVar[str] = "tau = -c w"
+    in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a resistance in proportion to speed"
     stands_for: ClassVar[str] = "viscous_friction"
 
@@ -45,6 +48,9 @@ class LawDamping(Shapeless):
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0]), state
 
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_damper(robot, spec, site, (values["c"], 0.0, 0.0))
+
 
 @final
 class LawDrag(Shapeless):
@@ -53,6 +59,7 @@ class LawDrag(Shapeless):
     name: ClassVar[str] = "law_drag"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s2/rad2", signed=False),)
     equation: ClassVar[str] = "tau = -c |w| w"
+    in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a resistance that grows with the square of speed, as fluid drag does"
     stands_for: ClassVar[str] = "quadratic_drag"
 
@@ -62,6 +69,9 @@ class LawDrag(Shapeless):
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * jnp.abs(moment.w)), state
 
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_damper(robot, spec, site, (0.0, values["c"], 0.0))
+
 
 @final
 class LawDryFriction(Shapeless):
@@ -70,6 +80,7 @@ class LawDryFriction(Shapeless):
     name: ClassVar[str] = "law_dry_friction"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("T", "N m", signed=False),)
     equation: ClassVar[str] = "tau = -T sign(w)"
+    in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a resistance that is the same at all speeds"
     stands_for: ClassVar[str] = "coulomb_friction"
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
@@ -79,6 +90,9 @@ class LawDryFriction(Shapeless):
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(friction=p[0]), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        spec_element(spec, robot, "joint", site).frictionloss += values["T"]
 
 
 @final
@@ -105,6 +119,7 @@ class LawSpring(JointLaw):
     name: ClassVar[str] = "law_spring"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
     equation: ClassVar[str] = "tau = -k (q - q0)"
+    in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a spring"
     stands_for: ClassVar[str] = "joint_stiffness"
 
@@ -122,6 +137,9 @@ class LawSpring(JointLaw):
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.q - p[1])), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_spring(robot, spec, site, (values["k"], 0.0, 0.0), values["q0"])
 
 
 @final

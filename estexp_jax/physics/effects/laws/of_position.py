@@ -4,10 +4,12 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
+from estexp_jax.physics.effects.passive import add_spring
 from estexp_jax.physics.robot import Robot
 
 _TIGHT = 0.1
@@ -59,6 +61,7 @@ class LawCube(JointLaw):
     name: ClassVar[str] = "law_cube"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad3"), Parameter("q0", "rad", signed=True))
     equation: ClassVar[str] = "tau = -k (q - q0)^3"
+    in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a spring that hardens as it is stretched"
 
     def most(self, robot: Robot, joint: int) -> float:
@@ -75,6 +78,9 @@ class LawCube(JointLaw):
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.q - p[1]) ** 3), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_spring(robot, spec, site, (0.0, 0.0, values["k"]), values["q0"])
 
 
 @final

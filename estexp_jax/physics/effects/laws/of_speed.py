@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
@@ -18,6 +19,7 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
+from estexp_jax.physics.effects.passive import add_damper
 from estexp_jax.physics.robot import Robot
 
 _SPEEDS = (0.01, 30.0)
@@ -49,6 +51,7 @@ class LawCubicDrag(Shapeless):
     name: ClassVar[str] = "law_cubic_drag"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s3/rad3"),)
     equation: ClassVar[str] = "tau = -c w^3"
+    in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a resistance that grows steeply with speed"
 
     def most(self, robot: Robot, joint: int) -> float:
@@ -59,6 +62,9 @@ class LawCubicDrag(Shapeless):
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * jnp.square(moment.w)), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_damper(robot, spec, site, (0.0, 0.0, values["c"]))
 
 
 @final

@@ -11,10 +11,12 @@ from typing import final
 
 import jax.numpy as jnp
 import mujoco
+import numpy as np
 
 from estexp_jax.physics.engines.lanes.algebra import Scalar, add, clip, is_number, mul, sub
 from estexp_jax.physics.engines.lanes.numbers import Numbers
 from estexp_jax.physics.engines.lanes.plan import Joint, Motor, Plan
+from estexp_jax.physics.engines.polynomials import damper, spring
 
 _AFFINE_GAIN, _AFFINE_BIAS = int(mujoco.mjtGain.mjGAIN_AFFINE), int(mujoco.mjtBias.mjBIAS_AFFINE)
 _OFF = mujoco.mjtDisableBit
@@ -84,15 +86,25 @@ def _brake(plan: Plan, numbers: Numbers, found: Pull, dof: int, speed: Scalar) -
         return
     damping = numbers.get("dof_damping", plan.dofs[dof].addresses)
     found.force[dof] = sub(found.force[dof], mul(damping, speed))
+    square, cube = (numbers.get("dof_dampingpoly", plan.dofs[dof].addresses, i) for i in range(2))
+    if not (is_number(square, 0) and is_number(cube, 0)):
+        more = damper(square, cube, speed)
+        found.force[dof], damping = add(found.force[dof], more.force), add(damping, more.slope)
     found.damping[dof] = add(found.damping[dof], damping)
     found.braking[dof] = damping
 
 
 def _spring(plan: Plan, numbers: Numbers, found: Pull, joint: Joint, q: Scalar) -> None:
     stiffness = numbers.get("jnt_stiffness", joint.ids)
-    if not (is_number(stiffness, 0) or plan.model.opt.disableflags & _OFF.mjDSBL_SPRING):
-        stretched = sub(q, numbers.get("qpos_spring", joint.qpos))
-        found.force[joint.dofs[0]] = sub(found.force[joint.dofs[0]], mul(stiffness, stretched))
+    square, cube = (numbers.get("jnt_stiffnesspoly", joint.ids, i) for i in range(2))
+    slack = all(is_number(x, 0) for x in (stiffness, square, cube))
+    if slack or plan.model.opt.disableflags & _OFF.mjDSBL_SPRING:
+        return
+    stretched = sub(q, numbers.get("qpos_spring", joint.qpos))
+    found.force[joint.dofs[0]] = sub(found.force[joint.dofs[0]], mul(stiffness, stretched))
+    if not (is_number(square, 0) and is_number(cube, 0)):
+        own = numbers.known(plan.model.qpos_spring[np.asarray(joint.qpos)])  # what effects add rests where they say
+        found.force[joint.dofs[0]] = add(found.force[joint.dofs[0]], spring(square, cube, sub(q, own)).force)
 
 
 def _drive(plan: Plan, numbers: Numbers, found: Pull, joint: Joint, q: Scalar, speed: Scalar, drive: Drive) -> None:

@@ -26,8 +26,6 @@ _COUNTED = {
 _PLAIN = {
     "actuator_armature": "actuator armature",
     "actuator_damping": "actuator damping",
-    "dof_dampingpoly": "damping polynomials",
-    "jnt_stiffnesspoly": "stiffness polynomials",
     "jnt_actgravcomp": "gravity compensation by actuators",
     "body_gravcomp": "gravity compensation",
     "geom_adhesion": "adhesion",
@@ -95,8 +93,10 @@ def _joints(model: mujoco.MjModel) -> Iterator[str]:
         if int(model.jnt_type[j]) == _JOINT.mjJNT_BALL:
             yield f"ball joint '{name}' is not supported"
         if int(model.jnt_type[j]) == _JOINT.mjJNT_FREE:
-            if model.jnt_stiffness[j]:
+            if model.jnt_stiffness[j] or np.any(model.jnt_stiffnesspoly[j]):
                 yield f"stiffness of free joint '{name}' is not supported"
+            if np.any(model.dof_dampingpoly[dof : dof + 6]):
+                yield f"a damping polynomial of free joint '{name}' is not supported"
             if np.any(model.dof_frictionloss[dof : dof + 6]):
                 yield f"friction loss of free joint '{name}' is not supported"
             if fast and model.tree_dofnum[model.dof_treeid[dof]] == 6:  # MuJoCo takes its gyroscopic forces implicitly
