@@ -33,7 +33,7 @@ from estexp_jax.discovery.laws import Unnamed, crowded, needed, single_term, unk
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
-from estexp_jax.discovery.possible import possible
+from estexp_jax.discovery.possible import possible, still_throughout
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.recorded import deviations
 from estexp_jax.discovery.replays import Replays
@@ -164,9 +164,12 @@ def explain(
     if usual and hangs_on_hairs(problem, selection):
         shorter = _shortened(case, config, whole)
         selection, problem = yield from select_nearer(shorter, problem, parameters, selection, config.most)
+    whole_way = selection, problem
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
-    if not began and verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
-        selection = _frozen(problem, parameters, selection)
+    if verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
+        if began and _throughout(case, _frozen(*whole_way, parameters)):
+            (selection, problem), began = whole_way, {}
+        selection = _frozen(selection, problem, parameters)
     selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
     whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
@@ -207,12 +210,18 @@ def _late(
     return *better, again or began
 
 
-def _frozen(problem: Problem, parameters: Hypothesis, selection: Selection) -> Selection:
+def _frozen(selection: Selection, problem: Problem, parameters: Hypothesis) -> Selection:
     """The selection, with a sensor that is plainly stuck as what was chosen, if there is one."""
     found = frozen(problem, parameters, selection)
     if found is None:
         return selection
     return replace(selection, tried=(*selection.tried, found), chosen=found, seen=True)
+
+
+def _throughout(case: Case, selection: Selection) -> bool:
+    """Whether a sensor that is plainly stuck was chosen, and is so from the first row on."""
+    sensors = [site for _, site in selection.chosen.places] if selection.seen else []
+    return any(still_throughout(case.robot, sensor, case.recordings) for sensor in sensors)
 
 
 def _unnamed(

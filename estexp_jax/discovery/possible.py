@@ -22,12 +22,18 @@ def possible(robot: Robot, place: Place, recordings: Sequence[Recording]) -> boo
     name, site = place
     if name != "sensor_stuck":
         return True
-    column = int(robot.model.sensor_adr[robot.index("sensor", site)])
-    return all(_still(r, column) for r in recordings if r.role == "train")
+    return all(_still(robot, r, site, _LAST) for r in recordings if r.role == "train")
 
 
-def _still(recording: Recording, column: int) -> bool:
-    last = slice(int(_LAST * recording.rows), None)
+def still_throughout(robot: Robot, sensor: str, recordings: Sequence[Recording]) -> bool:
+    """Whether training recordings show a sensor at one value from the first row on."""
+    return all(_still(robot, r, sensor, 0.0) for r in recordings if r.role == "train")
+
+
+def _still(robot: Robot, recording: Recording, sensor: str, begin: float) -> bool:
+    """Whether a sensor holds still but for its noise, from a share of a recording on."""
+    column = int(robot.model.sensor_adr[robot.index("sensor", sensor)])
+    last = slice(int(begin * recording.rows), None)
     time, samples = recording.time[last], recording.sensor[last, column]
     known = samples[np.isfinite(samples)]
     if len(known) < 5:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.possible import possible
+from estexp_jax.discovery.possible import possible, still_throughout
 from tests.discovery.planted import Plant, case_of, nominal
 
 STUCK = ("sensor_stuck", "angle")
@@ -16,6 +16,14 @@ def test_a_sensor_that_holds_still_may_be_stuck(first, noise, wanted):
         left = r.rows - first
         r.sensor[first:, 0] = 0.4 + noise * np.random.default_rng(i).standard_normal(left)
     assert possible(nominal("one"), STUCK, recordings) is wanted
+
+
+@pytest.mark.parametrize(("first", "wanted"), [(0, True), (150, False)])
+def test_a_sensor_may_hold_still_from_the_start_or_from_later_on(first, wanted):
+    recordings = case_of("one", Plant(), 415).recordings
+    for r in recordings:
+        r.sensor[first:, 0] = 0.4
+    assert still_throughout(nominal("one"), "angle", recordings) is wanted
 
 
 def test_a_sensor_that_moves_is_not_stuck():

@@ -91,6 +91,16 @@ def test_a_small_gain_must_be_agreed_on_by_the_windows():
     assert replace(explanation(before), held_out=4.0 * before).error == pytest.approx(np.sqrt(48.0))
 
 
+def test_what_bends_values_far_is_not_simplest_for_having_fewer_of_them():
+    """Claiming a value of the model frees none, while an effect has values of its own."""
+    bent = replace(explanation(np.full(12, 0.036), ("armature", "a")), unusual=0.09)
+    own = replace(explanation(np.full(12, 0.0355), ("sensor_bias", "a")), unusual=0.001)
+    free = Free("sensor_bias", "a", "bias", 0, 0, -1.0, 1.0, 0.0, np.inf)
+    own = replace(own, fitted=replace(own.fitted, hypothesis=Hypothesis((("sensor_bias", "a"),), (free,))))
+    assert simplest([bent, own]) is own
+    assert simplest([replace(bent, unusual=0.001), own]) is not own
+
+
 def test_a_value_that_is_bent_far_costs_as_much_as_an_effect():
     """Else many values that are off by a quarter each are as probable as the one thing that is missing."""
     free = [Free("viscous_friction", site, "c", i, 0, -0.3, 0.3, 0.0, 0.03) for i, site in enumerate("abc")]
