@@ -45,7 +45,7 @@ VARIANTS = {
 }
 """Other forms of effects, tried wherever these are."""
 
-BESIDE = {"law_drift": "sensor_bias"}
+BESIDE = {"law_sag": "motor_fade", "law_drift": "sensor_bias"}
 """Unknown laws that may be claimed alone, wherever these effects may."""
 
 TOLERANCE = 0.3

@@ -31,9 +31,8 @@ from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.effects.laws.of_motors import MotorLaw
 from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import LAWS, effect, every
+from estexp_jax.physics.registry import effect, every
 from estexp_jax.physics.robot import Robot
 
 _MEMORY, _INSTEAD = "unknown laws", "in place of names"
@@ -109,8 +108,7 @@ def unknown_law(
     if not starts:
         return None
     plain = [p for p in unnamed.problem.places if p[0] in _BESIDE and p[1] in joints]
-    motors = [p for joint in joints for p in _of_motors(robot, named.chosen, joint)]
-    places = tuple(dict.fromkeys((*starts, *motors, *plain, *named.chosen.places)))
+    places = tuple(dict.fromkeys((*starts, *plain, *named.chosen.places)))
     kept = _kept(robot, named)
     problem = _among(unnamed.problem, replayer(_names(kept, places)), places, starts)
     if verdict(robot, named, named.chosen.claims) == "missing_physics":
@@ -181,23 +179,16 @@ def single_term(
     robot, named = unnamed.robot, unnamed.selection
     chosen = named.chosen
     starts = likely(robot, unnamed.seen, joint, _TERMS, {name for name, _ in unnamed.problem.places})
-    places = tuple(dict.fromkeys((*starts, *_of_motors(robot, chosen, joint))))
-    if not places:
+    if not starts:
         return None
     kept = _kept(robot, named)
-    problem = _among(unnamed.problem, replayer(_names(kept, places)), places, starts)
+    problem = _among(unnamed.problem, replayer(_names(kept, tuple(starts))), tuple(starts), starts)
     before, best = yield from _instead(unnamed, problem, {joint})
     kept = [before if e is chosen else e for e in kept]
     found = replace(named, tried=(*kept, best), chosen=best)
     if simplest([before, best]) is before or verdict(robot, found, best.claims) != "missing_physics":
         return None
     return found, about(problem, best.fitted)
-
-
-def _of_motors(robot: Robot, chosen: Explanation, joint: str) -> list[Place]:
-    """Laws of a joint's motor, where it is blamed: what it lacks in jolts hardly shows in the forces that are seen."""
-    blamed = any(effect(p[0]).kind == "actuator" and pushed(robot, p) == joint for p in chosen.places)
-    return [(law.name, joint) for law in LAWS if isinstance(law, MotorLaw)] if blamed else []
 
 
 def fewest_terms(found: Selection) -> Explanation:

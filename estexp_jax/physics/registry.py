@@ -28,7 +28,7 @@ from estexp_jax.physics.effects.joint_offset import JointOffset
 from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.effects.laws.of_friction import LawFrictionWave, LawTightSpot, LawTwoWayFriction
-from estexp_jax.physics.effects.laws.of_motors import LawSaggingMotor, LawSlowMotor, LawSoftMotor
+from estexp_jax.physics.effects.laws.of_motors import LawSag, LawSlowMotor, LawSoftMotor
 from estexp_jax.physics.effects.laws.of_others import LawFling, LawSquareFling, LawStir, LawTie, LawTow, LawWhirl
 from estexp_jax.physics.effects.laws.of_plain import (
     LawDamping,
@@ -155,7 +155,6 @@ LAWS: tuple[JointLaw, ...] = (
     LawCreep(),
     LawThinning(),
     LawSoftMotor(),
-    LawSaggingMotor(),
     LawSlowMotor(),
     LawDamping(),
     LawDrag(),
@@ -166,7 +165,7 @@ LAWS: tuple[JointLaw, ...] = (
 )
 """Terms of unknown laws: nobody claims one by name; a few of them at one joint are told as its `unknown_law`."""
 
-NAMELESS: Catalogue = (LawDrift(),)
+NAMELESS: Catalogue = (LawSag(), LawDrift())
 """Unknown laws of other elements than joints, each of which explains something alone."""
 
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")
