@@ -46,7 +46,7 @@ _UNKNOWN = {
     "actuator_damping": "damping of actuators other than at hinges and slides",
     "actuator_dampingpoly": "damping polynomials of actuators other than at hinges and slides",
     "actuator_armature": "armature of actuators other than at hinges and slides",
-    "actuator_delay": "delays of actuators (give such a delay to the recording's clock, or see it found)",
+    "actuator_delay": "delays of actuators",
     "sensor_delay": "delays of sensors",
     "tendon_dampingpoly": "damping polynomials of tendons",
     "tendon_stiffnesspoly": "stiffness polynomials of tendons",
