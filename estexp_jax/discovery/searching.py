@@ -10,7 +10,7 @@ import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
 from estexp_jax.discovery.fitting import FAR, Progress, Task
-from estexp_jax.discovery.hypotheses import Hypothesis, Place
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, told_of
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
@@ -31,6 +31,7 @@ from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.effects.sites import ALL_ALIKE
+from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
 _NEAR = 2.0
@@ -260,13 +261,24 @@ def _grown(
     far = found.chosen.fitted.cost > FAR**2 and problem.replayer.robot.model.nv > _JOINTS
     if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
         base = Fit(hypothesis, hypothesis.start(), np.inf)
-    places = [p for p in problem.places if p not in hypothesis.places]
+    claimed = hypothesis.places
+    places = [p for p in problem.places if p not in claimed and not any(at_odds(p, c) for c in claimed)]
     if not places:
         return []
     tasks = [extended(problem, search.parameters, base, p) for p in places]
     n = min(most, _LIKELIEST) if far else most
     promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, n)
     return (yield from at_first(problem, promising, stage, roughly=far))
+
+
+def at_odds(one: Place, other: Place) -> bool:
+    """Whether two claims make no sense together: two forms of one effect, or an unknown law of a motor beside a name.
+
+    Either would take up what an effect in a slightly other form than ours leaves.
+    """
+    effects = effect(one[0]), effect(other[0])
+    motors = one[1] == other[1] and all(e.kind == "actuator" for e in effects)
+    return told_of(one) == told_of(other) or (motors and not all(e.named for e in effects))
 
 
 def _compared(

@@ -9,7 +9,7 @@ import pytest
 
 from estexp_jax.discovery import searching
 from estexp_jax.discovery.hypotheses import Free, Hypothesis
-from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search, _simplified, _unbound
+from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search, _simplified, _unbound, at_odds
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
 
@@ -44,6 +44,13 @@ def test_a_search_ends_where_everything_is_claimed() -> None:
     with pytest.raises(StopIteration) as end:
         next(steps)
     assert end.value.value.chosen is best
+
+
+def test_forms_of_one_effect_and_laws_beside_names_of_a_motor_make_no_sense() -> None:
+    fade, heat, sag = ((name, "hip") for name in ("motor_fade", "motor_heat", "law_sag"))
+    assert at_odds(fade, heat) and at_odds(sag, heat) and at_odds(fade, sag)
+    assert not at_odds(sag, ("motor_fade", "knee")) and not at_odds(fade, ("torque_saturation", "hip"))
+    assert not at_odds(("law_drift", "angle"), ("sensor_bias", "angle")), "an offset may drift"
 
 
 def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(monkeypatch: pytest.MonkeyPatch) -> None:
