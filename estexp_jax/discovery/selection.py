@@ -107,21 +107,26 @@ def folds_of(problem: Problem) -> list[Fold]:
 
 
 def simplest(found: Sequence[Explanation]) -> Explanation:
-    """The best on held-out windows, with what its values cost; of near ties, the one with fewest free parameters."""
-    return min(_near_best(found), key=lambda e: (len(e.fitted.hypothesis.free), e.error))
+    """The best on held-out windows; of near ties, the one with the fewest free parameters.
+
+    Where nothing but noise is left, what values of the model that are off cost counts as well.
+    """
+    quiet = min(e.error for e in found) <= NOISE
+    near = _near_best(found, [float(e.held_out.sum()) + quiet * e.unusual for e in found])
+    return min(near, key=lambda e: (len(e.fitted.hypothesis.free), e.error))
 
 
 def plainest(found: Sequence[Explanation]) -> Explanation:
-    """As `simplest`, but of near ties the one that needs least.
+    """The best on held-out windows, with what its values of the model cost; of near ties, the one that needs least.
 
     That is fewest effects and values far off together, and of those that need as many the one that names most of them.
     """
-    near = [(e, len(stretched(e.fitted))) for e in _near_best(found)]
+    best = _near_best(found, [float(e.held_out.sum()) + e.unusual for e in found])
+    near = [(e, len(stretched(e.fitted))) for e in best]
     return min(near, key=lambda n: (len(n[0].places) + n[1], n[1], len(n[0].fitted.hypothesis.free), n[0].error))[0]
 
 
-def _near_best(found: Sequence[Explanation]) -> list[Explanation]:
-    costs = [float(e.held_out.sum()) + e.unusual for e in found]
+def _near_best(found: Sequence[Explanation], costs: Sequence[float]) -> list[Explanation]:
     return [e for e, cost in zip(found, costs, strict=True) if cost <= _TIE * min(costs)]
 
 

@@ -99,6 +99,8 @@ def test_what_bends_values_far_is_not_simplest_for_having_fewer_of_them():
     own = replace(own, fitted=replace(own.fitted, hypothesis=Hypothesis((("sensor_bias", "a"),), (free,))))
     assert simplest([bent, own]) is own
     assert simplest([replace(bent, unusual=0.001), own]) is not own
+    loud = [replace(e, held_out=100.0 * e.held_out, unusual=100.0 * e.unusual) for e in (bent, own)]
+    assert simplest(loud) is loud[0], "far from any explanation, what is bent tells little"
 
 
 def test_a_value_that_is_bent_far_costs_as_much_as_an_effect():
