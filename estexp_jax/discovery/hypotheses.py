@@ -45,8 +45,8 @@ VARIANTS = {
 }
 """Other forms of effects, tried wherever these are."""
 
-BESIDE = {"law_sag": "motor_fade", "law_drift": "sensor_bias"}
-"""Unknown laws that may be claimed alone, wherever these effects may."""
+NAMELESS = {"law_sag": "motor_fade", "law_drift": "sensor_bias"}
+"""Unknown laws that are claimed as effects are, tried wherever these are; told by their equations."""
 
 TOLERANCE = 0.3
 """Share by which a value of the model may be off and still count as a wrong parameter."""
@@ -58,7 +58,7 @@ _JAMMED = 0.5
 
 def claimable(effects: Sequence[str]) -> tuple[str, ...]:
     """Names of effects with their other forms, and unknown laws like them."""
-    return (*effects, *(other for other, name in (VARIANTS | BESIDE).items() if name in effects))
+    return (*effects, *(other for other, name in (VARIANTS | NAMELESS).items() if name in effects))
 
 
 def told_of(place: Place) -> Place:

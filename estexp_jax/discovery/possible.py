@@ -33,8 +33,8 @@ def still_throughout(robot: Robot, sensor: str, recordings: Sequence[Recording])
 def _still(robot: Robot, recording: Recording, sensor: str, begin: float) -> bool:
     """Whether a sensor holds still but for its noise, from a share of a recording on."""
     column = int(robot.model.sensor_adr[robot.index("sensor", sensor)])
-    last = slice(int(begin * recording.rows), None)
-    time, samples = recording.time[last], recording.sensor[last, column]
+    rows = slice(int(begin * recording.rows), None)
+    time, samples = recording.time[rows], recording.sensor[rows, column]
     known = samples[np.isfinite(samples)]
     if len(known) < 5:
         return True

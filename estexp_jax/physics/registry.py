@@ -166,7 +166,7 @@ LAWS: tuple[JointLaw, ...] = (
 """Terms of unknown laws: nobody claims one by name; a few of them at one joint are told as its `unknown_law`."""
 
 NAMELESS: Catalogue = (LawSag(), LawDrift())
-"""Unknown laws of other elements than joints, each of which explains something alone."""
+"""Unknown laws of other elements than joints: each is claimed as an effect is, not put together of terms."""
 
 PAPER = ("part_lost", "body_mass", "motor_weakness", "sensor_gain", "joint_jam", "gravity_tilt")
 """The six edits of the paper's estimation phase, in the order of its genome."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.physics.changes import Change, encode, stack
-from estexp_jax.physics.effects.base import JointForce, JointMoment, neutral_values
+from estexp_jax.physics.effects.base import JointForce, JointMoment, Term, neutral_values
 from estexp_jax.physics.effects.laws.base import JointLaw, Reach
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.recording import Recording
@@ -97,6 +97,17 @@ def test_a_rhythm_goes_by_the_time_since_the_beginning() -> None:
     assert isinstance(law, JointLaw)
     _, (after,) = law.act(p, moment(), (jnp.full(len(Q), 2.2),))
     assert np.asarray(after) == pytest.approx(2.202)
+
+
+def test_a_motor_whose_supply_sags_gives_less_the_more_is_asked():
+    sag, p = effect("law_sag"), (jnp.full(len(Q), 0.55),)
+    assert isinstance(sag, Term) and sag.kind == "actuator"
+    does, _ = sag.act(p, moment(), ())
+    share = np.maximum(1.0 - 0.55 * np.abs(M), 0.0)
+    assert share.min() == 0.0, "at the largest torques nothing is left"
+    np.testing.assert_allclose(does.motor, share, atol=1e-6)
+    for site in sag.sites(robot("quadruped")):
+        assert "0.55 |m|" in sag.numbered({"a": 0.55}) and site in sag.sentence(site, {"a": 0.55})
 
 
 def test_what_creeps_pushes_back_like_a_spring_and_then_lets_go() -> None:
