@@ -18,6 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 TRIALS = 20
 """On the damaged robot, without diagnosis; the full algorithm has five, that of the old controller among them."""
+MAPS = {"repertoire": 1, "tenfold": 10}
+"""Walks that a map is made of, as multiples of those that the full algorithm simulates in its explorations."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -35,9 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not own.report:
         mine = [case for case in cases if own.robot in (None, case.robot)]
         run_all(mine, options)
-        first = {_map(case, store): case for case in mine}
-        each("maps", [(_mapped, case, store) for path, case in first.items() if not path.is_file()], options)
-        each("trials", [(_tried, case, store) for case in mine if not _path(case, store).is_file()], options)
+        pairs = [(case, way) for case in mine for way in MAPS]
+        first = {_map(case, way, store): (case, way) for case, way in pairs}
+        each("maps", [(_mapped, *pair, store) for path, pair in first.items() if not path.is_file()], options)
+        each("trials", [(_tried, *pair, store) for pair in pairs if not _path(*pair, store).is_file()], options)
     report(_rows(cases, store, options.store), options)
     publish(options, __file__)
     return 0
@@ -50,12 +53,12 @@ def cases_of(size, n: int) -> list:
     return [own for own, _ in pairs_of(size, n)]
 
 
-def _map(case, store: Path) -> Path:
-    return store / f"{case.robot}-{case.seed}.npz"
+def _map(case, way: str, store: Path) -> Path:
+    return store / way / f"{case.robot}-{case.seed}.npz"
 
 
-def _path(case, store: Path) -> Path:
-    return store / f"{case.name}.json"
+def _path(case, way: str, store: Path) -> Path:
+    return store / way / f"{case.name}.json"
 
 
 def budget(settings) -> int:
@@ -64,7 +67,7 @@ def budget(settings) -> int:
     return (settings.passes + 1) * each
 
 
-def _mapped(case, store: Path) -> None:
+def _mapped(case, way: str, store: Path) -> None:
     """The map of a seed's healthy robot."""
     import numpy as np
 
@@ -72,13 +75,14 @@ def _mapped(case, store: Path) -> None:
     from experiments.common.world import world
     from experiments.repertoire.repertoire import evolved
 
-    store.mkdir(parents=True, exist_ok=True)
-    *_, found = evolved(world(case.size), case.settings, budget(case.settings))
-    with replacing(_map(case, store)) as stream:
+    path = _map(case, way, store)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    *_, found = evolved(world(case.size), case.settings, MAPS[way] * budget(case.settings))
+    with replacing(path) as stream:
         np.savez_compressed(stream, weights=found.weights, duty=found.duty, distance=found.distance)
 
 
-def _tried(case, store: Path) -> None:
+def _tried(case, way: str, store: Path) -> None:
     """A damaged robot's trials."""
     import numpy as np
 
@@ -86,7 +90,7 @@ def _tried(case, store: Path) -> None:
     from experiments.common.world import job, world
     from experiments.repertoire.repertoire import Repertoire, adapted
 
-    with np.load(_map(case, store)) as archive:
+    with np.load(_map(case, way, store)) as archive:
         gaits = Repertoire(archive["weights"], archive["duty"], archive["distance"])
     target, settings = job(case).target, case.settings
 
@@ -94,11 +98,14 @@ def _tried(case, store: Path) -> None:
         return target(world(case.size).controller(weights, settings.steps)).distance(settings.axis)
 
     tried = adapted(gaits, trial, TRIALS)
-    write_json(_path(case, store), {"gaits": len(gaits.distance), "distances": [d for _, d in tried]})
+    write_json(
+        _path(case, way, store),
+        {"gaits": len(gaits.distance), "best": float(np.max(gaits.distance)), "distances": [d for _, d in tried]},
+    )
 
 
 def _rows(cases: Sequence, store: Path, runs: Path) -> list[dict[str, Any]]:
-    """A row for each case of which both are finished."""
+    """A row for each case of which all is finished."""
     import json
 
     from experiments.common.runs import finished
@@ -106,13 +113,17 @@ def _rows(cases: Sequence, store: Path, runs: Path) -> list[dict[str, Any]]:
 
     found = []
     for case in cases:
-        if finished(case, runs) and _path(case, store).is_file():
-            own, other = result(case, runs), json.loads(_path(case, store).read_text(encoding="utf-8"))
+        paths = {way: _path(case, way, store) for way in MAPS}
+        if finished(case, runs) and all(path.is_file() for path in paths.values()):
+            own = result(case, runs)
             trials = [own["distance"]["damaged"], *(each["hardware_m"] for each in own["passes"])]
             row = {"robot": case.robot, "situation": case.situation, "seed": case.seed}
-            row |= {"before": own["distance"]["before"], "gaits": other["gaits"]}
-            row |= {f"diagnosis_{i}": d for i, d in enumerate(trials)}
-            found.append(row | {f"repertoire_{i}": d for i, d in enumerate(other["distances"])})
+            row |= {"before": own["distance"]["before"], **{f"diagnosis_{i}": d for i, d in enumerate(trials)}}
+            for way, path in paths.items():
+                other = json.loads(path.read_text(encoding="utf-8"))
+                row |= {f"gaits_{way}": other["gaits"], f"best_{way}": other["best"]}
+                row |= {f"{way}_{i}": d for i, d in enumerate(other["distances"])}
+            found.append(row)
     return found
 
 

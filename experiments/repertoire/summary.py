@@ -12,7 +12,11 @@ from experiments.common.statistics import interval, signed_rank
 from experiments.common.tables import write_figure
 
 Row = dict[str, Any]
-WAYS = {"diagnosis": "the full algorithm", "repertoire": "repertoire of gaits, no diagnosis"}
+WAYS = {
+    "diagnosis": "the full algorithm",
+    "repertoire": "repertoire of gaits, as many simulated walks",
+    "tenfold": "repertoire of gaits, ten times as many",
+}
 
 
 def summary(rows: Sequence[Row]) -> dict[str, Any]:
@@ -30,15 +34,23 @@ def recovered(rows: Sequence[Row], way: str) -> np.ndarray:
 
 def _told(rows: Sequence[Row]) -> dict[str, Any]:
     shares = {way: recovered(rows, way) for way in WAYS}
-    last = min(table.shape[1] for table in shares.values()) - 1
-    a, b = (shares[way][:, last] for way in WAYS)
-    return {
-        "n": len(rows),
-        "gaits": float(np.median([r["gaits"] for r in rows])),
-        "median_share": {way: np.median(table, axis=0).round(4).tolist() for way, table in shares.items()},
-        "with_equal_trials": {"trials": last + 1, "better": int(np.sum(a > b)), "p": signed_rank(a, b)},
-        "trials_to_equal": _to_equal(float(np.median(a)), np.median(shares["repertoire"], axis=0)),
-    }
+    told: dict[str, Any] = {"n": len(rows)}
+    told["median_share"] = {way: np.median(table, axis=0).round(4).tolist() for way, table in shares.items()}
+    full = shares.pop("diagnosis")
+    for way, table in shares.items():
+        last = min(table.shape[1], full.shape[1]) - 1
+        a, b = full[:, last].tolist(), table[:, last].tolist()
+        told[way] = {
+            "gaits": float(np.median([r[f"gaits_{way}"] for r in rows])),
+            "best_undamaged": float(np.median([r[f"best_{way}"] / r["before"] for r in rows])),
+            "with_equal_trials": {
+                "trials": last + 1,
+                "better": sum(x > y for x, y in zip(a, b, strict=True)),
+                "p": signed_rank(a, b),
+            },
+            "trials_to_equal": _to_equal(float(np.median(a)), np.median(table, axis=0)),
+        }
+    return told
 
 
 def _to_equal(share: float, medians: np.ndarray) -> int | None:
@@ -57,7 +69,7 @@ def draw(rows: Sequence[Row], out: Path) -> None:
     figure = Figure(figsize=(4.4 * len(robots), 3.6), layout="constrained")
     for axes, robot in zip(figure.subplots(1, len(robots), squeeze=False)[0], robots, strict=True):
         own = [r for r in rows if r["robot"] == robot]
-        for (way, words), colour in zip(WAYS.items(), ("tab:blue", "0.5"), strict=True):
+        for (way, words), colour in zip(WAYS.items(), ("tab:blue", "0.55", "tab:orange"), strict=True):
             table = recovered(own, way)
             x, ends = np.arange(1, table.shape[1] + 1), np.array([interval(column.tolist()) for column in table.T])
             axes.plot(x, table.mean(axis=0), "o-", color=colour, markersize=3, label=words)

@@ -66,11 +66,14 @@ def test_a_map_keeps_the_farthest_walker_of_each_gait_within_its_budget() -> Non
 
 
 def test_recovery_is_the_best_so_far_of_what_there_was_before(tmp_path: Path) -> None:
-    row = {"robot": "same", "before": 2.0, "gaits": 9, "diagnosis_0": 0.4, "diagnosis_1": 1.6, "diagnosis_2": 1.2}
-    row |= {f"repertoire_{i}": d for i, d in enumerate([0.4, 0.2, 1.0, 1.7])}
+    row = {"robot": "same", "before": 2.0, "diagnosis_0": 0.4, "diagnosis_1": 1.6, "diagnosis_2": 1.2}
+    row |= {"gaits_repertoire": 9, "best_repertoire": 3.0, "gaits_tenfold": 20, "best_tenfold": 4.0}
+    for way in ("repertoire", "tenfold"):
+        row |= {f"{way}_{i}": d for i, d in enumerate([0.4, 0.2, 1.0, 1.7])}
     assert repertoire.recovered([row], "diagnosis").tolist() == [[0.2, 0.8, 0.8]]
     found = repertoire.summary([row, row])["same"]
-    assert found["with_equal_trials"] == {"trials": 3, "better": 2, "p": pytest.approx(0.25)}
-    assert found["trials_to_equal"] == 4
+    assert found["tenfold"]["with_equal_trials"] == {"trials": 3, "better": 2, "p": pytest.approx(0.25)}
+    assert found["repertoire"]["trials_to_equal"] == 4
+    assert (found["repertoire"]["best_undamaged"], found["tenfold"]["best_undamaged"]) == (1.5, 2.0)
     repertoire.draw([row, row], tmp_path)
     assert (tmp_path / "repertoire.png").stat().st_size > 0
