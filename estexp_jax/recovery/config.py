@@ -64,7 +64,8 @@ class Settings:
     the same robot, else 0.03."""
     ensemble: int | None = None
     """Simulators, as far off as `model_error` and with noisy sensors, on which each controller is tried; the mean
-    distance counts. Default: 1, which is the nominal one, for an exact simulator and with `paper`, else 4."""
+    distance counts. Of the last generation, and of what the robot tried, 32 others choose. Default: 1, which is the
+    nominal one, for an exact simulator and with `paper`, else 4."""
     next_trial: NextTrial = "farthest"
     """The controller that the robot tries next: the one that comes farthest in the simulator, as in the paper; or, of
     those that come nearly as far, the one on which explanations that are not excluded yet disagree most."""

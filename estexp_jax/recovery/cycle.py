@@ -22,7 +22,7 @@ from estexp_jax.recovery.config import ROUGH, Settings
 from estexp_jax.recovery.disagreement import most_telling, undecided
 from estexp_jax.recovery.estimation import changes_of
 from estexp_jax.recovery.evidence import estimation, residuals_of
-from estexp_jax.recovery.exploration import exploration_algorithm, exploration_score
+from estexp_jax.recovery.exploration import exploration_algorithm, exploration_score, judged
 from estexp_jax.recovery.foreign import ForeignTarget
 from estexp_jax.recovery.simulator import Simulator, simulator
 from estexp_jax.recovery.situations import situation
@@ -30,7 +30,7 @@ from estexp_jax.recovery.state import Row, RunState
 from estexp_jax.recovery.target import Remote, SameTarget, Target
 from estexp_jax.recovery.trial import Trial
 from estexp_jax.search.driver import evolve
-from estexp_jax.search.genetic import Population, best
+from estexp_jax.search.genetic import Population
 
 _GOOD, _CANDIDATES = 0.8, 48
 """Controllers that come at least this share of the best one's distance may be tried next, so many at most."""
@@ -133,7 +133,9 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
         state = replace(state, search=population.to_tree(), history=(*state.history, row))
         if population.generation < settings.generations:
             yield state
-    weights, value = _chosen(job, state, Population.from_tree(dict(state.search or {})))
+    population = Population.from_tree(dict(state.search or {}))
+    candidates = judged(job.simulator, settings, changes, population, state.controllers)
+    weights, value = _chosen(job, state, *candidates)
     yield replace(
         state,
         phase="trial" if number else "damage",
@@ -143,22 +145,22 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
     )
 
 
-def _chosen(job: Job, state: RunState, population: Population) -> tuple[np.ndarray, float]:
+def _chosen(job: Job, state: RunState, genomes: np.ndarray, scores: np.ndarray) -> tuple[np.ndarray, float]:
     """The controller that the robot tries next, and its score: the best, or the most telling of those about as good.
 
     The last trial is for walking: nothing is learned from it.
     """
-    found, settings = best(population), job.settings
-    if found is None:
+    settings, first = job.settings, float(scores[0])
+    if not np.isfinite(first):
         raise InputError("every simulated walk blew up", where=job.simulator.robot.source, right="a smaller timestep")
     rivals = state.rivals[-1] if state.rivals else ()
-    if settings.next_trial == "farthest" or not rivals or state.number >= settings.passes or found[1] >= 0.0:
-        return found
-    good = np.flatnonzero(population.scores <= _GOOD * found[1])[:_CANDIDATES]
+    if settings.next_trial == "farthest" or not rivals or state.number >= settings.passes or first >= 0.0:
+        return genomes[0], first
+    good = np.flatnonzero(scores <= _GOOD * first)[:_CANDIDATES]
     share = state.probabilities[-1] or 0.0
     explanations = [(state.diagnoses[-1], share), *rivals]
-    index = good[most_telling(undecided(job.simulator, settings, population.genomes[good], explanations))]
-    return population.genomes[index], float(population.scores[index])
+    index = good[most_telling(undecided(job.simulator, settings, genomes[good], explanations))]
+    return genomes[index], float(scores[index])
 
 
 def _damage(job: Job, state: RunState) -> Iterator[RunState]:

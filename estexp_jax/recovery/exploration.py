@@ -17,9 +17,11 @@ from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.perturbation import ensemble, noise
 from estexp_jax.recovery.simulator import Simulator
 from estexp_jax.recovery.trial import distances
-from estexp_jax.search.genetic import Genetic
+from estexp_jax.search.genetic import Genetic, Population
 
 TAG = 1
+_JURY = 32
+"""Simulators that judge after the search. Seen on development seeds: with them the robot comes a tenth farther."""
 
 
 def exploration_algorithm(simulator: Simulator, settings: Settings, number: int) -> Genetic:
@@ -34,18 +36,25 @@ def exploration_algorithm(simulator: Simulator, settings: Settings, number: int)
 
 
 def exploration_score(
-    simulator: Simulator, settings: Settings, changes: Sequence[Change]
+    simulator: Simulator, settings: Settings, changes: Sequence[Change], draw: int = 0
 ) -> Callable[[np.ndarray], np.ndarray]:
     """Score of controllers on the robot as diagnosed: minus the distance along the axis, m; +inf if it blew up.
 
     Where the simulator is rough, each walks on several that differ as much as it may be off, with noisy sensors, and
     the mean distance counts: what exploits one simulator's errors loses its way on the others, as on the robot.
+
+    Args:
+        simulator: of the robot.
+        settings: of the run.
+        changes: the diagnosis.
+        draw: of the rough simulators; others for each number.
     """
     sets: list[tuple[Change, ...]] = [tuple(changes)]
     heard: Heard | None = None
     if settings.members > 1:
-        sets = [(*changes, *member) for member in ensemble(simulator.robot, settings.rough, settings.members)]
-        told = noise(simulator.walker.interface, settings.members, settings.steps)
+        off = ensemble(simulator.robot, settings.rough, settings.members, draw)
+        sets = [(*changes, *member) for member in off]
+        told = noise(simulator.walker.interface, settings.members, settings.steps, draw)
         heard = Heard(told.factor[:, None], told.added[:, None])
     start = simulator.settled(sets)
 
@@ -55,3 +64,39 @@ def exploration_score(
         return np.where(np.any(walk.failed, axis=0), np.inf, -mean)
 
     return score
+
+
+def judged(
+    simulator: Simulator,
+    settings: Settings,
+    changes: Sequence[Change],
+    population: Population,
+    tried: Sequence[np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the next trial is chosen from, and the scores, best first: the last generation of an exact simulator.
+
+    The best of many is best on the simulators that it was selected on, less so on the robot. Where the simulator is
+    rough, a jury of others judges the generation's better half anew, and the last controllers that the robot tried
+    beside them, in place of the worst.
+
+    Args:
+        simulator: of the robot.
+        settings: of the run.
+        changes: the diagnosis.
+        population: the last generation.
+        tried: controllers (n_weights,) of the trials before.
+    """
+    if settings.members == 1:
+        return population.genomes, population.scores
+    n = len(population.genomes) - len(population.genomes) // 2  # as many as are new in a generation: compiled already
+    again = list(tried)[-(n // 2) :]
+    genomes = np.array([*population.genomes[: n - len(again)], *again])
+    draws = range(1, jury(settings) + 1)
+    scores = np.mean([exploration_score(simulator, settings, changes, i)(genomes) for i in draws], axis=0)
+    order = np.argsort(scores, kind="stable")
+    return genomes[order], scores[order]
+
+
+def jury(settings: Settings) -> int:
+    """Sets of rough simulators, as large as that of the search, on which controllers are judged after it."""
+    return 0 if settings.members == 1 else max(1, round(_JURY / settings.members))

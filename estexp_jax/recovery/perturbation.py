@@ -17,21 +17,22 @@ NOISE, FLIPS = 0.005, 0.02
 """Noise of an angle, rad, and share of the touch readings that are wrong."""
 
 
-def ensemble(robot: Robot, error: float, members: int) -> tuple[tuple[Change, ...], ...]:
+def ensemble(robot: Robot, error: float, members: int, draw: int = 0) -> tuple[tuple[Change, ...], ...]:
     """Robots that differ from the nominal one by random relative errors; the same ones at each call.
 
     Args:
         robot: the nominal one.
         error: relative, one standard deviation.
         members: how many.
+        draw: others for each number.
     """
-    random = np.random.default_rng([_TAG])
+    random = np.random.default_rng([_TAG, draw])
     return tuple(_perturbed(robot, error, random) for _ in range(members))
 
 
-def noise(face: Interface, members: int, steps: int) -> Heard:
-    """What networks get where sensors are noisy, (members, steps, n_inputs); the same at each call."""
-    random, shape = np.random.default_rng([_NOISE_TAG]), (members, steps, face.n_inputs)
+def noise(face: Interface, members: int, steps: int, draw: int = 0) -> Heard:
+    """What networks get where sensors are noisy, (members, steps, n_inputs); the same at each call of a draw."""
+    random, shape = np.random.default_rng([_NOISE_TAG, draw]), (members, steps, face.n_inputs)
     angles, flips = NOISE * random.standard_normal(shape), random.random(shape) < FLIPS
     return Heard(np.where(face.is_touch & flips, -1.0, 1.0), np.where(face.is_touch, 0.0, angles))
 

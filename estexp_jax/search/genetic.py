@@ -117,13 +117,6 @@ def tell(genetic: Genetic, state: Population, genomes: np.ndarray, scores: np.nd
     return Population(genomes[order], scores[order], state.generation + 1, dominants)
 
 
-def best(state: Population) -> tuple[np.ndarray, float] | None:
-    """The best genome (length,) and its score; None where nothing has been simulated without blowing up."""
-    if not len(state.scores) or not np.isfinite(state.scores[0]):
-        return None
-    return state.genomes[0], float(state.scores[0])
-
-
 def _children(genetic: Genetic, parents: np.ndarray, random: np.random.Generator) -> np.ndarray:
     n = genetic.population - genetic.survivors
     # The parents are sorted, so the winner of a tournament is the one with the lowest index.

@@ -62,8 +62,10 @@ def _path(case, way: str, store: Path) -> Path:
 
 
 def budget(settings) -> int:
-    """Walks that the full algorithm simulates in its explorations."""
-    each = settings.population + (settings.generations - 1) * (settings.population // 2)
+    """Walks that the full algorithm simulates in its explorations, those that judge the last generation included."""
+    from estexp_jax.recovery.exploration import jury
+
+    each = settings.population + (settings.generations - 1 + jury(settings)) * (settings.population // 2)
     return (settings.passes + 1) * each
 
 

@@ -11,10 +11,11 @@ from estexp_jax.physics.engines.walking import Heard
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings, quick
 from estexp_jax.recovery.cycle import Job, job_of, run
-from estexp_jax.recovery.exploration import exploration_score
+from estexp_jax.recovery.exploration import exploration_score, judged, jury
 from estexp_jax.recovery.perturbation import ensemble, noise
 from estexp_jax.recovery.state import RunState
 from estexp_jax.recovery.trial import Controller, Trial, distances
+from estexp_jax.search.genetic import Population
 
 
 def equal(a: Any, b: Any) -> bool:
@@ -77,6 +78,22 @@ def test_a_rough_simulator_is_several_with_noise_in_exploration(job: Job) -> Non
     assert exploration_score(world, rough, lost)(weights)[1] == pytest.approx(-np.mean(walks), abs=1e-6)
     assert rough.members == 4 and len(set(walks)) == 4
     assert replace(rough, paper=True).members == 1 == job.settings.members == replace(rough, ensemble=1).members
+
+
+def test_simulators_that_the_search_did_not_see_choose_among_its_last_and_what_was_tried(job: Job) -> None:
+    rough, lost, world = replace(job.settings, model_error=0.05), job.planted, job.simulator
+    weights = np.random.default_rng(5).uniform(-1.0, 1.0, (6, world.n_weights))
+    first = exploration_score(world, rough, lost)(weights)
+    order = np.argsort(first)
+    population = Population(weights[order], first[order], 3, 0)
+    tried = [np.full(world.n_weights, 0.1), np.full(world.n_weights, 0.2)]
+    genomes, scores = judged(world, rough, lost, population, tried)
+    candidates = [*population.genomes[:2], tried[1]]
+    assert jury(rough) == 8 and len({w.tobytes() for w in genomes} & {w.tobytes() for w in candidates}) == 3
+    again = [exploration_score(world, rough, lost, draw)(np.array(candidates)) for draw in range(1, 9)]
+    np.testing.assert_allclose(scores, np.sort(np.mean(again, axis=0)), atol=1e-6)
+    assert np.all(np.ptp(again, axis=0)[:2] > 0.0) and not np.any(np.isclose(scores, first[order][0], atol=1e-9))
+    assert judged(world, job.settings, lost, population, tried)[0] is population.genomes and jury(job.settings) == 0
 
 
 def test_noise_is_in_angles_and_turns_touch_round(job: Job) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.search.driver import evolve
-from estexp_jax.search.genetic import Genetic, Population, ask, begin, best, tell
+from estexp_jax.search.genetic import Genetic, Population, ask, begin, tell
 
 GENETIC = Genetic(length=12, population=40, seed=3, tags=(1, 2))
 
@@ -77,11 +77,10 @@ def test_seeds_take_the_first_places() -> None:
 def test_what_blew_up_is_worst_and_never_best() -> None:
     genomes = ask(GENETIC, begin(GENETIC))
     scores = np.full(40, np.nan)
-    assert best(tell(GENETIC, begin(GENETIC), genomes, scores)) is None
+    assert np.all(tell(GENETIC, begin(GENETIC), genomes, scores).scores == np.inf)
     scores[7] = 5.0
-    found = best(tell(GENETIC, begin(GENETIC), genomes, scores))
-    assert found is not None and np.array_equal(found[0], genomes[7])
-    assert best(begin(GENETIC)) is None
+    told = tell(GENETIC, begin(GENETIC), genomes, scores)
+    assert told.scores[0] == 5.0 and np.array_equal(told.genomes[0], genomes[7])
 
 
 def test_dominants_are_new_genomes_better_than_all_before() -> None:
