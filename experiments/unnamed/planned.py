@@ -34,12 +34,18 @@ def planned(seed: int, part: str = "all") -> list[Plan]:
 
 
 def left_out(plan: Plan) -> tuple[str, ...]:
-    """What the catalogue lacks for a case: the effect, what it contains and what contains it."""
+    """What the catalogue lacks for a case: the effect with its whole ladder, whatever contains or nearly equals it.
+
+    With Stribeck friction go Coulomb friction, which it contains, and hysteresis, whose bristles do the same.
+    """
     [planted] = plan.planted
     if planted.effect in OTHERS:
         return ()
-    near = {a for a, b in RUNGS.items() if b == planted.effect} | {RUNGS.get(planted.effect, planted.effect)}
-    return tuple(sorted({planted.effect, *near}))
+    ladder, before = {planted.effect}, set[str]()
+    while ladder != before:
+        before = set(ladder)
+        ladder |= {end for rung in RUNGS.items() if ladder.intersection(rung) for end in rung}
+    return tuple(sorted(ladder))
 
 
 def _drawn(part: str, laws: tuple[str, ...], rng: np.random.Generator) -> Iterator[Plan]:
