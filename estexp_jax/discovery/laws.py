@@ -16,7 +16,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
-from estexp_jax.discovery.fitting import Progress
+from estexp_jax.discovery.fitting import FAR, Progress
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import BENT, Hypothesis, Place
 from estexp_jax.discovery.likely_laws import likely
@@ -29,6 +29,7 @@ from estexp_jax.discovery.searching import one_more, select
 from estexp_jax.discovery.selection import Explanation, Selection, simplest, worth
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import QUIET, verdict
+from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.engines.replaying import Replayer
@@ -44,6 +45,9 @@ _PLAINLY = 0.3
 """Names that leave something of the mismatch give way only to what brings the squared error under this share."""
 _PROMISE = 0.6
 """... and they are not even looked for where no single term beside the names brings it under this share."""
+_WHOLE = 0.85
+"""Share of the excess error that a law must remove where it leaves more than `FAR`: another law, bent to what was
+recorded, loses its way on other motions. In development true ones left up to 6 deviations, wrong ones 10 to 50."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
 _BEST = 3
@@ -240,11 +244,17 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
         better = worth(chosen, best)
     if not better:
         return False
-    if verdict(robot, found, chosen.claims) != "missing_physics":
+    if not whole(found) or verdict(robot, found, chosen.claims) != "missing_physics":
         return False
     plain = replace(problem, step=None, own={})
     windows = problem.fitted
     return plain.error(chosen.fitted.member, windows) < plain.error(found.nominal.fitted.member, windows)
+
+
+def whole(found: Selection) -> bool:
+    """Whether what is chosen is the whole of a law: near the noise, or nearly all of the mismatch."""
+    as_it_is = min(found.nominal, found.corrected, key=lambda e: e.error)
+    return found.chosen.error <= FAR or gain(found.chosen.error, as_it_is.error, 1.0) >= _WHOLE
 
 
 def _names(kept: Sequence[Explanation], places: Sequence[Place]) -> list[str]:

@@ -12,6 +12,7 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.contest import contest_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible
+from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.laws import is_law
 from estexp_jax.discovery.likely_laws import LawForces, law_forces
@@ -127,8 +128,9 @@ def judged_by(case: Case, found: Found) -> tuple[str, Found, Step | None]:
     if judged == "parameters" and found.shown.replays.began:  # no value of the model changes meanwhile
         return "missing_physics", found, None
     as_it_is = min(selection.nominal, selection.corrected, key=lambda e: e.error)
-    # Then nothing is changed, nor is anything bent that would predict no better.
-    if judged == "consistent" or (judged == "unexplained" and not worth(selection.chosen, as_it_is)):
+    # Then nothing is changed, nor is anything bent that would predict no better, or that is far from what happens.
+    closer = worth(selection.chosen, as_it_is) and selection.chosen.error <= FAR
+    if judged == "consistent" or (judged == "unexplained" and not closer):
         return judged, _unchanged(found), None
     if judged != "parameters" or found.claimed:
         return judged, found, None

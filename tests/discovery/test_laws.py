@@ -17,7 +17,7 @@ from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.laws import believed, crowded, fewest_terms, needed, suspects
+from estexp_jax.discovery.laws import believed, crowded, fewest_terms, needed, suspects, whole
 from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
@@ -275,6 +275,12 @@ def test_a_law_is_not_believed_for_little_more_than_names_explain():
         assert not believed(robot, selection({(): 20.0, (WAVE,): error}, (WAVE,)), named, there)
     # As good as noise, but in the simulation it predicts no better than the nominal robot does: it is at its neutral.
     assert not believed(robot, selection({(): 20.0, (WAVE,): 0.9}, (WAVE,)), nothing, there)
+
+
+@pytest.mark.parametrize(("left", "enough"), [(9.0, True), (12.0, True), (20.0, False), (31.0, False)])
+def test_a_law_that_leaves_much_is_bent_to_what_was_recorded(left: float, enough: bool):
+    """Seen: a motor that saturates told as one that gives way gradually: 31 deviations left, lost on the test."""
+    assert whole(selection({(): 100.0, (WAVE,): left}, (WAVE,))) is enough
 
 
 TERMS = (
