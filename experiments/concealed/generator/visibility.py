@@ -157,6 +157,7 @@ def visibility(
     """
     spans = np.array([np.ptp(stretches["train"].readings[..., c]) for c in range(len(channels))])
     spans = np.maximum(spans, 5.0 * deviations)
+    spans = np.where(spans > 0.0, spans, np.inf)  # a joint that stands still, seen without noise, shows nothing
     floor = float(np.sqrt(np.mean((deviations / spans) ** 2)))
     bent, zero, roles = Bent(model), np.zeros(sum(Bent(model).sizes)), tuple(stretches)
 

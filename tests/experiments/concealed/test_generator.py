@@ -159,6 +159,14 @@ def test_equal_plans_give_equal_files_without_a_label(tmp_path):
     assert told["visibility"]["shown"] > 3.0
 
 
+def test_a_joint_that_stands_still_and_is_seen_without_noise_says_nothing_of_what_is_visible():
+    """Its speed, 0 in all rows, has neither a range nor noise."""
+    case = make(Plan("hidden", "leg", (Planted("joint_limit", 0, 0.1),), 5), shorter=0.14)
+    assert np.ptp(case.recorded[0].rows.w[:, 0]) == 0.0
+    assert 0.0 < case.visible.floor < 1.0 and all(np.isfinite([*case.visible.nominal.values()]))
+    assert all(np.isfinite([*case.visible.refit.values()]))
+
+
 def test_a_set_has_all_groups_and_every_effect_a_place():
     drawn = plans(3, 60, ["leg", "planar"])
     assert {p.group for p in drawn} == set(SHARES) and len(drawn) == 60 and len({p.seed for p in drawn}) == 60
