@@ -32,7 +32,7 @@ _LITTLE = 1e-3
 _ALIKE = 1e-6
 """Share of a force's square; if less than that is left of it, it is what wrong values of the model look like."""
 _FAST = 0.98
-"""Quantile of the speed that counts as fast."""
+"""Quantile of the speed that counts as fast, and of the motor torque that counts as hard."""
 
 
 class _Samples(NamedTuple):
@@ -131,7 +131,8 @@ def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Sample
     bent, _ = np.linalg.qr(np.stack([w, motor, faster], axis=1) + 0.0)
     length = max(float(np.ptp(r.time)) for r in seen)
     others = {j: motion(j) for j in moved if j != joint}
-    reach = Reach(float(q.min()), float(q.max()), float(np.quantile(np.abs(w), _FAST)), length, tuple(others))
+    fast, hard = (float(np.quantile(np.abs(x), _FAST)) for x in (w, motor))
+    reach = Reach(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
     runs = tuple((r.time - r.time[0], r.qvel[:, dof]) for r in seen)
     return _Samples(np.clip(force, -far, far), q, w, motor, bent, others, runs, thin, reach)
 

@@ -28,7 +28,15 @@ from estexp_jax.physics.effects.joint_offset import JointOffset
 from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.effects.laws.of_friction import LawFrictionWave, LawTightSpot, LawTwoWayFriction
-from estexp_jax.physics.effects.laws.of_motors import LawSag, LawSlowMotor, LawSoftMotor
+from estexp_jax.physics.effects.laws.of_motors import (
+    LawClippedMotor,
+    LawDeafMotor,
+    LawLoadFriction,
+    LawSag,
+    LawSlowMotor,
+    LawSoftMotor,
+    LawWeakMotor,
+)
 from estexp_jax.physics.effects.laws.of_others import LawFling, LawSquareFling, LawStir, LawTie, LawTow, LawWhirl
 from estexp_jax.physics.effects.laws.of_plain import (
     LawDamping,
@@ -47,6 +55,7 @@ from estexp_jax.physics.effects.laws.of_position import (
 from estexp_jax.physics.effects.laws.of_sensors import LawDrift
 from estexp_jax.physics.effects.laws.of_speed import (
     LawCubicDrag,
+    LawFallingFriction,
     LawHump,
     LawOneWayDamping,
     LawPlaceDamping,
@@ -162,6 +171,11 @@ LAWS: tuple[JointLaw, ...] = (
     LawPush(),
     LawSpring(),
     LawWave(),
+    LawFallingFriction(),
+    LawLoadFriction(),
+    LawWeakMotor(),
+    LawClippedMotor(),
+    LawDeafMotor(),
 )
 """Terms of unknown laws: nobody claims one by name; a few of them at one joint are told as its `unknown_law`."""
 

@@ -24,7 +24,8 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.package_data import schema_path
 from estexp_jax.physics.changes import Change
-from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.effects.laws.base import JointLaw
+from estexp_jax.physics.registry import catalogue, effect
 from estexp_jax.report.explain_text import claim
 from tests.discovery.planted import CONFIG, XML, Plant, case_of, explained, nominal, problem_of, shared_replayer
 
@@ -192,6 +193,25 @@ def test_terms_that_a_named_effect_says_count_only_without_it():
     there = moving(lambda t, q, w: -0.3 * np.abs(w[:, 1]) * w[:, 1])
     assert next(iter(likely(nominal("two"), [there], "elbow", 6))) == ("law_drag", "elbow")
     assert ("law_drag", "elbow") not in likely(nominal("two"), [there], "elbow", 40, ["quadratic_drag"])
+
+
+@pytest.mark.parametrize(
+    ("force", "name", "values"),
+    [
+        (lambda m, w: -0.3 * np.sign(m) * np.maximum(np.abs(m) - 0.5, 0.0), "law_clipped_motor", (0.3, 0.5)),
+        (lambda m, w: -0.4 * np.clip(m, -0.2, 0.2), "law_deaf_motor", (0.4, 0.2)),
+        (lambda m, w: -0.2 * np.abs(m) * np.sign(w), "law_load_friction", (0.2,)),
+        (lambda m, w: -0.2 * np.sign(w) / (1.0 + (w / 0.5) ** 2), "law_falling_friction", (0.2, 0.5)),
+    ],
+)
+def test_without_its_name_what_a_motor_or_friction_does_is_a_term(force, name, values):
+    there = moving(lambda t, q, w: force(np.cos(6.5 * t), w[:, 1]))
+    found = likely(nominal("two"), [there], "elbow", 6)
+    assert next(iter(found)) == (name, "elbow")
+    assert found[name, "elbow"][0] == pytest.approx(values, rel=0.4)
+    law = effect(name)
+    assert isinstance(law, JointLaw)
+    assert (name, "elbow") not in likely(nominal("two"), [there], "elbow", 60, [law.stands_for])
 
 
 def test_joints_that_lack_most_force_are_suspects():

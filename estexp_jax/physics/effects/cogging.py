@@ -11,6 +11,9 @@ from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Par
 from estexp_jax.physics.effects.sites import is_slide, scalar_joint_sites
 from estexp_jax.physics.robot import Robot
 
+_OFTEN, _OFTEN_SLIDE = (3.0, 60.0), (6.0, 500.0)
+"""How often it may come in a turn, over 2 pi m of a slide. What comes less often is no cog: a spring, an unbalance."""
+
 
 @final
 class Cogging(Term):
@@ -31,7 +34,7 @@ class Cogging(Term):
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         most = 0.4 * scales.joint_torque(robot, robot.index("joint", site))
-        return (0.0, most), (1.0, 500.0 if is_slide(robot, site) else 60.0), (-2.0 * np.pi, 2.0 * np.pi)
+        return (0.0, most), _OFTEN_SLIDE if is_slide(robot, site) else _OFTEN, (-2.0 * np.pi, 2.0 * np.pi)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return (

@@ -20,7 +20,7 @@ from tests.physics.robots import ROBOTS, robot
 every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 Q, W, M = np.linspace(-1.2, 1.4, 27), np.linspace(-3.0, 3.1, 27), np.linspace(2.0, -2.5, 27)
 Q2, W2 = np.cos(Q), np.sin(3.0 * W)
-REACH = Reach(-1.2, 1.4, 3.0, 8.0, (1,))
+REACH = Reach(-1.2, 1.4, 3.0, 8.0, 2.0, (1,))
 
 
 def moment() -> JointMoment:
@@ -72,6 +72,11 @@ EXPECTED = {
     "law_dry_friction": ((0.2,), -0.2 * np.sign(W)),
     "law_push": ((0.2,), 0.2 + 0.0 * W),
     "law_spring": ((0.7, 0.3), -0.7 * (Q - 0.3)),
+    "law_falling_friction": ((0.5, 0.8), -0.5 * np.sign(W) / (1.0 + (W / 0.8) ** 2)),
+    "law_load_friction": ((0.3,), -0.3 * np.abs(M) * np.sign(W)),
+    "law_weak_motor": ((0.3,), -0.3 * M),
+    "law_clipped_motor": ((0.6, 1.1), -0.6 * np.sign(M) * np.maximum(np.abs(M) - 1.1, 0.0)),
+    "law_deaf_motor": ((0.6, 1.1), -0.6 * np.clip(M, -1.1, 1.1)),
     "law_wave": ((0.2, 7.0, 0.4), 0.2 * np.sin(7.0 * Q + 0.4)),
 }
 

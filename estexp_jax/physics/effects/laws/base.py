@@ -32,6 +32,7 @@ class Reach(NamedTuple):
     high: float
     speed: float  #: that few samples exceed
     length: float  #: of a recording, s
+    motor: float = 0.0  #: torque of its motors that few samples exceed, N m or N
     others: tuple[int, ...] = ()  #: indices of the other joints that moved
 
     def places(self, n: int) -> list[float]:

@@ -1,4 +1,4 @@
-"""A motor that gives less than its model says, the more so the harder or the faster it works."""
+"""A motor that gives less than its model says, by how hard or how fast it works."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -7,15 +7,39 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.laws.base import Shapeless, amplitude, torque
+from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, Shapeless, amplitude, signed, torque
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.robot import Robot
 
+_MOTOR = "m the motor's torque"
+"""A joint without a motor has none, so that these laws do nothing there."""
+_SMALL = 1e-6
+"""A torque that is next to none, N m or N."""
+
 
 class _MotorLaw(Shapeless):
-    """At a joint without a motor it does nothing."""
+    """Without other shapes."""
 
-    symbols: ClassVar[str] = "m the motor's torque"
+    symbols: ClassVar[str] = _MOTOR
+
+
+class _Threshold(JointLaw):
+    """A share of the motor's torque that is lost, and the torque where that begins or ends."""
+
+    symbols: ClassVar[str] = _MOTOR
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("a", "", signed=False),
+        Parameter("m_0", "N m", neutral=1.0),
+    )
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 1.0
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return ((0.001 * torque(robot, joint), 2.0 * torque(robot, joint)),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(share * reach.motor,) for share in (0.05, 0.15, 0.3, 0.5, 0.75)] if reach.motor > 0.0 else []
 
 
 @final
@@ -54,6 +78,81 @@ class LawSlowMotor(_MotorLaw):
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(moment.w), 0.0)), state
+
+
+@final
+class LawWeakMotor(_MotorLaw):
+    """tau = -a m of motor torque m."""
+
+    name: ClassVar[str] = "law_weak_motor"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("a", ""),)
+    equation: ClassVar[str] = "tau = -a m, m the motor's torque"
+    resembles: ClassVar[str] = "a motor that gives another share of its torque"
+    stands_for: ClassVar[str] = "motor_weakness"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 1.0
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["a"], "m")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(motor=1.0 - p[0]), state
+
+
+@final
+class LawClippedMotor(_Threshold):
+    """tau = -a max(1 - m_0 / |m|, 0) m of motor torque m: of what is asked beyond m_0 a share is lost."""
+
+    name: ClassVar[str] = "law_clipped_motor"
+    equation: ClassVar[str] = "tau = -a max(1 - m_0 / |m|, 0) m, m the motor's torque"
+    resembles: ClassVar[str] = "a motor that gives no more beyond some torque"
+    stands_for: ClassVar[str] = "torque_saturation"
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["a"], f"max(1 - {values['m_0']:.3g}/|m|, 0) m")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        beyond = jnp.maximum(1.0 - p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 0.0)
+        return JointForce(motor=1.0 - p[0] * beyond), state
+
+
+@final
+class LawDeafMotor(_Threshold):
+    """tau = -a min(m_0 / |m|, 1) m of motor torque m: a share of the first m_0 is lost."""
+
+    name: ClassVar[str] = "law_deaf_motor"
+    equation: ClassVar[str] = "tau = -a min(m_0 / |m|, 1) m, m the motor's torque"
+    resembles: ClassVar[str] = "a motor that does not answer to small demands"
+    stands_for: ClassVar[str] = "dead_band"
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["a"], f"min({values['m_0']:.3g}/|m|, 1) m")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        within = jnp.minimum(p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 1.0)
+        return JointForce(motor=1.0 - p[0] * within), state
+
+
+@final
+class LawLoadFriction(_MotorLaw):
+    """tau = -mu |m| sign(w) of motor torque m: teeth that rub the more, the more they carry."""
+
+    name: ClassVar[str] = "law_load_friction"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("mu", "", signed=False),)
+    equation: ClassVar[str] = "tau = -mu |m| sign(w), m the motor's torque"
+    resembles: ClassVar[str] = "friction in proportion to the motor's torque"
+    stands_for: ClassVar[str] = "load_dependent_friction"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 0.95
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["mu"], "|m| sign(w)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0] * jnp.abs(moment.torque)), state
 
 
 @final

@@ -94,6 +94,39 @@ class LawSmoothFriction(JointLaw):
 
 
 @final
+class LawFallingFriction(JointLaw):
+    """tau = -T sign(w) / (1 + (w / w_s)^2): dry friction that falls off once the joint moves.
+
+    Source: Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 2.3, after Hess and Soom.
+    """
+
+    name: ClassVar[str] = "law_falling_friction"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("T", "N m", signed=False),
+        Parameter("w_s", "rad/s", neutral=1.0),
+    )
+    equation: ClassVar[str] = "tau = -T sign(w) / (1 + (w / w_s)^2)"
+    resembles: ClassVar[str] = "dry friction that falls off with speed"
+    stands_for: ClassVar[str] = "stribeck_friction"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (_SPEEDS,)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(share * reach.speed,) for share in (0.03, 0.1, 0.25, 0.5)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["T"], f"sign(w) / (1 + (w/{values['w_s']:.3g})^2)")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0] / (1.0 + jnp.square(moment.w / p[1]))), state
+
+
+@final
 class LawHump(JointLaw):
     """tau = -2 T x / (1 + x^2), x = w / w_s: a resistance that is largest at one speed, as of eddy currents.
 
