@@ -15,10 +15,12 @@ from experiments.unnamed.scores import measured, write_scores
 from experiments.unnamed.unnamed import force_error
 
 
-def test_what_contains_an_effect_goes_with_it() -> None:
+def test_with_an_effect_goes_its_whole_ladder() -> None:
     by_name = {p.planted[0].effect: left_out(p) for p in planned(2)}
     assert set(by_name) == {*LEFT, *OTHERS}
-    assert by_name["coulomb_friction"] == ("coulomb_friction", "hysteresis", "stribeck_friction")
+    friction = ("coulomb_friction", "hysteresis", "stribeck_bristles", "stribeck_friction")
+    assert by_name["coulomb_friction"] == by_name["stribeck_friction"] == by_name["hysteresis"] == friction
+    assert by_name["joint_stiffness"] == ("joint_stiffness", "torque_offset") and by_name["cogging"] == ("cogging",)
     assert all(by_name[law] == () for law in OTHERS)
     for names in by_name.values():
         assert all(effect(name) for name in names)
