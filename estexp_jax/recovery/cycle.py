@@ -134,7 +134,8 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
         if population.generation < settings.generations:
             yield state
     population = Population.from_tree(dict(state.search or {}))
-    candidates = judged(job.simulator, settings, changes, population, state.controllers)
+    last = number >= settings.passes
+    candidates = judged(job.simulator, settings, changes, population, state.controllers, last=last)
     weights, value = _chosen(job, state, *candidates)
     yield replace(
         state,

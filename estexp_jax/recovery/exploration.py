@@ -72,12 +72,14 @@ def judged(
     changes: Sequence[Change],
     population: Population,
     tried: Sequence[np.ndarray],
+    *,
+    last: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the next trial is chosen from, and the scores, best first: the last generation of an exact simulator.
 
     The best of many is best on the simulators that it was selected on, less so on the robot. Where the simulator is
-    rough, a jury of others judges the generation's better half anew, and the last controllers that the robot tried
-    beside them, in place of the worst.
+    rough, a jury of others judges the generation's better half anew. The last trial may be one that the robot has had,
+    if nothing new promises more; before that, it would teach nothing.
 
     Args:
         simulator: of the robot.
@@ -85,12 +87,15 @@ def judged(
         changes: the diagnosis.
         population: the last generation.
         tried: controllers (n_weights,) of the trials before.
+        last: whether it is for the last trial.
     """
     if settings.members == 1:
         return population.genomes, population.scores
+    known = {w.tobytes() for w in tried}
+    new = [w for w in population.genomes if w.tobytes() not in known] or list(population.genomes)
     n = len(population.genomes) - len(population.genomes) // 2  # as many as are new in a generation: compiled already
-    again = list(tried)[-(n // 2) :]
-    genomes = np.array([*population.genomes[: n - len(again)], *again])
+    again = list(tried)[-(n // 2) :] if last else []
+    genomes = np.array([*new[: n - len(again)], *again])
     draws = range(1, jury(settings) + 1)
     scores = np.mean([exploration_score(simulator, settings, changes, i)(genomes) for i in draws], axis=0)
     order = np.argsort(scores, kind="stable")

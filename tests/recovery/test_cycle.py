@@ -87,13 +87,16 @@ def test_simulators_that_the_search_did_not_see_choose_among_its_last_and_what_w
     order = np.argsort(first)
     population = Population(weights[order], first[order], 3, 0)
     tried = [np.full(world.n_weights, 0.1), np.full(world.n_weights, 0.2)]
-    genomes, scores = judged(world, rough, lost, population, tried)
+    genomes, scores = judged(world, rough, lost, population, tried, last=True)
     candidates = [*population.genomes[:2], tried[1]]
     assert jury(rough) == 8 and len({w.tobytes() for w in genomes} & {w.tobytes() for w in candidates}) == 3
     again = [exploration_score(world, rough, lost, draw)(np.array(candidates)) for draw in range(1, 9)]
     np.testing.assert_allclose(scores, np.sort(np.mean(again, axis=0)), atol=1e-6)
     assert np.all(np.ptp(again, axis=0)[:2] > 0.0) and not np.any(np.isclose(scores, first[order][0], atol=1e-9))
-    assert judged(world, job.settings, lost, population, tried)[0] is population.genomes and jury(job.settings) == 0
+    before, _ = judged(world, rough, lost, population, [population.genomes[0], *tried], last=False)
+    assert {w.tobytes() for w in before} == {w.tobytes() for w in population.genomes[1:4]}, "new ones only"
+    exact, _ = judged(world, job.settings, lost, population, tried, last=True)
+    assert exact is population.genomes and jury(job.settings) == 0
 
 
 def test_noise_is_in_angles_and_turns_touch_round(job: Job) -> None:
