@@ -29,7 +29,7 @@ from estexp_jax.discovery.hypotheses import (
     singles,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
-from estexp_jax.discovery.laws import Unnamed, crowded, needed, single_term, unknown_law
+from estexp_jax.discovery.laws import Unnamed, crowded, needed, single_term, unknown_law, without_piles
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
@@ -247,7 +247,7 @@ def _unnamed(
         found = yield from unknown_law(unnamed, simulator)
     else:
         found = yield from single_term(replace(unnamed, problem=problem), joint, simulator)
-    return found or (selection, problem)
+    return found or (without_piles(case.robot, selection), problem)
 
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:

@@ -46,8 +46,9 @@ _PLAINLY = 0.3
 _PROMISE = 0.6
 """... and they are not even looked for where no single term beside the names brings it under this share."""
 _WHOLE = 0.85
-"""Share of the excess error that a law must remove where it leaves more than `FAR`: another law, bent to what was
-recorded, loses its way on other motions. In development true ones left up to 6 deviations, wrong ones 10 to 50."""
+"""Share of the excess error that a law, or names piled up at a joint, must remove where they leave more than `FAR`:
+another law, bent to what was recorded, loses its way on other motions. In development true ones left up to 6
+deviations, wrong ones 10 to 50."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
 _BEST = 3
@@ -251,8 +252,13 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
     return plain.error(chosen.fitted.member, windows) < plain.error(found.nominal.fitted.member, windows)
 
 
+def without_piles(robot: Robot, named: Selection) -> Selection:
+    """The same, but several names at one joint that leave much of the mismatch are no explanation: they make up one."""
+    return named if crowded(robot, named) is None or whole(named) else replace(named, piled=True)
+
+
 def whole(found: Selection) -> bool:
-    """Whether what is chosen is the whole of a law: near the noise, or nearly all of the mismatch."""
+    """Whether what is chosen is the whole of what is wrong: near the noise, or nearly all of the mismatch."""
     as_it_is = min(found.nominal, found.corrected, key=lambda e: e.error)
     return found.chosen.error <= FAR or gain(found.chosen.error, as_it_is.error, 1.0) >= _WHOLE
 

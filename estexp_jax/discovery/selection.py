@@ -79,6 +79,7 @@ class Selection:
         tried: those with claims, in the order tried.
         chosen: `parameters`, or the last of `tried` that was worth its price.
         seen: whether the chosen one is plain in the recordings themselves, however it predicts.
+        piled: whether the chosen one is several names at one joint that together are not the whole of what is wrong.
     """
 
     nominal: Explanation
@@ -87,6 +88,7 @@ class Selection:
     tried: tuple[Explanation, ...]
     chosen: Explanation
     seen: bool = False
+    piled: bool = False
 
 
 def folds_of(problem: Problem) -> list[Fold]:

@@ -31,6 +31,8 @@ def verdict(robot: Robot, selection: Selection, changes: tuple[Change, ...]) -> 
     """
     if selection.seen:
         return "missing_physics"
+    if selection.piled:
+        return "unexplained"
     # A robot does not step; but where it was simulated itself, at the same step, there is nothing to correct.
     as_it_is, chosen = min(selection.nominal, selection.corrected, key=lambda e: e.error), selection.chosen
     if as_it_is.error <= NOISE:

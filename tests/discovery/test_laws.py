@@ -17,11 +17,12 @@ from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.laws import believed, crowded, fewest_terms, needed, suspects, whole
+from estexp_jax.discovery.laws import believed, crowded, fewest_terms, needed, suspects, whole, without_piles
 from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
+from estexp_jax.discovery.verdict import verdict
 from estexp_jax.package_data import schema_path
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.laws.base import JointLaw
@@ -255,6 +256,21 @@ def test_several_forces_at_one_joint_make_a_law_likely():
     assert crowded(robot, selection({(): 20.0, motor: 1.2}, motor)) == "elbow"
     late = (("command_delay", "knee"), spring)
     assert crowded(robot, selection({(): 20.0, late: 1.2}, late)) is None, "a late command is no force"
+
+
+def test_names_piled_up_at_a_joint_that_leave_much_explain_nothing():
+    robot = nominal("two")
+    both = (("joint_stiffness", "elbow"), ("cogging", "elbow"))
+    apart = (("coulomb_friction", "shoulder"), ("cogging", "elbow"))
+
+    def judged(claims: tuple, nominal_error: float, left: float) -> str:
+        told = without_piles(robot, selection({(): nominal_error, claims: left}, claims))
+        return verdict(robot, told, told.chosen.claims)
+
+    assert judged(both, 40.0, 14.0) == "unexplained"
+    assert judged(both, 40.0, 8.0) == "missing_physics", "near the noise"
+    assert judged(both, 400.0, 14.0) == "missing_physics", "nearly all of it"
+    assert judged(apart, 40.0, 14.0) == "missing_physics", "each of them stands for itself"
 
 
 def test_a_sensor_that_drifts_is_told_as_a_law_of_its_own():
