@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -29,7 +29,15 @@ from estexp_jax.discovery.hypotheses import (
     singles,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
-from estexp_jax.discovery.laws import Unnamed, crowded, needed, single_term, unknown_law, without_piles
+from estexp_jax.discovery.laws import (
+    Unnamed,
+    crowded,
+    needed,
+    single_term,
+    unknown_law,
+    unknown_law_nearer,
+    without_piles,
+)
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
@@ -160,17 +168,18 @@ def explain(
     nominal = Fit(parameters, parameters.start(), np.inf)
     whole = _with_waves(case, commanded(whole, nominal.member))
     selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
-    usual = fitting_window(case.robot, config.window) == config.window < np.inf
+    usual, nearer = fitting_window(case.robot, config.window) == config.window < np.inf, None
     if usual and hangs_on_hairs(problem, selection):
         shorter = _shortened(case, config, whole)
-        selection, problem = yield from select_nearer(shorter, problem, parameters, selection, config.most)
+        selection, problem, nearer = yield from select_nearer(shorter, problem, parameters, selection, config.most)
     whole_way = selection, problem
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
         if began and _throughout(case, _frozen(*whole_way, parameters)):
             (selection, problem), began = whole_way, {}
         selection = _frozen(selection, problem, parameters)
-    selection, problem = yield from _unnamed(case, config, whole, (selection, problem, began), parameters)
+    named = _Named(selection, problem, began, None if began else nearer)
+    selection, problem = yield from _unnamed(case, config, whole, named, parameters)
     whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
@@ -224,15 +233,29 @@ def _throughout(case: Case, selection: Selection) -> bool:
     return any(still_throughout(case.robot, sensor, case.recordings) for sensor in sensors)
 
 
+class _Named(NamedTuple):
+    """What was chosen among named effects.
+
+    Attributes:
+        selection: with what was chosen.
+        problem: the comparison about it.
+        began: the onset in each training recording, s; empty where claims act from the start.
+        nearer: the selection by shorter windows, where motions hang on hairs.
+    """
+
+    selection: Selection
+    problem: Problem
+    began: dict[int, float]
+    nearer: Selection | None
+
+
 def _unnamed(
-    case: Case,
-    config: ExplainConfig,
-    whole: Problem,
-    named: tuple[Selection, Problem, dict[int, float]],
-    parameters: Hypothesis,
+    case: Case, config: ExplainConfig, whole: Problem, named: _Named, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
     """What no name explains, or several at one joint, as an unknown law if there is one: with its comparison."""
-    selection, problem, began = named
+    selection, problem, began, nearer = named
+    if nearer is not None and _suffices(case, selection, nearer):
+        return selection, problem
     lacking, joint = needed(case.robot, selection), crowded(case.robot, selection)
     if not lacking and joint is None:
         return selection, problem
@@ -243,11 +266,20 @@ def _unnamed(
     apart = _apart(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
     simulator = partial(_replayer, case, config, apart=apart)
-    if lacking or joint is None:
+    if nearer is not None and needed(case.robot, nearer):
+        shorter = replace(unnamed, problem=_shortened(case, config, whole), selection=nearer)
+        found = yield from unknown_law_nearer(unnamed, shorter, simulator)
+    elif lacking or joint is None:
         found = yield from unknown_law(unnamed, simulator)
     else:
         found = yield from single_term(replace(unnamed, problem=problem), joint, simulator)
-    return found or (without_piles(case.robot, selection), problem)
+    return found or (without_piles(case.robot, selection, nearer), problem)
+
+
+def _suffices(case: Case, selection: Selection, nearer: Selection) -> bool:
+    """Whether shorter windows chose names that are the whole of what is wrong, and the usual ones took them over."""
+    taken = selection.chosen.places == nearer.chosen.places != ()
+    return taken and not needed(case.robot, nearer) and crowded(case.robot, nearer) is None
 
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:

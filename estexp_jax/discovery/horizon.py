@@ -26,6 +26,7 @@ from estexp_jax.discovery.replays import Member
 from estexp_jax.discovery.rounds import fitted
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection, folds_of, worth
+from estexp_jax.discovery.slopes import Fit
 
 SHARE = 0.2
 """Length of the shorter windows, of the usual ones."""
@@ -77,7 +78,7 @@ def _parting(problem: Problem, member: Member) -> np.ndarray:
 
 def select_nearer(
     shorter: Problem, problem: Problem, parameters: Hypothesis, usual: Selection, most: int
-) -> Generator[Progress, None, tuple[Selection, Problem]]:
+) -> Generator[Progress, None, tuple[Selection, Problem, Selection]]:
     """The selection with what shorter windows choose, if the usual ones are predicted enough better by it.
 
     Args:
@@ -88,10 +89,23 @@ def select_nearer(
         most: largest number of effects.
 
     Returns:
-        The selection by the usual windows, and the comparison about what is chosen.
+        The selection by the usual windows, the comparison about what is chosen, and the selection by shorter ones.
     """
     nearer, _ = yield from select(shorter, parameters, most)
-    found = nearer.chosen.fitted
+    return *(yield from as_nearer(problem, usual, nearer.chosen.fitted)), nearer
+
+
+def as_nearer(problem: Problem, usual: Selection, found: Fit) -> Generator[Progress, None, tuple[Selection, Problem]]:
+    """The selection by the usual windows with what shorter ones chose, if they are predicted enough better by it.
+
+    Args:
+        problem: the comparison in the usual windows.
+        usual: what was chosen by them.
+        found: what shorter ones chose.
+
+    Returns:
+        The selection, and the comparison about what is chosen.
+    """
     tasks = [(found.hypothesis, [found.vector])]
     fits, there = yield from fitted(about(problem, found), tasks, "as by shorter windows", 20)
     [better] = cross_validated(there, fits, folds_of(there))

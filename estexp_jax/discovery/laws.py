@@ -18,6 +18,7 @@ import numpy as np
 
 from estexp_jax.discovery.fitting import FAR, Progress
 from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.horizon import as_nearer
 from estexp_jax.discovery.hypotheses import BENT, Hypothesis, Place
 from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.location import element, where
@@ -128,6 +129,32 @@ def unknown_law(
     if fewest.chosen is found.chosen or not believed(robot, fewest, named, there):
         return found, there
     return fewest, about(there, fewest.chosen.fitted)
+
+
+def unknown_law_nearer(
+    unnamed: Unnamed, nearer: Unnamed, replayer: Callable[[Sequence[str]], Replayer]
+) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
+    """The unknown law that shorter windows choose, if the usual ones are predicted enough better by it.
+
+    Args:
+        unnamed: what is to be explained, in the usual windows.
+        nearer: the same in shorter ones.
+        replayer: gives the simulator of the effects of these names.
+
+    Yields:
+        Progress.
+
+    Returns:
+        The explanation by the usual windows and the comparison about it; None where there is none to believe.
+    """
+    found = yield from unknown_law(nearer, replayer)
+    if found is None:
+        return None
+    law, kept = found[0].chosen, _kept(unnamed.robot, unnamed.selection)
+    usual = _among(unnamed.problem, replayer(_names(kept, law.places)), unnamed.problem.places, {})
+    named = replace(unnamed.selection, tried=tuple(kept))
+    taken, there = yield from _told(as_nearer(usual, named, law.fitted))
+    return None if taken is named else (taken, there)
 
 
 def _promising(unnamed: Unnamed, problem: Problem, joints: Sequence[str]) -> Generator[Progress, None, bool]:
@@ -252,9 +279,15 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
     return plain.error(chosen.fitted.member, windows) < plain.error(found.nominal.fitted.member, windows)
 
 
-def without_piles(robot: Robot, named: Selection) -> Selection:
-    """The same, but several names at one joint that leave much of the mismatch are no explanation: they make up one."""
-    return named if crowded(robot, named) is None or whole(named) else replace(named, piled=True)
+def without_piles(robot: Robot, named: Selection, nearer: Selection | None = None) -> Selection:
+    """The same, but several names at one joint that leave much of the mismatch are no explanation: they make up one.
+
+    Args:
+        robot: the nominal robot.
+        named: what was chosen among names.
+        nearer: the same by shorter windows, if they were asked: what is whole there is.
+    """
+    return named if crowded(robot, named) is None or whole(nearer or named) else replace(named, piled=True)
 
 
 def whole(found: Selection) -> bool:

@@ -35,13 +35,22 @@ def asked(case: Case) -> tuple[list[bool], dict[str, float]]:
     return answers, {name: p["value"] for name, p in first["parameters"].items()}
 
 
-def test_shorter_windows_find_teeth_that_throw_the_joint_about():
-    def teeth(_: float, q: np.ndarray, __: np.ndarray) -> list[float]:
-        return [0.0, STRENGTH * np.sin(TEETH * q[1] + 0.8)]
+def teeth(_: float, q: np.ndarray, __: np.ndarray) -> list[float]:
+    return [0.0, STRENGTH * np.sin(TEETH * q[1] + 0.8)]
 
+
+def test_shorter_windows_find_teeth_that_throw_the_joint_about():
     answers, found = asked(case_of("two", Plant(law=teeth), 641))
     assert answers == [True]
     assert found["n"] == pytest.approx(TEETH, rel=0.01) and found["A"] == pytest.approx(STRENGTH, rel=0.05)
+
+
+def test_shorter_windows_find_the_law_of_such_teeth_where_it_has_no_name():
+    nameless = replace(FEW, effects=("viscous_friction", "coulomb_friction"))
+    [law] = explained(case_of("two", Plant(law=teeth), 645), nameless).findings["what"]
+    assert (law["effect"], law["name"]) == ("unknown_law", "elbow")
+    values = {name: p["value"] for name, p in law["parameters"].items()}
+    assert values["n"] == pytest.approx(TEETH, rel=0.01) and values["A"] == pytest.approx(STRENGTH, rel=0.05)
 
 
 def test_a_servo_that_holds_its_joint_needs_no_shorter_windows():
