@@ -17,7 +17,7 @@ from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import JointMoment
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach
+from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
 from estexp_jax.physics.registry import LAWS, effect
 from estexp_jax.physics.robot import Robot
 
@@ -36,15 +36,15 @@ _FAST = 0.98
 
 
 class _Samples(NamedTuple):
-    """What was seen of a joint, (samples,); of the others by index."""
+    """What was seen of a joint, (samples,); position, speed and motor torque of the others by index."""
 
     force: np.ndarray
     q: np.ndarray
     w: np.ndarray
     motor: np.ndarray
     bent: np.ndarray  # (samples, n) orthonormal: what wrong values of the model would look like
-    others: Mapping[int, tuple[np.ndarray, np.ndarray]]
-    runs: tuple[tuple[np.ndarray, np.ndarray], ...]  # of each recording, unthinned: time, speed
+    others: Mapping[int, tuple[np.ndarray, np.ndarray, np.ndarray]]
+    runs: tuple[Course, ...]  # of each recording, unthinned
     thin: tuple[np.ndarray, ...]  # which rows of each recording count
     reach: Reach
 
@@ -118,13 +118,15 @@ def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Sample
     def joined(columns: Sequence[np.ndarray]) -> np.ndarray:
         return np.concatenate([c[rows] for c, rows in zip(columns, thin, strict=True)])
 
-    def motion(j: int) -> tuple[np.ndarray, np.ndarray]:
+    def motion(j: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         place, dof = model.jnt_qposadr[j], model.jnt_dofadr[j]
-        return joined([r.qpos[:, place] for r in seen]), joined([r.qvel[:, dof] for r in seen])
+        each = [[r.qpos[:, place] for r in seen], [r.qvel[:, dof] for r in seen], [r.motor[:, dof] for r in seen]]
+        q, w, motor = map(joined, each)
+        return q, w, motor
 
-    dof = model.jnt_dofadr[joint]
+    place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
     moved = [j for j in robot.scalar_joints if any(np.ptp(r.qvel[:, model.jnt_dofadr[j]]) > 0.0 for r in seen)]
-    (q, w), motor = motion(joint), joined([r.motor[:, dof] for r in seen])
+    q, w, motor = motion(joint)
     force = joined([r.force[:, dof] for r in seen])
     far = float(np.quantile(np.abs(force), _JOLT))
     faster = joined([np.gradient(r.qvel[:, dof], r.time) for r in seen])
@@ -133,7 +135,7 @@ def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Sample
     others = {j: motion(j) for j in moved if j != joint}
     fast, hard = (float(np.quantile(np.abs(x), _FAST)) for x in (w, motor))
     reach = Reach(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
-    runs = tuple((r.time - r.time[0], r.qvel[:, dof]) for r in seen)
+    runs = tuple(Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof]) for r in seen)
     return _Samples(np.clip(force, -far, far), q, w, motor, bent, others, runs, thin, reach)
 
 
@@ -196,14 +198,18 @@ def _force(law: JointLaw, p: tuple[np.ndarray, ...], samples: _Samples) -> np.nd
     q, w, motor = (x[:, None] for x in (samples.q, samples.w, samples.motor))
     one = np.ones_like(q)
 
-    def motion_of(number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        others = samples.others
-        at = [others[round(float(k)) - 1] for k in np.ravel(number)]
-        return np.stack([x for x, _ in at], axis=1), np.stack([v for _, v in at], axis=1)
+    def of_others(number: np.ndarray) -> list[np.ndarray]:
+        at = [samples.others[round(float(k)) - 1] for k in np.ravel(number)]
+        return [np.stack(columns, axis=1) for columns in zip(*at, strict=True)]
 
-    moment = JointMoment(
-        q, w, motor, one, np.zeros(1), one, one, lambda q, w: motor, lambda number: 0.0 * number, motion_of
-    )
+    def motion_of(number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        at, rate, _ = of_others(number)
+        return at, rate
+
+    def torque_of(number: np.ndarray) -> np.ndarray:
+        return of_others(number)[2]
+
+    moment = JointMoment(q, w, motor, one, np.zeros(1), one, one, lambda q, w: motor, torque_of, motion_of)
     state = _states(law, p, samples)
     does, _ = law.act(tuple(jnp.asarray(x) for x in p), moment, state)
     sign = np.tanh(w / (0.01 * max(samples.reach.speed, 1e-9)))
@@ -217,7 +223,7 @@ def _states(law: JointLaw, p: tuple[np.ndarray, ...], samples: _Samples) -> tupl
         return ()
     each = []
     for values in zip(*p, strict=True):
-        parts = [law.remembered(values, t, w) for t, w in samples.runs]
+        parts = [law.remembered(values, course) for course in samples.runs]
         each.append(
             [
                 np.concatenate([part[k][rows] for part, rows in zip(parts, samples.thin, strict=True)])

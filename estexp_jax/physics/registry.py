@@ -27,17 +27,27 @@ from estexp_jax.physics.effects.joint_limit import JointLimit
 from estexp_jax.physics.effects.joint_offset import JointOffset
 from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.effects.laws.of_friction import LawFrictionWave, LawTightSpot, LawTwoWayFriction
+from estexp_jax.physics.effects.laws.of_friction import LawBristles, LawFrictionWave, LawTightSpot, LawTwoWayFriction
 from estexp_jax.physics.effects.laws.of_motors import (
     LawClippedMotor,
     LawDeafMotor,
+    LawLazyMotor,
     LawLoadFriction,
     LawSag,
     LawSlowMotor,
     LawSoftMotor,
+    LawWarmMotor,
     LawWeakMotor,
 )
-from estexp_jax.physics.effects.laws.of_others import LawFling, LawSquareFling, LawStir, LawTie, LawTow, LawWhirl
+from estexp_jax.physics.effects.laws.of_others import (
+    LawDriven,
+    LawFling,
+    LawSquareFling,
+    LawStir,
+    LawTie,
+    LawTow,
+    LawWhirl,
+)
 from estexp_jax.physics.effects.laws.of_plain import (
     LawDamping,
     LawDrag,
@@ -176,6 +186,10 @@ LAWS: tuple[JointLaw, ...] = (
     LawWeakMotor(),
     LawClippedMotor(),
     LawDeafMotor(),
+    LawWarmMotor(),
+    LawLazyMotor(),
+    LawDriven(),
+    LawBristles(),
 )
 """Terms of unknown laws: nobody claims one by name; a few of them at one joint are told as its `unknown_law`."""
 

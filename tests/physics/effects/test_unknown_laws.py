@@ -9,7 +9,7 @@ import pytest
 
 from estexp_jax.physics.changes import Change, encode, stack
 from estexp_jax.physics.effects.base import JointForce, JointMoment, Term, neutral_values
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach
+from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import ALL, LAWS, NAMELESS, VARIANTS, catalogue, effect
@@ -19,7 +19,7 @@ from tests.physics.robots import ROBOTS, robot
 
 every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 Q, W, M = np.linspace(-1.2, 1.4, 27), np.linspace(-3.0, 3.1, 27), np.linspace(2.0, -2.5, 27)
-Q2, W2 = np.cos(Q), np.sin(3.0 * W)
+Q2, W2, M2 = np.cos(Q), np.sin(3.0 * W), np.cos(2.0 * W)
 REACH = Reach(-1.2, 1.4, 3.0, 8.0, 2.0, (1,))
 
 
@@ -31,7 +31,10 @@ def moment() -> JointMoment:
         there = number > 1.5
         return jnp.where(there, jnp.asarray(Q2), 0.0), jnp.where(there, jnp.asarray(W2), 0.0)
 
-    return JointMoment(q, w, m, one, 0.002, one, one, lambda q, w: m, lambda number: 0.0 * number, motion_of)
+    def torque_of(number):
+        return jnp.where(number > 1.5, jnp.asarray(M2), 0.0)
+
+    return JointMoment(q, w, m, one, 0.002, one, one, lambda q, w: m, torque_of, motion_of)
 
 
 def force(name: str, *p: float, state: tuple = ()) -> np.ndarray:
@@ -77,14 +80,26 @@ EXPECTED = {
     "law_weak_motor": ((0.3,), -0.3 * M),
     "law_clipped_motor": ((0.6, 1.1), -0.6 * np.sign(M) * np.maximum(np.abs(M) - 1.1, 0.0)),
     "law_deaf_motor": ((0.6, 1.1), -0.6 * np.clip(M, -1.1, 1.1)),
+    "law_driven": ((0.3, 2.0), 0.3 * M2),
     "law_wave": ((0.2, 7.0, 0.4), 0.2 * np.sin(7.0 * Q + 0.4)),
 }
+
+
+REMEMBERING = {
+    "law_rhythm": (0.4, 1.5, 0.3),
+    "law_creep": (5.0, 0.5),
+    "law_thinning": (0.4, 2.0, 0.5),
+    "law_warm_motor": (0.1, 0.5),
+    "law_lazy_motor": (0.7, 0.05),
+    "law_bristles": (0.4, 0.02),
+}
+"""Laws with hidden variables, and values of theirs."""
 
 
 def test_the_library_is_one_of_its_own() -> None:
     names = [e.name for e in (*ALL, *VARIANTS, *LAWS, *NAMELESS)]
     assert len(set(names)) == len(names)
-    assert {law.name for law in LAWS} == {*EXPECTED, "law_rhythm", "law_creep", "law_thinning"}
+    assert {law.name for law in LAWS} == {*EXPECTED, *REMEMBERING}
     assert {law.stands_for for law in LAWS} - {""} <= {e.name for e in ALL}
 
 
@@ -133,19 +148,38 @@ def test_what_thins_resists_less_the_longer_it_moves() -> None:
     assert force("law_thinning", 0.4, 2.0, 1.0, state=(1.5,)) == pytest.approx(-0.1 * W, rel=1e-4, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", ["law_rhythm", "law_creep", "law_thinning"])
+def test_a_warm_motor_gives_less_and_a_lazy_one_late() -> None:
+    assert force("law_warm_motor", 0.1, 0.5, state=(3.0,)) == pytest.approx(-0.3 * M, rel=1e-4, abs=1e-6)
+    assert force("law_warm_motor", 0.1, 0.5, state=(30.0,)) == pytest.approx(-M, rel=1e-4, abs=1e-6)
+    late = -0.7 * (M - 1.2) * (1.0 + np.exp(-0.002 / 0.05)) / 2.0  # the mean over the step
+    assert force("law_lazy_motor", 0.7, 0.05, state=(1.2,)) == pytest.approx(late, rel=1e-4, abs=1e-6)
+
+
+def test_bristles_hold_like_a_spring_until_they_slip() -> None:
+    law = effect("law_bristles")
+    assert isinstance(law, JointLaw)
+    way = np.array([0.0, 1e-4, 0.2, 0.4, 0.4 - 1e-4])
+    course = Course(np.arange(5.0), way, np.zeros(5), np.zeros(5))
+    built, _ = law.remembered((0.5, 0.01), course)
+    assert built[1] == pytest.approx(0.5 * 1e-4 / 0.01, rel=0.01)
+    assert built[2:4] == pytest.approx([0.5, 0.5]) and built[3] - built[4] == pytest.approx(0.01, rel=0.02)
+
+
+@pytest.mark.parametrize("name", REMEMBERING)
 def test_what_is_remembered_is_what_the_steps_lead_to(name: str) -> None:
     law = effect(name)
     assert isinstance(law, JointLaw)
-    values = {"law_rhythm": (0.4, 1.5, 0.3), "law_creep": (5.0, 0.5), "law_thinning": (0.4, 2.0, 0.5)}[name]
-    time, speed = 0.01 * np.arange(40), np.sin(np.arange(40) / 5.0)
-    [told] = law.remembered(values, time, speed)
+    values, steps = REMEMBERING[name], np.arange(40)
+    course = Course(0.01 * steps, 0.05 * (1.0 - np.cos(steps / 5.0)), np.sin(steps / 5.0), np.cos(steps / 7.0))
+    [told, *_] = law.remembered(values, course)
     one, p = jnp.ones(1), tuple(jnp.full(1, x) for x in values)
-    state, stepped = law.initial(p, one, one), []
-    for w in speed:
+    state, stepped = law.initial(p, course.q[0] * one, one), []
+    for q, w, m in zip(*course[1:], strict=True):
+        at = moment()._replace(q=q * one, w=w * one, torque=m * one, dt=0.01 * one)
         stepped.append(float(state[0][0]))
-        _, state = law.act(p, moment()._replace(w=w * one, dt=0.01 * one), state)
-    np.testing.assert_allclose(told, stepped, atol=1e-5)
+        _, state = law.act(p, at, state)
+    lag = 1 if name == "law_bristles" else 0  # at each step they follow the way of the one before
+    np.testing.assert_allclose(told[: len(told) - lag], stepped[lag:], atol=1e-5)
 
 
 @every_law
@@ -182,7 +216,14 @@ def test_bounds_sentences_and_starts_go_together(law: JointLaw, name: str) -> No
 
 @pytest.mark.parametrize(
     ("name", "p"),
-    [("law_stir", (0.05, 1.0)), ("law_tie", (0.3, 1.0, 0.1)), ("law_friction_wave", (0.03, 0.8, 5.0, 0.4))],
+    [
+        ("law_stir", (0.05, 1.0)),
+        ("law_tie", (0.3, 1.0, 0.1)),
+        ("law_friction_wave", (0.03, 0.8, 5.0, 0.4)),
+        ("law_driven", (0.3, 1.0)),
+        ("law_lazy_motor", (0.8, 0.05)),
+        ("law_bristles", (0.2, 0.02)),
+    ],
 )
 def test_engines_agree_on_laws(name: str, p: tuple[float, ...]) -> None:
     subject, rows = nominal("two"), 41

@@ -45,6 +45,15 @@ class Reach(NamedTuple):
         return max(self.high - self.low, 1e-6)
 
 
+class Course(NamedTuple):
+    """What a joint did in a recording, (samples,) each."""
+
+    time: np.ndarray  #: since its beginning, s
+    q: np.ndarray  #: position, rad or m
+    w: np.ndarray  #: speed
+    motor: np.ndarray  #: torque of its motors, N m or N
+
+
 class JointLaw(Term):
     """A term of an unknown law at a joint.
 
@@ -77,7 +86,7 @@ class JointLaw(Term):
     def formula(self, values: Mapping[str, float]) -> str:
         """Its force with numbers, beginning with + or -."""
 
-    def remembered(self, p: tuple[float, ...], time: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, ...]:
+    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
         """The hidden variables (samples,) along a recording, in closed form; as many as there are."""
         return ()
 
@@ -114,6 +123,15 @@ def amplitude(name: str, unit: str, *, signed: bool = True) -> Parameter:
 def torque(robot: Robot, joint: int) -> float:
     """Torque that a term may reach, N m or N."""
     return 0.8 * scales.joint_torque(robot, joint)
+
+
+def followed(cause: np.ndarray, time: np.ndarray, constant: float) -> np.ndarray:
+    """A variable (samples,) that follows a cause with a time constant, s, from 0 on: dx/dt = (cause - x) / constant."""
+    found, last = np.zeros(len(time)), 0.0
+    for i, left in enumerate(np.exp(-np.diff(time) / constant).tolist()):
+        last = cause[i] + (last - cause[i]) * left
+        found[i + 1] = last
+    return found
 
 
 def half_span(robot: Robot, joint: int) -> float:

@@ -7,12 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics import scales
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.bristles import rest, rubbed
 from estexp_jax.physics.effects.laws.base import (
     PHASES,
     ROUND,
     WAVES,
     Bounds,
+    Course,
     JointLaw,
     Reach,
     amplitude,
@@ -88,6 +90,51 @@ class LawFrictionWave(JointLaw):
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         T, a, n, phase = p
         return JointForce(friction=T * (1.0 + a * jnp.sin(n * moment.q + phase))), state
+
+
+@final
+class LawBristles(JointLaw):
+    """dF/dq = (T sign(w) - F) / x, tau = -F: dry friction that builds up over a way x, like bristles that bend.
+
+    Source: Dahl, A solid friction model, Aerospace Corporation TOR-0158 (1968).
+    """
+
+    name: ClassVar[str] = "law_bristles"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("T", "N m", signed=False),
+        Parameter("x", "rad", neutral=0.1),
+    )
+    equation: ClassVar[str] = "tau = -F, dF/dq = (T sign(w) - F) / x"
+    resembles: ClassVar[str] = "dry friction that builds up over a short way"
+    stands_for: ClassVar[str] = "hysteresis"
+    n_states: ClassVar[int] = 2
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return torque(robot, joint)
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        half = half_span(robot, joint)
+        return ((0.001 * half, half),)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(share * reach.span,) for share in (0.005, 0.02, 0.06, 0.2)]
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return f"- F with dF/dq = ({values['T']:.3g} sign(w) - F)/{values['x']:.3g}"
+
+    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
+        T, x = p
+        moved, force = np.diff(course.q), np.zeros(len(course.q))
+        ends, left = T * np.sign(moved), np.exp(-np.abs(moved) / x)
+        for i, (end, share) in enumerate(zip(ends.tolist(), left.tolist(), strict=True)):
+            force[i + 1] = end + (force[i] - end) * share
+        return force, course.q
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        return rest(q)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return rubbed(p[0], p[1], moment, state)
 
 
 @final

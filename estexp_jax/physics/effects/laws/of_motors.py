@@ -4,10 +4,21 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import numpy as np
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, Shapeless, amplitude, signed, torque
+from estexp_jax.physics.effects.laws.base import (
+    Bounds,
+    Course,
+    JointLaw,
+    Reach,
+    Shapeless,
+    amplitude,
+    followed,
+    signed,
+    torque,
+)
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.robot import Robot
 
@@ -132,6 +143,82 @@ class LawDeafMotor(_Threshold):
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         within = jnp.minimum(p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 1.0)
         return JointForce(motor=1.0 - p[0] * within), state
+
+
+class _Remembering(JointLaw):
+    """One variable that follows the motor's torque, or its square, with the time constant T."""
+
+    symbols: ClassVar[str] = _MOTOR
+    n_states: ClassVar[int] = 1
+
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (self.constants,)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        low, high = self.constants
+        return [(T,) for T in np.geomspace(2.0 * low, 0.3 * high, 5).tolist()] if reach.motor > 0.0 else []
+
+    #: Bounds of T, s.
+    constants: ClassVar[tuple[float, float]]
+
+
+@final
+class LawWarmMotor(_Remembering):
+    """tau = -min(a H, 1) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses strength as it warms."""
+
+    name: ClassVar[str] = "law_warm_motor"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("a", "1/(N m)2", signed=False),
+        Parameter("T", "s", neutral=1.0),
+    )
+    equation: ClassVar[str] = "tau = -min(a H, 1) m, dH/dt = (m^2 - H) / T, m the motor's torque"
+    resembles: ClassVar[str] = "a motor that loses strength as it warms"
+    stands_for: ClassVar[str] = "motor_fade"
+    constants: ClassVar[tuple[float, float]] = (0.1, 100.0)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 20.0 / torque(robot, joint) ** 2
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return f"- min({values['a']:.3g} H, 1) m with dH/dt = (m^2 - H)/{values['T']:.3g}"
+
+    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
+        return (followed(course.motor**2, course.time, p[1]),)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (a, T), (heat,) = p, state
+        power = jnp.square(moment.torque)
+        after = power + (heat - power) * jnp.exp(-moment.dt / T)
+        return JointForce(motor=jnp.maximum(1.0 - a * heat, 0.0)), (after,)
+
+
+@final
+class LawLazyMotor(_Remembering):
+    """tau = -a (m - y) of motor torque m, dy/dt = (m - y) / T: of a motor's torque a share comes late."""
+
+    name: ClassVar[str] = "law_lazy_motor"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        amplitude("a", "", signed=False),
+        Parameter("T", "s", neutral=0.05),
+    )
+    equation: ClassVar[str] = "tau = -a (m - y), dy/dt = (m - y) / T, m the motor's torque"
+    resembles: ClassVar[str] = "a motor whose torque comes late"
+    stands_for: ClassVar[str] = "actuator_lag"
+    constants: ClassVar[tuple[float, float]] = (0.001, 1.0)
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 1.0
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return f"- {values['a']:.3g} (m - y) with dy/dt = (m - y)/{values['T']:.3g}"
+
+    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
+        return (followed(course.motor, course.time, p[1]),)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (a, T), (late,) = p, state
+        after = moment.torque + (late - moment.torque) * jnp.exp(-moment.dt / T)
+        return JointForce(force=-a * (moment.torque - 0.5 * (late + after))), (after,)
 
 
 @final

@@ -92,6 +92,27 @@ class LawSquareFling(_Coupling):
 
 
 @final
+class LawDriven(_Coupling):
+    """tau = g m' of the other joint's motor torque m'."""
+
+    name: ClassVar[str] = "law_driven"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", ""), _WITH)
+    equation: ClassVar[str] = "tau = g m', m' the motor torque of joint `with`"
+    resembles: ClassVar[str] = "a joint that another one's motor pulls at"
+    stands_for: ClassVar[str] = "crosstalk"
+    symbols: ClassVar[str] = "m the torque of the motor of the joint in brackets"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 1.0
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["g"], f"m{_other(values)}")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * moment.torque_of(p[1])), state
+
+
+@final
 class LawStir(_Coupling):
     """tau = -g |w'| w: a damping in proportion to the other joint's speed w'."""
 

@@ -7,7 +7,18 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.laws.base import ROUND, Bounds, JointLaw, Reach, amplitude, half_span, signed, torque
+from estexp_jax.physics.effects.laws.base import (
+    ROUND,
+    Bounds,
+    Course,
+    JointLaw,
+    Reach,
+    amplitude,
+    followed,
+    half_span,
+    signed,
+    torque,
+)
 from estexp_jax.physics.robot import Robot
 
 _RATES = (0.15, 8.0)
@@ -42,8 +53,8 @@ class LawRhythm(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["A"], f"sin({2.0 * np.pi * values['f']:.4g} t {signed(values['phase'], '')})")
 
-    def remembered(self, p: tuple[float, ...], time: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, ...]:
-        return (time,)
+    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
+        return (course.time,)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return (jnp.zeros_like(q),)
@@ -79,14 +90,9 @@ class LawCreep(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- F with dF/dt = {values['k']:.3g} w - F/{values['T']:.3g}"
 
-    def remembered(self, p: tuple[float, ...], time: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, ...]:
+    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
         k, T = p
-        force, last = np.zeros(len(time)), 0.0
-        for i, dt in enumerate(np.diff(time)):
-            left = np.exp(-dt / T)
-            last = last * left + k * T * (1.0 - left) * speed[i]
-            force[i + 1] = last
-        return (force,)
+        return (followed(k * T * course.w, course.time, T),)
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         k, T = p
@@ -126,11 +132,8 @@ class LawThinning(JointLaw):
         thinner = f"(1 + {values['a']:.3g} H)"
         return f"{signed(-values['c'], f'w / {thinner}')} with dH/dt = (w^2 - H)/{values['T']:.3g}"
 
-    def remembered(self, p: tuple[float, ...], time: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, ...]:
-        T, heat = p[2], np.zeros(len(time))
-        for i, dt in enumerate(np.diff(time)):
-            heat[i + 1] = speed[i] ** 2 + (heat[i] - speed[i] ** 2) * np.exp(-dt / T)
-        return (heat,)
+    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
+        return (followed(course.w**2, course.time, p[2]),)
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         c, a, T = p
