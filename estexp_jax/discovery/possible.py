@@ -1,4 +1,4 @@
-"""Claims that a look at the recordings rules out, before anything is simulated."""
+"""Claims that a look at the recordings rules out, before anything is simulated or by the values that were found."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.starts import Seen
 from estexp_jax.inference.noise import noise_deviation
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
@@ -23,6 +25,16 @@ def possible(robot: Robot, place: Place, recordings: Sequence[Recording]) -> boo
     if name != "sensor_stuck":
         return True
     return all(_still(robot, r, site, _LAST) for r in recordings if r.role == "train")
+
+
+def conceivable(robot: Robot, fitted: Fit, seen: Seen) -> bool:
+    """Whether training recordings can show what a fit claims: half a wave is the least of cogging."""
+    for change in fitted.hypothesis.changes(fitted.vector, claimed=True):
+        if change.effect == "cogging":
+            place = int(robot.model.jnt_qposadr[robot.index("joint", str(change.name))])
+            if change.values["n"] * (seen.high[place] - seen.low[place]) < np.pi:
+                return False
+    return True
 
 
 def still_throughout(robot: Robot, sensor: str, recordings: Sequence[Recording]) -> bool:

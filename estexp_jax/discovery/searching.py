@@ -12,6 +12,7 @@ from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
 from estexp_jax.discovery.fitting import FAR, Progress, Task
 from estexp_jax.discovery.hypotheses import Hypothesis, Place, told_of
 from estexp_jax.discovery.marginal import about
+from estexp_jax.discovery.possible import conceivable
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
 from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
@@ -268,7 +269,8 @@ def _grown(
     tasks = [extended(problem, search.parameters, base, p) for p in places]
     n = min(most, _LIKELIEST) if far else most
     promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, n)
-    return (yield from at_first(problem, promising, stage, roughly=far))
+    grown = yield from at_first(problem, promising, stage, roughly=far)
+    return [f for f in grown if conceivable(problem.replayer.robot, f, problem.seen)]
 
 
 def at_odds(one: Place, other: Place) -> bool:

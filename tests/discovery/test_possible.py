@@ -1,9 +1,13 @@
-"""A sensor that moves is not stuck; one that holds still but for its noise may be."""
+"""A sensor that moves is not stuck, one that holds still but for its noise may be; half a wave is no cogging yet."""
 
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.possible import possible, still_throughout
+from estexp_jax.discovery.hypotheses import claiming, parameters_only
+from estexp_jax.discovery.possible import conceivable, possible, still_throughout
+from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.starts import Seen
+from estexp_jax.physics.registry import catalogue
 from tests.discovery.planted import Plant, case_of, nominal
 
 STUCK = ("sensor_stuck", "angle")
@@ -42,3 +46,15 @@ def test_only_training_recordings_have_a_say():
         if r.role == "train":
             r.sensor[:, 0] = -0.2
     assert possible(nominal("one"), STUCK, recordings)
+
+
+@pytest.mark.parametrize(("n", "wanted"), [(3.0, False), (6.0, True)])
+def test_cogging_of_which_less_than_half_a_wave_was_seen_is_not_conceivable(n, wanted):
+    robot = nominal("one")
+    own = parameters_only(robot, catalogue(["viscous_friction"]))
+    place = "cogging", "shaft"
+    hypothesis = claiming(robot, own, [place])
+    fitted = Fit(hypothesis, hypothesis.with_values(place, (0.2, n, 0.0)), 1.0)
+    seen = Seen(np.array([-0.3]), np.array([0.4]), np.full(1, np.nan))
+    assert conceivable(robot, fitted, seen) is wanted
+    assert conceivable(robot, Fit(own, own.start(), 1.0), seen), "nothing is claimed"
