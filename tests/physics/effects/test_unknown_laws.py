@@ -89,7 +89,7 @@ REMEMBERING = {
     "law_rhythm": (0.4, 1.5, 0.3),
     "law_creep": (5.0, 0.5),
     "law_thinning": (0.4, 2.0, 0.5),
-    "law_warm_motor": (0.1, 0.5),
+    "law_warm_motor": (0.6, 0.3, 0.5),
     "law_lazy_motor": (0.7, 0.05),
     "law_bristles": (0.4, 0.02),
 }
@@ -149,8 +149,9 @@ def test_what_thins_resists_less_the_longer_it_moves() -> None:
 
 
 def test_a_warm_motor_gives_less_and_a_lazy_one_late() -> None:
-    assert force("law_warm_motor", 0.1, 0.5, state=(3.0,)) == pytest.approx(-0.3 * M, rel=1e-4, abs=1e-6)
-    assert force("law_warm_motor", 0.1, 0.5, state=(30.0,)) == pytest.approx(-M, rel=1e-4, abs=1e-6)
+    assert force("law_warm_motor", 0.6, 0.3, 0.5, state=(0.0,)) == pytest.approx(0.0 * M, abs=1e-6)
+    assert force("law_warm_motor", 0.6, 0.3, 0.5, state=(0.3,)) == pytest.approx(-0.3 * M, rel=1e-4, abs=1e-6)
+    assert force("law_warm_motor", 0.6, 0.3, 0.5, state=(300.0,)) == pytest.approx(-0.6 * M, rel=2e-3, abs=1e-6)
     late = -0.7 * (M - 1.2) * (1.0 + np.exp(-0.002 / 0.05)) / 2.0  # the mean over the step
     assert force("law_lazy_motor", 0.7, 0.05, state=(1.2,)) == pytest.approx(late, rel=1e-4, abs=1e-6)
 

@@ -24,6 +24,8 @@ from estexp_jax.physics.robot import Robot
 
 _MOTOR = "m the motor's torque"
 """A joint without a motor has none, so that these laws do nothing there."""
+_WARMING, _LATE = (0.1, 100.0), (0.001, 1.0)
+"""Time constants of a motor that warms, and of one whose torque comes late, s."""
 _SMALL = 1e-6
 """A torque that is next to none, N m or N."""
 
@@ -146,50 +148,54 @@ class LawDeafMotor(_Threshold):
 
 
 class _Remembering(JointLaw):
-    """One variable that follows the motor's torque, or its square, with the time constant T."""
+    """A share of the motor's torque by a variable that follows it, or its square, with the time constant T."""
 
     symbols: ClassVar[str] = _MOTOR
     n_states: ClassVar[int] = 1
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return (self.constants,)
+    def most(self, robot: Robot, joint: int) -> float:
+        return 1.0
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        low, high = self.constants
-        return [(T,) for T in np.geomspace(2.0 * low, 0.3 * high, 5).tolist()] if reach.motor > 0.0 else []
-
-    #: Bounds of T, s.
-    constants: ClassVar[tuple[float, float]]
+    @staticmethod
+    def constants(low: float, high: float) -> list[float]:
+        """Time constants to try, s."""
+        return np.geomspace(2.0 * low, 0.3 * high, 5).tolist()
 
 
 @final
 class LawWarmMotor(_Remembering):
-    """tau = -min(a H, 1) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses strength as it warms."""
+    """tau = -a H / (H + H_0) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses a share as it warms."""
 
     name: ClassVar[str] = "law_warm_motor"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        amplitude("a", "1/(N m)2", signed=False),
+        amplitude("a", "", signed=False),
+        Parameter("H_0", "(N m)2", neutral=1.0),
         Parameter("T", "s", neutral=1.0),
     )
-    equation: ClassVar[str] = "tau = -min(a H, 1) m, dH/dt = (m^2 - H) / T, m the motor's torque"
+    equation: ClassVar[str] = "tau = -a H / (H + H_0) m, dH/dt = (m^2 - H) / T, m the motor's torque"
     resembles: ClassVar[str] = "a motor that loses strength as it warms"
     stands_for: ClassVar[str] = "motor_fade"
-    constants: ClassVar[tuple[float, float]] = (0.1, 100.0)
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return 20.0 / torque(robot, joint) ** 2
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (1e-5 * torque(robot, joint) ** 2, torque(robot, joint) ** 2), _WARMING
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        power = (0.3 * reach.motor) ** 2  # about the mean
+        warming = self.constants(*_WARMING) if power > 0.0 else []
+        return [(share * power, T) for share in (0.1, 0.5, 2.0) for T in warming]
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return f"- min({values['a']:.3g} H, 1) m with dH/dt = (m^2 - H)/{values['T']:.3g}"
+        share = f"{values['a']:.3g} H/(H + {values['H_0']:.3g})"
+        return f"- {share} m with dH/dt = (m^2 - H)/{values['T']:.3g}"
 
     def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
-        return (followed(course.motor**2, course.time, p[1]),)
+        return (followed(course.motor**2, course.time, p[2]),)
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        (a, T), (heat,) = p, state
+        (a, level, T), (heat,) = p, state
         power = jnp.square(moment.torque)
         after = power + (heat - power) * jnp.exp(-moment.dt / T)
-        return JointForce(motor=jnp.maximum(1.0 - a * heat, 0.0)), (after,)
+        return JointForce(motor=1.0 - a * heat / (heat + level)), (after,)
 
 
 @final
@@ -204,10 +210,12 @@ class LawLazyMotor(_Remembering):
     equation: ClassVar[str] = "tau = -a (m - y), dy/dt = (m - y) / T, m the motor's torque"
     resembles: ClassVar[str] = "a motor whose torque comes late"
     stands_for: ClassVar[str] = "actuator_lag"
-    constants: ClassVar[tuple[float, float]] = (0.001, 1.0)
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return 1.0
+    def shapes(self, robot: Robot, joint: int) -> Bounds:
+        return (_LATE,)
+
+    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+        return [(T,) for T in self.constants(*_LATE)] if reach.motor > 0.0 else []
 
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- {values['a']:.3g} (m - y) with dy/dt = (m - y)/{values['T']:.3g}"
