@@ -103,7 +103,7 @@ def test_laws_are_looked_for_in_the_windows_of_the_selection_not_those_of_refine
     monkeypatch.setattr(module, "unknown_law", looked)
     nothing = Explanation(Fit(own, own.start(), 0.0), np.ones(len(late.fitted)))
     selection = Selection(nothing, nothing, nothing, (), nothing)
-    finished(module._unnamed(one, CONFIG, whole, (selection, late, {0: 1.25}), own))
+    finished(module._unnamed(one, CONFIG, whole, module._Named(selection, late, {0: 1.25}, None), own))
     assert len(seen[0].fitted) == len(late.fitted)
 
 
