@@ -64,8 +64,8 @@ class CaseSet:
 
     def entries(self, out: Path, seed: int) -> Entries:
         """Rows of all cases that have been explained, here or in what is published of the same set."""
-        known = json.loads(self.published.read_text(encoding="utf-8")) if self.published.is_file() else {"seed": None}
-        found = known["rows"] if known["seed"] == seed else []
+        known = json.loads(self.published.read_text(encoding="utf-8")) if self.published.is_file() else {}
+        found = list(known["rows"]) if known.get("seed") == seed else []
         found += [json.loads(path.read_text(encoding="utf-8")) for path in (out / "rows").glob("c*.json")]
         return {entry["case"]: entry for entry in sorted(found, key=lambda entry: entry["case"])}
 

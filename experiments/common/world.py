@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+
+import numpy as np
 
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import Job, job_of
 from estexp_jax.recovery.simulator import Simulator, simulator
+from estexp_jax.recovery.target import Remote
+from estexp_jax.recovery.trial import Trial
 from estexp_jax.runs import enable_compilation_cache
 from experiments.common.case import SIZES, Case, Size
 
@@ -23,7 +28,7 @@ def quadruped() -> Robot:
 def world(size: Size) -> Simulator:
     """The simulator of all runs of a size."""
     enable_compilation_cache()
-    return simulator(quadruped(), Settings(**SIZES[size]))
+    return simulator(quadruped(), replace(Settings(), **SIZES[size]))
 
 
 @cache
@@ -36,3 +41,10 @@ def short_world() -> Simulator:
 def job(case: Case) -> Job:
     """What a run works with."""
     return job_of(quadruped(), case.settings, world=world(case.size))
+
+
+def trial_of(job: Job, weights: np.ndarray, steps: int, healthy: bool = False) -> Trial:
+    """A trial of the simulated robot of a run, damaged or still healthy; it answers at once."""
+    target = job.healthy if healthy else job.target
+    assert target is not None and not isinstance(target, Remote), "robots of experiments are simulated"
+    return target(job.simulator.controller(weights, steps))

@@ -18,7 +18,7 @@ from estexp_jax.recovery.estimation import Diagnosis, changes_of
 from estexp_jax.recovery.evidence import estimation, residuals_of
 from estexp_jax.recovery.trial import Trial
 from experiments.common.scoring import amount_error, same_set, text
-from experiments.common.world import quadruped, short_world
+from experiments.common.world import quadruped, short_world, trial_of
 
 LIBRARY = Path(__file__).resolve().parents[1] / "walkers" / "walkers.npz"
 STEPS = 60
@@ -74,13 +74,12 @@ def diagnose(task: Task) -> list[dict[str, Any]]:
     """A row for each number of trials; each estimation begins with the diagnosis before, as in the whole loop."""
     job = job_of(quadruped(), task.settings, world=short_world())
     drawn = list(np.random.default_rng([task.seed, task.situation]).permutation(len(library())))
-    assert job.healthy is not None
     controllers, trials, seeds, rows = [], [], [], []
-    before = job.healthy(short_world().controller(library()[drawn[0]], STEPS))
+    before = trial_of(job, library()[drawn[0]], STEPS, healthy=True)
     for number in task.trials:
         while len(trials) < number:
             controllers.append(library()[drawn.pop(0)])
-            trials.append(job.target(short_world().controller(controllers[-1], STEPS)))
+            trials.append(trial_of(job, controllers[-1], STEPS))
         begin = time.monotonic()
         found, seed = _estimated(job, number, controllers, trials, before, seeds)
         seeds.append(seed)

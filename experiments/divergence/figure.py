@@ -43,7 +43,7 @@ def draw(found: dict[str, Any], times: dict[str, np.ndarray], table: list[dict[s
         "median_steps": {name: float(np.median(t)) for name, t in times.items()},
         "similar_later_in": int(np.sum(times["similar"] > times["unlike"])),
         "equal_in": int(np.sum(times["similar"] == times["unlike"])),
-        "p_similar_later": signed_rank(times["similar"], times["unlike"]),
+        "p_similar_later": signed_rank(times["similar"].tolist(), times["unlike"].tolist()),
         "correlations": table,
     }
 

@@ -8,6 +8,7 @@ import random
 import shutil
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from experiments.fuzz import draw
 from experiments.fuzz.logs import MODEL, good_csv
@@ -122,12 +123,12 @@ def _tree(source: random.Random, content: bytes) -> bytes:
         odd = np.zeros((0,)), np.zeros((2, 3)), np.array("x"), np.full(5, np.nan), np.float64(2.0)
         arrays[name] = np.asarray(source.choice(odd))
     stream = io.BytesIO()
-    np.savez(stream, **arrays)
+    np.savez(stream, allow_pickle=False, **arrays)
     return stream.getvalue()
 
 
 @lru_cache(maxsize=2)
-def _arrays(content: bytes) -> tuple[tuple[str, object], ...]:
+def _arrays(content: bytes) -> tuple[tuple[str, Any], ...]:
     import io
 
     import numpy as np

@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 def main() -> None:
     """Fuzz one kind until time is up or something breaks."""
-    import atheris  # pyright: ignore[reportMissingImports] (an extra for development)
+    import atheris  # pyright: ignore (an extra for development)
 
     from experiments.fuzz.run import good_results
 

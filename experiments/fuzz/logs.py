@@ -103,7 +103,7 @@ def _array(source: random.Random) -> np.ndarray:
 
 def _npz(arrays: dict[str, np.ndarray]) -> bytes:
     stream = io.BytesIO()
-    np.savez_compressed(stream, **arrays)
+    np.savez_compressed(stream, allow_pickle=True, **arrays)  # objects are among what is tried
     return stream.getvalue()
 
 

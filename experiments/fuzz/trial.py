@@ -218,7 +218,8 @@ def _job(job_of: Any) -> Any:
 def bound_memory(more: int) -> None:
     """So much more address space than now, bytes: what asks for more fails instead of taking the machine down."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
-    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + more,) * 2)
+    most = pages * resource.getpagesize() + more
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 def peak_mb() -> float:

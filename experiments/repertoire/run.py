@@ -89,15 +89,15 @@ def _tried(case, way: str, store: Path) -> None:
     import numpy as np
 
     from estexp_jax.runs import write_json
-    from experiments.common.world import job, world
+    from experiments.common.world import job, trial_of
     from experiments.repertoire.repertoire import Repertoire, adapted
 
     with np.load(_map(case, way, store)) as archive:
         gaits = Repertoire(archive["weights"], archive["duty"], archive["distance"])
-    target, settings = job(case).target, case.settings
+    run, settings = job(case), case.settings
 
     def trial(weights: np.ndarray) -> float:
-        return target(world(case.size).controller(weights, settings.steps)).distance(settings.axis)
+        return trial_of(run, weights, settings.steps).distance(settings.axis)
 
     tried = adapted(gaits, trial, TRIALS)
     write_json(

@@ -11,10 +11,15 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from estexp_jax.recovery.config import Metric
+    from experiments.common.case import Case, Method, Size
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-ARMS = (("paper", "distance"), ("paper", "rolling-mean"), ("set", "rolling-mean"))
+ARMS: tuple[tuple[Method, Metric], ...] = (("paper", "distance"), ("paper", "rolling-mean"), ("set", "rolling-mean"))
 """The paper's control, the paper's algorithm, and the set search."""
 
 
@@ -35,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def cases_of(size, n: int) -> list:
+def cases_of(size: Size, n: int) -> list[Case]:
     """Seed by seed, so that a run that is stopped leaves whole seeds."""
     from experiments.common.case import Case, seeds
 

@@ -36,6 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def walker(seed: int, store: Path):
     """The best controller of one exploration (n_weights,), and how far it comes, m."""
+    from dataclasses import replace
+
     from estexp_jax.recovery.config import Settings
     from estexp_jax.recovery.cycle import job_of, run
     from estexp_jax.runs import load_checkpoint, save_checkpoint
@@ -43,7 +45,7 @@ def walker(seed: int, store: Path):
 
     path = store / f"walker-{seed}.npz"
     if not path.is_file():
-        settings = Settings(situation=None, seed=seed, **SHORT)
+        settings = replace(Settings(situation=None, seed=seed), **SHORT)
         *_, state = _explored(run(job_of(quadruped(), settings, world=short_world())))
         save_checkpoint(path, (state.controllers[0], state.simulated[0]))
     return load_checkpoint(path)

@@ -74,7 +74,8 @@ class HandEngine:
 
     def whole(self) -> tuple[np.ndarray, np.ndarray]:
         """The same as arrays."""
-        return self.solver.y[:2].copy(), self.solver.y[2:].copy()
+        y = np.array(self.solver.y)
+        return y[:2], y[2:]
 
     def set(self, qpos: np.ndarray, qvel: np.ndarray) -> None:
         """Put it into a state."""

@@ -130,16 +130,16 @@ class Rotor(Effect):
     def inertia(self) -> float:
         return self.I
 
-    def passed(self, q: float, w: float) -> float:
-        """Torque that reaches the joint."""
-        return self.k * (self.angle - q) + self.d * (self.speed - w)
+    def passed(self, slip: float, rate: float) -> float:
+        """Torque that reaches the joint from a rotor that is so far ahead of it, and so much faster."""
+        return self.k * slip + self.d * rate
 
     def transmit(self, m: Moment) -> None:
         q, w = m.q[self.at], m.w[self.at]
         if self.angle is None:
             self.angle, self.speed = q, w
         driving = self.drive_torque(m, self.at)
-        passed = self.passed(q, w)
+        passed = self.passed(self.angle - q, self.speed - w)
         if m.dt > 0.0:
             self.speed += m.dt * (driving - passed) / self.inertia()
             self.angle += m.dt * self.speed
@@ -163,13 +163,12 @@ class Gap(Rotor):
     def inertia(self) -> float:
         return self.rotor
 
-    def passed(self, q: float, w: float) -> float:
-        slip = self.angle - q
+    def passed(self, slip: float, rate: float) -> float:
         deep = slip - self.half_gap if slip > self.half_gap else slip + self.half_gap if slip < -self.half_gap else 0.0
         if deep == 0.0:
             return 0.0
         stiffness = self.rotor * (2.0 * pi * 80.0) ** 2
-        push = stiffness * deep + 0.6 * sqrt(stiffness * self.rotor) * (self.speed - w)
+        push = stiffness * deep + 0.6 * sqrt(stiffness * self.rotor) * rate
         return push if push * deep > 0.0 else 0.0
 
 

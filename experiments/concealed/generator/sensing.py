@@ -84,7 +84,8 @@ def true_reading(channel: Channel, trace: Trace, layout: Layout) -> np.ndarray:
     """What a perfect sensor reads."""
     if channel.kind == "position":
         return trace.q[:, channel.joint]
-    return sum(trace.torque[:, a] for a, j in enumerate(layout.drives) if j == channel.joint)
+    driving = [a for a, j in enumerate(layout.drives) if j == channel.joint]
+    return trace.torque[:, driving].sum(axis=1)
 
 
 def coloured(n: int, memory: float, rng: np.random.Generator) -> np.ndarray:

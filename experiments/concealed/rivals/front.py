@@ -54,14 +54,15 @@ def rivals_of(folder: Path, answer: dict[str, Any]) -> dict[str, Any]:
         jobs["oracle"] = lambda: {"test": oracle.error(answer, model, logs)}
     for name, job in jobs.items():
         begin = time.monotonic()
+        told: dict[str, Any] | None
         try:
             told = job()
         except (ValueError, FloatingPointError, np.linalg.LinAlgError) as error:
             told = {"failed": str(error)}
         if told is not None:
             error = told.get("test")
-            told["gain"] = None if error is None else gain(error, nominal, noise)
-            found[name] = told | {"wall_s": time.monotonic() - begin}
+            share = None if error is None else gain(error, nominal, noise)
+            found[name] = told | {"gain": share, "wall_s": time.monotonic() - begin}
     return found
 
 

@@ -72,7 +72,7 @@ def residual_forces(model: mujoco.MjModel, log: Log) -> tuple[np.ndarray, np.nda
     even = np.arange(len(log.time)) / rate
     raw = np.stack([np.interp(even, log.time, log.sensor[:, s]) for s in place], axis=1)
     width = max(7, round(0.06 * rate) | 1)
-    q, w, a = (savgol_filter(raw, width, 4, deriv=d, delta=1.0 / rate, axis=0) for d in range(3))
+    q, w, a = (np.asarray(savgol_filter(raw, width, 4, deriv=d, delta=1.0 / rate, axis=0)) for d in range(3))
     held = np.clip(np.searchsorted(log.time, even, side="right") - 1, 0, None)
     data, tau, missing = mujoco.MjData(model), np.zeros_like(q), np.zeros_like(q)
     for k in range(len(even)):

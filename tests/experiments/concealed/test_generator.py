@@ -138,8 +138,7 @@ def test_a_gap_passes_nothing_until_it_is_crossed():
     gap = Gap({"half_gap": 0.02}, place, 0, Motors.of(ROBOTS["planar"].model, place))
     model = ROBOTS["planar"].model
     gap.edit(model)
-    gap.angle, gap.speed = 0.015, 0.0
-    assert gap.passed(0.0, 0.0) == 0.0 and gap.passed(-0.01, 0.0) > 0.0 and gap.passed(0.05, 0.0) < 0.0
+    assert gap.passed(0.015, 0.0) == 0.0 and gap.passed(0.025, 0.0) > 0.0 and gap.passed(-0.035, 0.0) < 0.0
     assert gap.rotor + model.dof_armature[0] == pytest.approx(ROBOTS["planar"].model.dof_armature[0])
 
 
