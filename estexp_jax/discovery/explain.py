@@ -2,49 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Generator
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-import mujoco
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
+from estexp_jax.discovery.believing import crowded, needed, without_piles
 from estexp_jax.discovery.commanded import commanded
+from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of, shortened, shown_of, to_fit
 from estexp_jax.discovery.dating import dated, short_windows
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.frozen import frozen
-from estexp_jax.discovery.horizon import SHARE, hangs_on_hairs, select_nearer
+from estexp_jax.discovery.horizon import hangs_on_hairs, select_nearer
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
-    claimable,
     claiming,
     known_values,
     parameters_only,
-    simulated,
-    singles,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
-from estexp_jax.discovery.laws import (
-    Unnamed,
-    crowded,
-    needed,
-    single_term,
-    unknown_law,
-    unknown_law_nearer,
-    without_piles,
-)
+from estexp_jax.discovery.laws import Unnamed, single_term, unknown_law, unknown_law_nearer
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
-from estexp_jax.discovery.possible import possible, still_throughout
+from estexp_jax.discovery.possible import still_throughout
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.recorded import deviations
-from estexp_jax.discovery.replays import Replays
 from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.rounds import fitted
@@ -54,94 +42,8 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.inference.apart import NEAR, kept_apart
-from estexp_jax.inference.channels import channels_of
-from estexp_jax.inference.gaps import bridged
-from estexp_jax.inference.windows import cut_of, fitting_window
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import catalogue, effect
-from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Segment
-
-_WINDOWS, _WORK = (16, 48), 144_000
-"""Fewest and most windows that are fitted of long recordings, and how often forces at a robot's joints are computed in
-them."""
-_TOGETHER = 0.005
-"""Gap, m, of parts that may have touched in a test recording, as far as model and readings tell."""
-
-
-def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
-    """The comparison of a case, with windows of the configured length.
-
-    Raises:
-        InputError: the model cannot be simulated, or there is no reading to compare.
-    """
-    recordings = tuple(map(bridged, case.recordings))
-    every = singles(case.robot, catalogue(claimable(config.effects)))
-    places = tuple(p for p in every if possible(case.robot, p, recordings))
-    cut = cut_of(case.robots, recordings, config.window)
-    simulator = _replayer(case, config, simulated(config.effects), _apart(case, cut.whole, case.indices("train")))
-    channels = channels_of(case.robot, recordings)
-    noise = deviations(channels, recordings)
-    problem = Problem(Replays(simulator, channels, cut), recordings, memory, noise, places)
-    return replace(problem, most=_most_windows(case.robot, cut.whole))
-
-
-def _replayer(case: Case, config: ExplainConfig, effects: Sequence[str], apart: Sequence[tuple[int, int]]) -> Replayer:
-    """Of the robots with effects of these names, without contacts between some pairs of their bodies."""
-    robot, *robots = _each(lambda r: r.without_contacts(apart), (case.robot, *case.robots))
-    return replayer(robot, catalogue(effects), robots, engine=config.engine)
-
-
-def _apart(
-    case: Case, segments: Sequence[Segment], recordings: Sequence[int], near: float = NEAR
-) -> list[tuple[int, int]]:
-    """Pairs of bodies that some recordings, whose paths are known, never brought near each other."""
-    paths = {s.recording: s.path.qpos for s in segments if s.path is not None and s.recording in recordings}
-    return kept_apart(case.robot, list(paths.values()), near) if len(paths) == len(recordings) else []
-
-
-def _shown(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
-    """The comparison that is shown: where test recordings bring parts together, these may touch."""
-    fitted = _apart(case, whole.segments, case.indices("train"))
-    every = _apart(case, whole.segments, range(len(case.recordings)), _TOGETHER)
-    near = set(fitted) - set(every)
-    if not near:
-        return whole
-    simulator = _replayer(case, config, [e.name for e in whole.replayer.catalogue], sorted(set(fitted) - near))
-    return replace(whole, replays=replace(whole.replays, replayer=simulator))
-
-
-def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
-    """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more.
-
-    A robot of more joints has more hypotheses, too, each dearer to simulate.
-    """
-    stages = 4 if int(robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4) else 1
-    work = stages * max(s.steps.n_steps for s in segments) * max(robot.model.nv, 3)
-    return int(np.clip(_WORK // work, *_WINDOWS))
-
-
-def _to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
-    """The comparison that is fitted, perhaps with shorter windows."""
-    window = fitting_window(case.robot, config.window)
-    if window == config.window:
-        return whole
-    return whole.with_windows(cut_of(case.robots, whole.recordings, window))
-
-
-def _shortened(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
-    """The comparison in shorter windows than usual."""
-    cut = cut_of(case.robots, whole.recordings, SHARE * config.window)
-    memory = whole.memory.setdefault("shorter windows", {})
-    return replace(whole.with_windows(cut), memory=memory, most=_most_windows(case.robot, cut.whole))
-
-
-def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:
-    """A change of each robot, of the same one only once."""
-    known = {id(r): change(r) for r in {id(r): r for r in robots}.values()}
-    return [known[id(r)] for r in robots]
+from estexp_jax.inference.windows import fitting_window
+from estexp_jax.physics.registry import effect
 
 
 def explain(
@@ -167,10 +69,10 @@ def explain(
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
     whole = _with_waves(case, commanded(whole, nominal.member))
-    selection, problem = yield from select(_to_fit(case, config, whole), parameters, config.most)
+    selection, problem = yield from select(to_fit(case, config, whole), parameters, config.most)
     usual, nearer = fitting_window(case.robot, config.window) == config.window < np.inf, None
     if usual and hangs_on_hairs(problem, selection):
-        shorter = _shortened(case, config, whole)
+        shorter = shortened(case, config, whole)
         selection, problem, nearer = yield from select_nearer(shorter, problem, parameters, selection, config.most)
     whole_way = selection, problem
     selection, problem, began = yield from _late(case, config, problem, selection, parameters)
@@ -183,7 +85,7 @@ def explain(
     whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     yield Progress("black box", 0, 1)
-    shown = _shown(case, config, whole).with_windows(whole.replays.cut, began)
+    shown = shown_of(case, config, whole).with_windows(whole.replays.cut, began)
     bases = [base_of(case, shown, fits[name]) for name in ("parameters_only", "nominal")]
     learned = black_box_errors(case, config, shown, bases)
     yield Progress("test recordings", 0, 1)
@@ -259,15 +161,15 @@ def _unnamed(
     lacking, joint = needed(case.robot, selection), crowded(case.robot, selection)
     if not lacking and joint is None:
         return selection, problem
-    fresh = _to_fit(case, config, whole)
+    fresh = to_fit(case, config, whole)
     if began:  # the dates that the selection was made with, not those refined by it: its windows are kept
         fresh = starting_late(case, config, fresh, problem.replays.began)
     seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
-    apart = _apart(case, whole.segments, case.indices("train"))
+    apart = apart_in(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
-    simulator = partial(_replayer, case, config, apart=apart)
+    simulator = partial(replayer_of, case, config, apart=apart)
     if nearer is not None and needed(case.robot, nearer):
-        shorter = replace(unnamed, problem=_shortened(case, config, whole), selection=nearer)
+        shorter = replace(unnamed, problem=shortened(case, config, whole), selection=nearer)
         found = yield from unknown_law_nearer(unnamed, shorter, simulator)
     elif lacking or joint is None:
         found = yield from unknown_law(unnamed, simulator)

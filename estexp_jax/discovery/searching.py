@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 
-from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
+from estexp_jax.discovery.cross_validation import as_fitted
 from estexp_jax.discovery.fitting import FAR, Progress, Task
-from estexp_jax.discovery.hypotheses import Hypothesis, Place, told_of
+from estexp_jax.discovery.growing import RIVALS, Setting, Standing, compared, grown_from, judged_apart
+from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.marginal import about
-from estexp_jax.discovery.possible import conceivable
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.rounds import at_first, fitted, refitted
-from estexp_jax.discovery.screening import extended, looked_at, simpler, slot, without
+from estexp_jax.discovery.rounds import fitted
+from estexp_jax.discovery.screening import extended, simpler, slot, without
 from estexp_jax.discovery.selection import (
     NOISE,
     Explanation,
-    Fold,
     Selection,
     folds_of,
     plainest,
@@ -28,51 +26,15 @@ from estexp_jax.discovery.selection import (
     worth,
 )
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
-from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.discovery.verdict import ENOUGH
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.effects.sites import ALL_ALIKE
-from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
-_NEAR = 2.0
-"""Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out.
-Where the best is `FAR` off, which is no matter of a step's own error, only its `_RIVALS` are fitted on."""
-_MUCH, _RIVALS, _BASES = 3.0, 1.3, 3
-"""Where the best single effect leaves more than so many deviations, up to so many that leave at most so many times as
-much are all added to."""
+_MUCH, _BASES = 3.0, 3
+"""Where the best single effect leaves more than so many deviations, up to so many of its rivals are all added to."""
 _FEW, _BUDGET = 3, 800_000_000
 """More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
-_PROMISING, _LIKELIEST, _ONE_MORE = 8, 6, 3
-"""So many of a round's hypotheses, the most promising ones, are fitted in full; fewer where the best explanation of a
-robot of many joints is `FAR` off; and fewest where only the best of them is asked for."""
-_JOINTS = 3
-"""Degrees of freedom beyond which simulating a robot takes long."""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """Where a search has come to.
-
-    Attributes:
-        problem: the comparison about `chosen`.
-        chosen: the best explanation so far.
-        tried: those with claims.
-    """
-
-    problem: Problem
-    chosen: Explanation
-    tried: tuple[Explanation, ...]
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class _Search:
-    """What does not change meanwhile: the hypothesis without claims, and the windows."""
-
-    parameters: Hypothesis
-    folds: Sequence[Fold]
 
 
 def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Progress, None, tuple[Selection, Problem]]:
@@ -89,15 +51,15 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     Returns:
         The selection, and the comparison about the chosen explanation.
     """
-    search = _Search(parameters, folds_of(problem))
+    search = Setting(parameters, folds_of(problem))
     start = Fit(parameters, parameters.start(), np.inf)
     tasks: list[Task] = [(parameters, [start.vector])]
     [bent], around = yield from fitted(about(problem, start), tasks, "parameters")
     problem = about(around.heard(bent.member), start)
     plain = replace(problem, rough=None)  # what the step does is no noise where the step itself is asked for
     nominal, corrected = (as_fitted(p, [start], search.folds)[0] for p in (replace(plain, step=None), plain))
-    [own], problem = yield from _compared(search, problem, [bent], "parameters only")
-    found = _Found(problem, own, ())
+    [own], problem = yield from compared(search, problem, [bent], "parameters only")
+    found = Standing(problem, own, ())
     if own.error <= NOISE:
         found = yield from _unbound(search, found)
     as_it_is = min(nominal, corrected, key=lambda e: e.error)
@@ -117,7 +79,7 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
 
 
-def _unbound(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
+def _unbound(search: Setting, found: Standing) -> Generator[Progress, None, Standing]:
     """Values that refitting bent nearly as far as they may are claimed instead, if windows are predicted no worse so.
 
     All values of a model together, each a little off, may stand in for one that is far off, or for all of a kind: where
@@ -134,11 +96,11 @@ def _unbound(search: _Search, found: _Found) -> Generator[Progress, None, _Found
         base = unbent(fitted)
         tasks = [extended(found.problem, search.parameters, base, place) for place in places]
         stage = "values that are far off" + f", beside {fitted.hypothesis.label}" * bool(claims)
-        judged = yield from _judged(search, found.problem, tasks, stage)
+        judged = yield from judged_apart(search, found.problem, tasks, stage)
         best, tried = plainest([found.chosen, *judged]), (*found.tried, *judged)
         if best is found.chosen:
             return replace(found, tried=tried)
-        found = _Found(about(found.problem, best.fitted), best, tried)
+        found = Standing(about(found.problem, best.fitted), best, tried)
     return found
 
 
@@ -154,26 +116,7 @@ def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bo
     return gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH and work < _BUDGET
 
 
-def one_more(
-    problem: Problem, parameters: Hypothesis, base: Fit, rival: Fit | None = None, most: int = _ONE_MORE
-) -> Generator[Progress, None, tuple[Explanation, Explanation]]:
-    """A fit, and the best explanation that has one effect more, judged alike.
-
-    Args:
-        problem: the comparison, of whose step and starts nothing need be known.
-        parameters: the hypothesis that only values of the model are off.
-        base: the fit.
-        rival: another fit, judged instead of it.
-        most: so many of the most promising effects are fitted in full.
-    """
-    search, there, stage = _Search(parameters, folds_of(problem)), about(problem, base), "one effect more"
-    found = _Found(there, as_fitted(there, [base], search.folds)[0], ())
-    grown = yield from _grown(search, found, base, stage, most)
-    (before, *judged), _ = yield from _compared(search, there, [rival or base, *grown], stage)
-    return before, min(judged, key=lambda e: e.error, default=before)
-
-
-def _bases(found: _Found) -> list[Fit]:
+def _bases(found: Standing) -> list[Fit]:
     """What to add an effect to: the best explanation; where a single effect leaves much, also others about as good.
 
     Of several things that are missing, the one that explains most alone need not be any of them.
@@ -181,44 +124,44 @@ def _bases(found: _Found) -> list[Fit]:
     chosen = found.chosen
     if chosen.error <= _MUCH or len(chosen.places) != 1:
         return [chosen.fitted]
-    ranked = sorted((e for e in found.tried if e.error <= _RIVALS * chosen.error), key=lambda e: e.error)
+    ranked = sorted((e for e in found.tried if e.error <= RIVALS * chosen.error), key=lambda e: e.error)
     slots = {slot(e.places[-1]): e.fitted for e in reversed(ranked) if len(e.places) == 1}
     others = [f for s, f in reversed(slots.items()) if s != slot(chosen.places[-1])]
     return [chosen.fitted, *others[: _BASES - 1]]
 
 
-def _added(search: _Search, found: _Found, bases: Sequence[Fit], n: int) -> Generator[Progress, None, _Found]:
+def _added(search: Setting, found: Standing, bases: Sequence[Fit], n: int) -> Generator[Progress, None, Standing]:
     """The best explanation with one effect more than one of some, if it is worth it."""
     stage, grown = f"explanations with {n} effect{'s' * (n > 1)}", list[Fit]()
     for base in bases:
         name = stage if base is bases[0] else f"{stage}, beside {base.hypothesis.label}"
-        grown += yield from _grown(search, found, base, name)
+        grown += yield from grown_from(search, found, base, name)
     best = {frozenset(f.hypothesis.places): f for f in sorted(grown, key=lambda f: f.cost, reverse=True)}
     grown = [f for f in grown if best[frozenset(f.hypothesis.places)] is f]
     if not grown:
         return found
-    (before, *judged), problem = yield from _compared(search, found.problem, [found.chosen.fitted, *grown], stage)
+    (before, *judged), problem = yield from compared(search, found.problem, [found.chosen.fitted, *grown], stage)
     tried, best = (*found.tried, *judged), simplest(judged)
     if before.places and before.error > FAR:
         best = steadiest(judged, before)
-    return _Found(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
+    return Standing(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
 
 
-def _exchanged(search: _Search, found: _Found, place: Place) -> Generator[Progress, None, _Found]:
+def _exchanged(search: Setting, found: Standing, place: Place) -> Generator[Progress, None, Standing]:
     """Another effect in the place of one, which was chosen when not all of the others were known, if that is better."""
     chosen, name = found.chosen, "@".join(filter(None, place))
     hypothesis, [vector, *_] = without(found.problem, search.parameters, chosen.fitted, place)
     stage = f"instead of {name}, beside {hypothesis.label}"
-    grown = yield from _grown(search, found, Fit(hypothesis, vector, np.inf), stage)
+    grown = yield from grown_from(search, found, Fit(hypothesis, vector, np.inf), stage)
     new = [f for f in grown if set(f.hypothesis.places) != set(chosen.places)]
     if not new:
         return found
-    judged, problem = yield from _compared(search, found.problem, new, stage)
+    judged, problem = yield from compared(search, found.problem, new, stage)
     tried, best = (*found.tried, *judged), simplest(judged)
-    return _Found(problem, best, tried) if best.error < chosen.error else replace(found, tried=tried)
+    return Standing(problem, best, tried) if best.error < chosen.error else replace(found, tried=tried)
 
 
-def _all_exchanged(search: _Search, found: _Found, as_it_is: Explanation) -> Generator[Progress, None, _Found]:
+def _all_exchanged(search: Setting, found: Standing, as_it_is: Explanation) -> Generator[Progress, None, Standing]:
     """Where several effects leave much: each of them exchanged for another one, as long as that helps."""
     asked = set[frozenset[Place]]()
     while _goes_on(found.problem, found.chosen, as_it_is) and found.chosen.error > FAR:
@@ -231,7 +174,7 @@ def _all_exchanged(search: _Search, found: _Found, as_it_is: Explanation) -> Gen
     return found
 
 
-def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Found]:
+def _simplified(search: Setting, found: Standing) -> Generator[Progress, None, Standing]:
     """The simplest explanation that neither the chosen one nor any on the way to it is worth more than.
 
     Of several small steps each may seem to cost nothing; together they must not cost what one would not be let. Nor is
@@ -240,82 +183,12 @@ def _simplified(search: _Search, found: _Found) -> Generator[Progress, None, _Fo
     richer = [found.chosen]
     while tasks := simpler(found.problem, search.parameters, found.chosen.fitted):
         stage = f"simpler than {found.chosen.fitted.hypothesis.label}"
-        fewer = yield from _judged(search, found.problem, tasks, stage)
+        fewer = yield from judged_apart(search, found.problem, tasks, stage)
         bent = len(stretched(found.chosen.fitted)) if found.chosen.error <= NOISE else np.inf
         best = min(fewer, key=lambda e: (len(stretched(e.fitted)) > bent, e.error))
         tried = (*found.tried, *fewer)
         if len(stretched(best.fitted)) > bent or any(worth(one, best) for one in richer):
             return replace(found, tried=tried)
-        found = _Found(about(found.problem, best.fitted), best, tried)
+        found = Standing(about(found.problem, best.fitted), best, tried)
         richer.append(best)
     return found
-
-
-def _grown(
-    search: _Search, found: _Found, base: Fit, stage: str, most: int = _PROMISING
-) -> Generator[Progress, None, list[Fit]]:
-    """The most promising hypotheses with one effect more than a fit, fitted.
-
-    Where everything is `FAR` off and simulating the robot takes long, they are fewer, and first fits are rough.
-    """
-    problem, hypothesis = found.problem, base.hypothesis
-    far = found.chosen.fitted.cost > FAR**2 and problem.replayer.robot.model.nv > _JOINTS
-    if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
-        base = Fit(hypothesis, hypothesis.start(), np.inf)
-    claimed = hypothesis.places
-    places = [p for p in problem.places if p not in claimed and not any(at_odds(p, c) for c in claimed)]
-    if not places:
-        return []
-    tasks = [extended(problem, search.parameters, base, p) for p in places]
-    n = min(most, _LIKELIEST) if far else most
-    promising = yield from looked_at(problem, base, tasks, found.chosen.fitted.cost, stage, n)
-    grown = yield from at_first(problem, promising, stage, roughly=far)
-    return [f for f in grown if conceivable(problem.replayer.robot, f, problem.seen)]
-
-
-def at_odds(one: Place, other: Place) -> bool:
-    """Whether two claims make no sense together: two forms of one effect, or an unknown law of a motor beside a name.
-
-    Either would take up what an effect in a slightly other form than ours leaves.
-    """
-    effects = effect(one[0]), effect(other[0])
-    motors = one[1] == other[1] and all(e.kind == "actuator" for e in effects)
-    return told_of(one) == told_of(other) or (motors and not all(e.named for e in effects))
-
-
-def _compared(
-    search: _Search, problem: Problem, fits: Sequence[Fit], stage: str
-) -> Generator[Progress, None, tuple[list[Explanation], Problem]]:
-    """Fits judged, in their order, by the comparison about the best of them, which is returned too.
-
-    Those that may yet turn out as good as the best are taken further and judged on held-out windows; the others as they
-    stand, which flatters them a little.
-    """
-    best = min(fits, key=lambda f: f.cost)
-    there, close = about(problem, best), _close(fits, best)
-    going = [f for f in close if best.cost <= FAR**2 or f.cost <= _RIVALS**2 * best.cost]
-    moved, there = yield from refitted(there, going, stage)
-    fitted_on = dict(zip(map(id, going), moved, strict=True))
-    further = [fitted_on.get(id(f), f) for f in close]
-    yield Progress(f"{stage}, held-out windows", 0, 1)
-    judged = dict(zip(map(id, close), cross_validated(there, further, search.folds), strict=True))
-    others = [f for f in fits if id(f) not in judged]
-    judged |= dict(zip(map(id, others), as_fitted(there, others, search.folds), strict=True))
-    return [judged[id(f)] for f in fits], there
-
-
-def _close(fits: Sequence[Fit], best: Fit) -> list[Fit]:
-    """Those that may yet turn out as good as the best, and the simpler relatives of it and them."""
-    near = [f for f in fits if f.cost <= _NEAR**2 * best.cost]
-    places = [f.hypothesis.places[-1] for f in near if f.hypothesis.places]
-    relatives = {(RUNGS.get(name), site) for name, site in places}
-    return near + [f for f in fits if f not in near and f.hypothesis.places and f.hypothesis.places[-1] in relatives]
-
-
-def _judged(
-    search: _Search, problem: Problem, tasks: Sequence[Task], stage: str
-) -> Generator[Progress, None, list[Explanation]]:
-    """Hypotheses fitted, each with its own step's error taken out, and judged on held-out windows."""
-    found, there = yield from fitted(problem, tasks, stage)
-    yield Progress(f"{stage}, held-out windows", 0, 1)
-    return cross_validated(there, found, search.folds)

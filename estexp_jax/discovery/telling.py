@@ -9,12 +9,12 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
+from estexp_jax.discovery.believing import is_law
 from estexp_jax.discovery.contest import contest_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
-from estexp_jax.discovery.laws import is_law
 from estexp_jax.discovery.likely_laws import LawForces, law_forces
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import Step, step_of, to_blame

@@ -9,8 +9,9 @@ from unittest.mock import patch
 import mujoco
 import numpy as np
 
-from estexp_jax.discovery import explain as explain_module
+from estexp_jax.discovery import comparison
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
+from estexp_jax.discovery.explain import explain
 from estexp_jax.discovery.hypotheses import simulated
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.engines.choice import replayer
@@ -208,14 +209,14 @@ def _shared(robot: Robot, effects: Catalogue, *_: Any, **__: Any) -> Replayer:
 
 def problem_of(case: Case, config: ExplainConfig = CONFIG) -> Problem:
     """The comparison of a case, without compiling anew."""
-    with patch.object(explain_module, "replayer", _shared):
-        return explain_module.problem_of(case, config, {})
+    with patch.object(comparison, "replayer", _shared):
+        return comparison.problem_of(case, config, {})
 
 
 def explained(case: Case, config: ExplainConfig = CONFIG) -> Diagnosis:
     """The explanation of a case, without compiling anew."""
-    with patch.object(explain_module, "replayer", _shared):
-        return finished(explain_module.explain(case, config))
+    with patch.object(comparison, "replayer", _shared):
+        return finished(explain(case, config))
 
 
 def finished(steps: Generator[Any, None, Any]) -> Any:

@@ -6,8 +6,9 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from estexp_jax.discovery import explain as explain_module
+from estexp_jax.discovery import comparison
 from estexp_jax.discovery.diagnosis import EXPLAINING, ExplainConfig
+from estexp_jax.discovery.explain import explain
 from estexp_jax.discovery.hypotheses import claimable, simulated
 from estexp_jax.discovery.starts import RUNGS, Seen, climbed, lowered, starts
 from estexp_jax.package_data import model_path
@@ -35,8 +36,8 @@ def _shared(*_: object, **__: object) -> Replayer:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_a_concealed_effect_is_named(case: str) -> None:
-    with patch.object(explain_module, "replayer", _shared):
-        found = finished(explain_module.explain(leg_case(case, 900), CONFIG)).findings
+    with patch.object(comparison, "replayer", _shared):
+        found = finished(explain(leg_case(case, 900), CONFIG)).findings
     assert f"{found['what'][0]['effect']}@{found['what'][0]['name']}" in (case, f"{case}@None")
 
 

@@ -13,11 +13,12 @@ import pytest
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.simulator import load_explained
 from estexp_jax.discovery import laws
+from estexp_jax.discovery.believing import believed, crowded, fewest_terms, needed, whole, without_piles
 from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.laws import believed, crowded, fewest_terms, needed, suspects, whole, without_piles
+from estexp_jax.discovery.laws import suspects
 from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery import searching
+from estexp_jax.discovery.growing import Setting, Standing, at_odds
 from estexp_jax.discovery.hypotheses import Free, Hypothesis
-from estexp_jax.discovery.searching import _added, _Found, _goes_on, _Search, _simplified, _unbound, at_odds
+from estexp_jax.discovery.searching import _added, _goes_on, _simplified, _unbound
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
 
@@ -40,7 +41,7 @@ def test_a_search_ends_where_everything_is_claimed() -> None:
     there.places = (place,)
     best = explanation(4.0)
     fitted = Fit(Hypothesis((place,), ()), np.zeros(0), 16.0)
-    steps = _added(_Search(Hypothesis((), ()), []), _Found(there, best, ()), [fitted], 2)
+    steps = _added(Setting(Hypothesis((), ()), []), Standing(there, best, ()), [fitted], 2)
     with pytest.raises(StopIteration) as end:
         next(steps)
     assert end.value.value.chosen is best
@@ -57,12 +58,12 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
     place = ("viscous_friction", "elbow")
     free = Free(*place, "c", 0, 0, -0.3, 0.3, 0.0, 0.03)
     hypothesis, asked = Hypothesis((), (free,)), list[Any]()
-    there, search, alike = problem(0), _Search(hypothesis, []), ("viscous_friction", "*")
+    there, search, alike = problem(0), Setting(hypothesis, []), ("viscous_friction", "*")
     drags = ("back_emf", "elbow_motor")
     there.places = (place, alike, ("armature", "elbow"), drags, ("back_emf", "shoulder_motor"))
 
-    def bent(value: float) -> _Found:
-        return _Found(there, Explanation(Fit(hypothesis, np.array([value]), 1.0), np.full(4, 0.28)), ())
+    def bent(value: float) -> Standing:
+        return Standing(there, Explanation(Fit(hypothesis, np.array([value]), 1.0), np.full(4, 0.28)), ())
 
     def judged(error: float) -> Any:
         def steps(*_: Any) -> Any:
@@ -75,7 +76,7 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
     monkeypatch.setattr(searching, "extended", lambda *arguments: (asked.append(arguments), []))
     monkeypatch.setattr(searching, "about", lambda problem, _: problem)
     for value, error, claimed in ((0.2, 0.9, False), (0.29, 0.9, True), (0.29, 1.2, False), (-0.29, 0.9, True)):
-        monkeypatch.setattr(searching, "_judged", judged(error))
+        monkeypatch.setattr(searching, "judged_apart", judged(error))
         steps, begin = _unbound(search, bent(value)), len(asked)
         with pytest.raises(StopIteration) as end:
             while True:
@@ -93,7 +94,7 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
     """Elbow's motor bent to its bound beside a moved centre of mass, which fits as well with the motor claimed."""
     moved, weak = ("com_shift", "upper"), ("motor_weakness", "elbow_motor")
     loss, own = Free(*weak, "loss", 0, 0, -0.3, 0.3, 0.0, 0.03), Free(*moved, "x", 0, 0, -1.0, 1.0, 0.0, np.inf)
-    there, search = problem(0), _Search(Hypothesis((), (loss,)), [])
+    there, search = problem(0), Setting(Hypothesis((), (loss,)), [])
     there.places = (moved, weak)
     bent = Explanation(Fit(Hypothesis((moved,), (loss, own)), np.array([0.3, 0.04]), 0.1), np.full(4, 0.025))
     both = Hypothesis((moved, weak), (own, replace(loss, high=0.9, spread=np.inf)))
@@ -110,8 +111,8 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
 
     monkeypatch.setattr(searching, "extended", extended)
     monkeypatch.setattr(searching, "about", lambda problem, _: problem)
-    monkeypatch.setattr(searching, "_judged", judged)
-    steps = _unbound(search, _Found(there, bent, ()))
+    monkeypatch.setattr(searching, "judged_apart", judged)
+    steps = _unbound(search, Standing(there, bent, ()))
     with pytest.raises(StopIteration) as end:
         while True:
             next(steps)
@@ -124,8 +125,8 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
         return [bent]
 
     monkeypatch.setattr(searching, "simpler", lambda *_: [bent.fitted])
-    monkeypatch.setattr(searching, "_judged", fewer)
-    steps = _simplified(search, _Found(there, found, ()))
+    monkeypatch.setattr(searching, "judged_apart", fewer)
+    steps = _simplified(search, Standing(there, found, ()))
     with pytest.raises(StopIteration) as end:
         while True:
             next(steps)

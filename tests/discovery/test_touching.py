@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from estexp_jax.discovery import explain as explain_module
+from estexp_jax.discovery.comparison import problem_of, shown_of
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.robot import Robot
@@ -25,6 +25,6 @@ def test_only_training_recordings_decide_what_is_left_out_of_fits():
     for near, shown in ((0.1, 3), (0.3, 2)):  # the floor is far below both legs
         recordings = (recording(0.1, "train"), recording(0.12, "train"), recording(near, "test"))
         case = Case(robot, recordings, (robot,) * 3)
-        whole = explain_module.problem_of(case, CONFIG, {})
+        whole = problem_of(case, CONFIG, {})
         assert whole.replayer.robot.model.nexclude == 3
-        assert explain_module._shown(case, CONFIG, whole).replayer.robot.model.nexclude == shown
+        assert shown_of(case, CONFIG, whole).replayer.robot.model.nexclude == shown

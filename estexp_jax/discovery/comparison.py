@@ -1,0 +1,108 @@
+"""What of a case is compared with what: its simulator, the windows that are fitted, those that are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from estexp_jax.discovery.diagnosis import Case, ExplainConfig
+from estexp_jax.discovery.horizon import SHARE
+from estexp_jax.discovery.hypotheses import claimable, simulated, singles
+from estexp_jax.discovery.possible import possible
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.recorded import deviations
+from estexp_jax.discovery.replays import Replays
+from estexp_jax.inference.apart import NEAR, kept_apart
+from estexp_jax.inference.channels import channels_of
+from estexp_jax.inference.gaps import bridged
+from estexp_jax.inference.windows import cut_of, fitting_window
+from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.engines.replaying import Replayer
+from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.segment import Segment
+
+_WINDOWS, _WORK = (16, 48), 144_000
+"""Fewest and most windows that are fitted of long recordings, and how often forces at a robot's joints are computed in
+them."""
+_TOGETHER = 0.005
+"""Gap, m, of parts that may have touched in a test recording, as far as model and readings tell."""
+
+
+def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
+    """The comparison of a case, with windows of the configured length.
+
+    Raises:
+        InputError: the model cannot be simulated, or there is no reading to compare.
+    """
+    recordings = tuple(map(bridged, case.recordings))
+    every = singles(case.robot, catalogue(claimable(config.effects)))
+    places = tuple(p for p in every if possible(case.robot, p, recordings))
+    cut = cut_of(case.robots, recordings, config.window)
+    simulator = replayer_of(case, config, simulated(config.effects), apart_in(case, cut.whole, case.indices("train")))
+    channels = channels_of(case.robot, recordings)
+    noise = deviations(channels, recordings)
+    problem = Problem(Replays(simulator, channels, cut), recordings, memory, noise, places)
+    return replace(problem, most=_most_windows(case.robot, cut.whole))
+
+
+def replayer_of(
+    case: Case, config: ExplainConfig, effects: Sequence[str], apart: Sequence[tuple[int, int]]
+) -> Replayer:
+    """Of the robots with effects of these names, without contacts between some pairs of their bodies."""
+    robot, *robots = _each(lambda r: r.without_contacts(apart), (case.robot, *case.robots))
+    return replayer(robot, catalogue(effects), robots, engine=config.engine)
+
+
+def apart_in(
+    case: Case, segments: Sequence[Segment], recordings: Sequence[int], near: float = NEAR
+) -> list[tuple[int, int]]:
+    """Pairs of bodies that some recordings, whose paths are known, never brought near each other."""
+    paths = {s.recording: s.path.qpos for s in segments if s.path is not None and s.recording in recordings}
+    return kept_apart(case.robot, list(paths.values()), near) if len(paths) == len(recordings) else []
+
+
+def shown_of(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
+    """The comparison that is shown: where test recordings bring parts together, these may touch."""
+    fitted = apart_in(case, whole.segments, case.indices("train"))
+    every = apart_in(case, whole.segments, range(len(case.recordings)), _TOGETHER)
+    near = set(fitted) - set(every)
+    if not near:
+        return whole
+    simulator = replayer_of(case, config, [e.name for e in whole.replayer.catalogue], sorted(set(fitted) - near))
+    return replace(whole, replays=replace(whole.replays, replayer=simulator))
+
+
+def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
+    """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more.
+
+    A robot of more joints has more hypotheses, too, each dearer to simulate.
+    """
+    stages = 4 if int(robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4) else 1
+    work = stages * max(s.steps.n_steps for s in segments) * max(robot.model.nv, 3)
+    return int(np.clip(_WORK // work, *_WINDOWS))
+
+
+def to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
+    """The comparison that is fitted, perhaps with shorter windows."""
+    window = fitting_window(case.robot, config.window)
+    if window == config.window:
+        return whole
+    return whole.with_windows(cut_of(case.robots, whole.recordings, window))
+
+
+def shortened(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
+    """The comparison in shorter windows than usual."""
+    cut = cut_of(case.robots, whole.recordings, SHARE * config.window)
+    memory = whole.memory.setdefault("shorter windows", {})
+    return replace(whole.with_windows(cut), memory=memory, most=_most_windows(case.robot, cut.whole))
+
+
+def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:
+    """A change of each robot, of the same one only once."""
+    known = {id(r): change(r) for r in {id(r): r for r in robots}.values()}
+    return [known[id(r)] for r in robots]
