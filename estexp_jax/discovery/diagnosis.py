@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.discovery.contest import Contest
-from estexp_jax.discovery.likely_laws import LawForces
+from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.recording import Recording

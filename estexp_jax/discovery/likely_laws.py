@@ -6,47 +6,41 @@ without what wrong values of the model would explain. A look only: what the term
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.law_forces import Samples, force_of, samples_of
 from estexp_jax.discovery.starts import Vectors
-from estexp_jax.physics.changes import Change
-from estexp_jax.physics.effects.base import JointMoment
-from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
-from estexp_jax.physics.registry import LAWS, effect
+from estexp_jax.physics.effects.laws.base import JointLaw
+from estexp_jax.physics.registry import LAWS
 from estexp_jax.physics.robot import Robot
 
-_SAMPLES, _COLUMNS = 2000, 64
-"""Samples of the forces, and values of shapes laid beside them at once."""
-_STARTS = 4
-"""Values that are kept of a term."""
-_JOLT = 0.995
-"""Quantile of the force beyond which it is cut off: jolts are smeared by smoothing."""
+_COLUMNS, _STARTS = 64, 4
+"""Values of a term that are laid beside the missing force at once, and those that are kept."""
+_ROUNDS, _NARROWER = 4, 0.4
+"""Each of these is moved so often to the best of as many values around it, drawn from a range that narrows so."""
+_SAME = 1e-3
+"""Values that differ by less, as a share of their bounds, are one."""
 _LITTLE = 1e-3
 """Share of the largest amplitude at which a force is still in proportion to it."""
 _ALIKE = 1e-6
 """Share of a force's square; if less than that is left of it, it is what wrong values of the model look like."""
-_FAST = 0.98
-"""Quantile of the speed that counts as fast, and of the motor torque that counts as hard."""
 
 
-class _Samples(NamedTuple):
-    """What was seen of a joint, (samples,); position, speed and motor torque of the others by index."""
+class _Law(NamedTuple):
+    """A term at a joint: bounds (n_parameters, 2), the amplitude first, and shapes to begin with."""
 
-    force: np.ndarray
-    q: np.ndarray
-    w: np.ndarray
-    motor: np.ndarray
-    bent: np.ndarray  # (samples, n) orthonormal: what wrong values of the model would look like
-    others: Mapping[int, tuple[np.ndarray, np.ndarray, np.ndarray]]
-    runs: tuple[Course, ...]  # of each recording, unthinned
-    thin: tuple[np.ndarray, ...]  # which rows of each recording count
-    reach: Reach
+    law: JointLaw
+    bounds: np.ndarray
+    tried: list[tuple[float, ...]]
+
+    def clipped(self, shapes: np.ndarray) -> list[tuple[float, ...]]:
+        """Shapes (n, n_shape) within their bounds."""
+        return [tuple(s) for s in np.clip(shapes, *self.bounds[1:].T).tolist()]
 
 
 class _Beside(NamedTuple):
@@ -68,91 +62,53 @@ def likely(
         n: how many terms are wanted.
         named: effects of the catalogue that may be claimed: terms that say the same do not count.
     """
-    samples = _samples(robot, seen, robot.index("joint", joint))
-    found = {law.name: _beside(robot, law, joint, samples) for law in LAWS if law.stands_for not in named}
+    samples = samples_of(robot, seen, robot.index("joint", joint))
+    laws = [_Law(law, np.array(law.bounds(robot, joint)), law.tried(samples.reach)) for law in LAWS]
+    found = {law.law.name: _beside(law, samples) for law in laws if law.law.stands_for not in named and law.tried}
     ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
     return {(name, joint): [b.values for b in found[name]] for name in ranked[:n]}
 
 
-class LawForces(NamedTuple):
-    """What a law does where recordings show its joint, and what the joint lacks without it.
-
-    Attributes:
-        joint: its name.
-        q, w: (samples,) position and speed, rad or m and rad/s or m/s.
-        motor: (samples,) torque of its motors, N m or N.
-        lacking: (samples,) force that the joint lacks, N m or N; jolts cut off.
-        given: (samples,) what the law gives.
-    """
-
-    joint: str
-    q: np.ndarray
-    w: np.ndarray
-    motor: np.ndarray
-    lacking: np.ndarray
-    given: np.ndarray
-
-
-def law_forces(robot: Robot, seen: Sequence[ForceResidual], joint: str, terms: Sequence[Change]) -> LawForces:
-    """The terms of a law along the training recordings.
-
-    Args:
-        robot: the nominal robot.
-        seen: what its joints lack without the law, in each training recording.
-        joint: the joint's name.
-        terms: of the law, with their values.
-    """
-    samples, given = _samples(robot, seen, robot.index("joint", joint)), np.zeros(1)
-    for term in terms:
-        law = effect(term.effect)
-        assert isinstance(law, JointLaw)
-        given = given + _force(law, tuple(np.array([term.values[p.name]]) for p in law.parameters), samples)[:, 0]
-    return LawForces(joint, samples.q, samples.w, samples.motor, samples.force, given)
-
-
-def _samples(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> _Samples:
-    model = robot.model
-    every = max(1, sum(len(r.time) for r in seen) // _SAMPLES)
-    thin = tuple(np.arange(0, len(r.time), every) for r in seen)
-
-    def joined(columns: Sequence[np.ndarray]) -> np.ndarray:
-        return np.concatenate([c[rows] for c, rows in zip(columns, thin, strict=True)])
-
-    def motion(j: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        place, dof = model.jnt_qposadr[j], model.jnt_dofadr[j]
-        each = [[r.qpos[:, place] for r in seen], [r.qvel[:, dof] for r in seen], [r.motor[:, dof] for r in seen]]
-        q, w, motor = map(joined, each)
-        return q, w, motor
-
-    place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
-    moved = [j for j in robot.scalar_joints if any(np.ptp(r.qvel[:, model.jnt_dofadr[j]]) > 0.0 for r in seen)]
-    q, w, motor = motion(joint)
-    force = joined([r.force[:, dof] for r in seen])
-    far = float(np.quantile(np.abs(force), _JOLT))
-    faster = joined([np.gradient(r.qvel[:, dof], r.time) for r in seen])
-    bent, _ = np.linalg.qr(np.stack([w, motor, faster], axis=1) + 0.0)
-    length = max(float(np.ptp(r.time)) for r in seen)
-    others = {j: motion(j) for j in moved if j != joint}
-    fast, hard = (float(np.quantile(np.abs(x), _FAST)) for x in (w, motor))
-    reach = Reach(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
-    runs = tuple(Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof]) for r in seen)
-    return _Samples(np.clip(force, -far, far), q, w, motor, bent, others, runs, thin, reach)
-
-
-def _beside(robot: Robot, law: JointLaw, joint: str, samples: _Samples) -> list[_Beside]:
+def _beside(law: _Law, samples: Samples) -> list[_Beside]:
     """The best values of a term, the best one first; [] where it can do nothing."""
-    bounds = np.array(law.bounds(robot, joint))
-    shapes = [tuple(np.clip(s, *bounds[1:].T)) for s in law.tried(samples.reach)] if len(bounds) > 1 else [()]
-    shapes = shapes if law.tried(samples.reach) else []
+    found = _explained(law, law.clipped(np.array(law.tried, float)), samples)
+    best = list(reversed({b.values: b for b in sorted(found, key=lambda b: b.share)}.values()))[:_STARTS]
+    moved = sorted((_moved(law, b, samples) for b in best), key=lambda b: b.share, reverse=True)
+    scale = np.maximum(np.ptp(law.bounds, axis=1), 1e-30) * _SAME
+    distinct = {tuple(np.round(b.values / scale)): b for b in reversed([*moved, *best]) if b.values[0] != 0.0}
+    return sorted(distinct.values(), key=lambda b: b.share, reverse=True)[:_STARTS]
+
+
+def _moved(law: _Law, best: _Beside, samples: Samples) -> _Beside:
+    """The same between the values that were tried, where it takes out most; what remembers is looked at too slowly."""
+    free = np.array([not p.refers for p in law.law.parameters[1:]], bool)
+    if law.law.n_states or not free.any():
+        return best
+    tried, rng = np.array(law.tried, float), np.random.default_rng(0)
+    width = np.array([_gap(tried[:, k], best.values[1 + k]) for k in range(len(free))]) * free
+    for _ in range(_ROUNDS):
+        around = best.values[1:] + width * rng.standard_normal((_COLUMNS, len(free)))
+        best = max((best, *_explained(law, law.clipped(around), samples)), key=lambda b: b.share)
+        width *= _NARROWER
+    return best
+
+
+def _gap(tried: np.ndarray, value: float) -> float:
+    """How far apart values that were tried are near one of them; as much as itself where it is the only one."""
+    grid = np.unique(tried)
+    return float(np.interp(value, grid, np.gradient(grid))) if len(grid) > 1 else abs(value)
+
+
+def _explained(law: _Law, shapes: Sequence[tuple[float, ...]], samples: Samples) -> list[_Beside]:
+    """What a term of each shape takes out of the missing force."""
     found: list[_Beside] = []
-    for part, columns in _columns(law, _LITTLE * bounds[0, 1], shapes, samples):
-        found += _explained(part, columns, bounds[0], samples)
-    distinct = {b.values: b for b in sorted(found, key=lambda b: b.share) if b.values[0] != 0.0}
-    return list(reversed(distinct.values()))[:_STARTS]
+    for part, columns in _columns(law.law, _LITTLE * law.bounds[0, 1], shapes, samples):
+        found += _taken(part, columns, law.bounds[0], samples)
+    return found
 
 
-def _explained(
-    shapes: Sequence[tuple[float, ...]], columns: np.ndarray, bound: np.ndarray, samples: _Samples
+def _taken(
+    shapes: Sequence[tuple[float, ...]], columns: np.ndarray, bound: np.ndarray, samples: Samples
 ) -> list[_Beside]:
     """What each column takes out of the missing force beside wrong values of the model, and alone.
 
@@ -183,51 +139,11 @@ def _without(basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
 
 
 def _columns(
-    law: JointLaw, amplitude: float, shapes: Sequence[tuple[float, ...]], samples: _Samples
+    law: JointLaw, amplitude: float, shapes: Sequence[tuple[float, ...]], samples: Samples
 ) -> Iterator[tuple[Sequence[tuple[float, ...]], np.ndarray]]:
     """Shapes with the force (samples, shapes) of a term of amplitude 1 at them."""
     for first in range(0, len(shapes), _COLUMNS):
         part = shapes[first : first + _COLUMNS]
         filled = np.resize(np.array(part, float).reshape(len(part), -1), (_COLUMNS, len(part[0])))  # compiles once
         p = (np.full(_COLUMNS, amplitude), *filled.T)
-        yield part, _force(law, p, samples)[:, : len(part)] / amplitude
-
-
-def _force(law: JointLaw, p: tuple[np.ndarray, ...], samples: _Samples) -> np.ndarray:
-    """The force (samples, shapes) of a term at values (shapes,) of each parameter, where the joint was seen."""
-    q, w, motor = (x[:, None] for x in (samples.q, samples.w, samples.motor))
-    one = np.ones_like(q)
-
-    def of_others(number: np.ndarray) -> list[np.ndarray]:
-        at = [samples.others[round(float(k)) - 1] for k in np.ravel(number)]
-        return [np.stack(columns, axis=1) for columns in zip(*at, strict=True)]
-
-    def motion_of(number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        at, rate, _ = of_others(number)
-        return at, rate
-
-    def torque_of(number: np.ndarray) -> np.ndarray:
-        return of_others(number)[2]
-
-    moment = JointMoment(q, w, motor, one, np.zeros(1), one, one, lambda q, w: motor, torque_of, motion_of)
-    state = _states(law, p, samples)
-    does, _ = law.act(tuple(jnp.asarray(x) for x in p), moment, state)
-    sign = np.tanh(w / (0.01 * max(samples.reach.speed, 1e-9)))
-    total = does.force - does.damping * w - does.friction * sign + (does.motor - 1.0) * motor
-    return np.asarray(jnp.broadcast_to(total, (len(samples.q), len(p[0]))), float)
-
-
-def _states(law: JointLaw, p: tuple[np.ndarray, ...], samples: _Samples) -> tuple[np.ndarray, ...]:
-    """The hidden variables (samples, shapes) of a term along the recordings."""
-    if not law.n_states:
-        return ()
-    each = []
-    for values in zip(*p, strict=True):
-        parts = [law.remembered(values, course) for course in samples.runs]
-        each.append(
-            [
-                np.concatenate([part[k][rows] for part, rows in zip(parts, samples.thin, strict=True)])
-                for k in range(law.n_states)
-            ]
-        )
-    return tuple(np.stack([one[k] for one in each], axis=1) for k in range(law.n_states))
+        yield part, force_of(law, p, samples)[:, : len(part)] / amplitude

@@ -15,7 +15,7 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Predi
 from estexp_jax.discovery.export import explained_spec, expressible
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
-from estexp_jax.discovery.likely_laws import LawForces, law_forces
+from estexp_jax.discovery.law_forces import LawForces, law_forces
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import Step, step_of, to_blame
 from estexp_jax.discovery.problem import Problem

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from estexp_jax.discovery.likely_laws import LawForces
+from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.telling_laws import COVERED
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.likely_laws import LawForces
+from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.report.explain_figures import figure_fit, figure_ranking, figure_where, ranked, worst_channel
 from estexp_jax.report.explain_page import headline, page
 from estexp_jax.report.explain_rivals import figure_rivals
