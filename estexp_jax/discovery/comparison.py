@@ -99,7 +99,7 @@ def shortened(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     """The comparison in shorter windows than usual."""
     cut = cut_of(case.robots, whole.recordings, SHARE * config.window)
     memory = whole.memory.setdefault("shorter windows", {})
-    return replace(whole.with_windows(cut), memory=memory, most=_most_windows(case.robot, cut.whole))
+    return replace(whole.with_windows(cut), memory=memory, most=_most_windows(case.robot, cut.whole), hairs=True)
 
 
 def _each(change: Callable[[Robot], Robot], robots: Sequence[Robot]) -> list[Robot]:

@@ -18,7 +18,6 @@ import numpy as np
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit, candidates, jacobians, movable, normal_equations, prior_cost
-from estexp_jax.inference.windows import parts_soon
 
 _CONVERGED = 1e-3
 """Relative fall of the cost under which a fit rests."""
@@ -27,10 +26,10 @@ FAR, _ROUGHLY = 10.0, 1e-2
 _STEPS_EACH = 4
 """Most steps with derivatives found once."""
 _LEAPS = (0.4, 2.5)
-"""Factors that are tried in first looks at robots that soon part for good from one that differs a little, as robots on
-legs do: a single window in which they do makes slopes meaningless."""
+"""Factors that are tried in first looks at motions that soon part for good from those of a robot that differs a little,
+as on legs: a single window in which they do makes slopes meaningless."""
 _STEEP, _MOST = 3.0, 4.0
-"""Of such robots: times as steep as the median window's slopes from which on a window's slopes are heeded less, and
+"""Of such motions: times as steep as the median window's slopes from which on a window's slopes are heeded less, and
 times the median window's squared error that a window counts at most."""
 
 
@@ -139,20 +138,26 @@ def _costs(
     windows: np.ndarray,
     prices: Sequence[float],
 ) -> np.ndarray:
-    data = _data_costs(problem.residuals(members, windows), parts_soon(problem.replayer.robot))
+    data = _data_costs(problem.residuals(members, windows), problem.parting)
     return data + np.array([prior_cost(h, v, price) for (h, v), price in zip(members, prices, strict=True)])
 
 
 def _data_costs(residuals: np.ndarray, parting: bool) -> np.ndarray:
     """Squared residuals (members,), of (members, windows, samples).
 
-    Of robots that soon part a window counts at most as several usual ones: one in which a foot slips or not, as chance
+    Where motions soon part a window counts at most as several usual ones: one in which a foot slips or not, as chance
     has it, must not hide what the others say.
     """
     squares = np.sum(np.square(residuals, dtype=np.float64), axis=2)
     if parting:
-        squares = np.minimum(squares, _MOST * np.median(squares, axis=1, keepdims=True))
+        squares *= counting(squares)
     return squares.sum(axis=1)
+
+
+def counting(squares: np.ndarray) -> np.ndarray:
+    """Factors on squared errors (..., windows) that let each window count as much as it may at most."""
+    most = _MOST * np.median(squares, axis=-1, keepdims=True)
+    return np.minimum(1.0, most / np.maximum(squares, 1e-30))
 
 
 @dataclass
@@ -230,9 +235,9 @@ def _iterated(
     """
     moving = [_newest(f.hypothesis) if newest_only else movable(f.hypothesis) for f in fits]
     slopes = jacobians(problem, fits, windows, moving)
-    parting = parts_soon(problem.replayer.robot)
+    parting = problem.parting
     walks = [
-        _Walk(f, m, *s, price, leaps=parting and newest_only, weights=_heeded(f, s[1]) if parting else None)
+        _Walk(f, m, *s, price, leaps=parting and newest_only, weights=heeded(f, s[1]) if parting else None)
         for f, m, s, price in zip(fits, moving, slopes, prices, strict=True)
     ]
     for _ in range(1 if newest_only else _STEPS_EACH):
@@ -247,7 +252,7 @@ def _iterated(
     return [(w.at, w.rests) for w in walks]
 
 
-def _heeded(fitted: Fit, derivative: np.ndarray) -> np.ndarray:
+def heeded(fitted: Fit, derivative: np.ndarray) -> np.ndarray:
     """Weights (windows,) of slopes: less than 1 in windows whose slopes are many times as steep as is usual.
 
     There the robot parts for good from one that differs by a finite-difference step.

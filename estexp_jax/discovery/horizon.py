@@ -106,8 +106,8 @@ def as_nearer(problem: Problem, usual: Selection, found: Fit) -> Generator[Progr
     Returns:
         The selection, and the comparison about what is chosen.
     """
-    tasks = [(found.hypothesis, [found.vector])]
-    fits, there = yield from fitted(about(problem, found), tasks, "as by shorter windows", 20)
+    tasks, hanging = [(found.hypothesis, [found.vector])], replace(problem, hairs=True)
+    fits, there = yield from fitted(about(hanging, found), tasks, "as by shorter windows", 20)
     [better] = cross_validated(there, fits, folds_of(there))
     if not worth(better, usual.chosen):
         return usual, problem

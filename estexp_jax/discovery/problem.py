@@ -17,7 +17,7 @@ from estexp_jax.discovery.slack import Slack
 from estexp_jax.discovery.starts import Seen, Vectors
 from estexp_jax.inference.channels import Channels
 from estexp_jax.inference.noise import correlation_rows, loudness
-from estexp_jax.inference.windows import Cut
+from estexp_jax.inference.windows import Cut, parts_soon
 from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.segment import Segment
@@ -49,6 +49,7 @@ class Problem:
         lacking: share of it that the robot lacks: 1 for real ones, less for one that was simulated itself.
         most: so many windows are fitted at most.
         likely: values to start the search for some claims from, where a look at the forces suggests some.
+        hairs: whether motions were seen to hang on hairs: the windows in which they part then count little in fits.
         doubt: directions and factors of `doubt.directions` for each window, found by `about` too.
         slack: what values of the model and earlier claims would explain, if they were fitted; None: they are not.
         memory: the state of each stage of fitting, plain numbers and arrays by its name: kept by the caller, it lets an
@@ -68,6 +69,7 @@ class Problem:
     slack: Slack | None = None
     most: int = 48
     likely: Mapping[Place, Vectors] = field(default_factory=dict)
+    hairs: bool = False
 
     @property
     def replayer(self) -> Replayer:
@@ -78,6 +80,11 @@ class Problem:
     def channels(self) -> Channels:
         """The readings compared."""
         return self.replays.channels
+
+    @property
+    def parting(self) -> bool:
+        """Whether motions soon part for good from those of a robot that differs a little."""
+        return self.hairs or parts_soon(self.replayer.robot)
 
     @property
     def counted(self) -> list[int]:

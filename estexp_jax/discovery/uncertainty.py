@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import t as student
 
+from estexp_jax.discovery.fitting import counting, heeded
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit, jacobian
 from estexp_jax.inference.accuracy import gain
@@ -24,12 +25,17 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     is left out in turn (the jackknife, by one Gauss-Newton step; with few windows it is on the safe side, where the
     cluster-robust covariance is too small). Values of the model that the data do not settle stay near nominal, and may
     be off as much as such values usually are. And of the error of the step, which is reckoned out, a part is doubtful:
-    it acts like a delay.
+    it acts like a delay. Where motions hang on hairs, windows count as in the fit.
 
     Source: Liang and Zeger, Biometrika 73 (1986); Bell and McCaffrey, Survey Methodology 28 (2002).
     """
     windows, [price] = problem.fitted, problem.prices([fitted.member])
     residual, derivative = jacobian(problem, fitted, windows)
+    coarser = replace(problem, lacking=problem.lacking - _STEP_DOUBT).residuals([fitted.member], windows)[0]
+    if problem.hairs:
+        counts = np.sqrt(counting(np.sum(residual**2, axis=1)))
+        weights = (heeded(fitted, derivative) * counts)[:, None]
+        residual, derivative, coarser = weights * residual, weights[..., None] * derivative, weights * coarser
     free = fitted.hypothesis.free
     scale, spread = np.array([f.size for f in free]), np.array([f.spread for f in free])
     n, slopes = len(windows), derivative * scale
@@ -42,7 +48,6 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     ]
     moved = np.stack(left_out) @ bread
     pulled = np.diag((price * scale / spread) ** 2)
-    coarser = replace(problem, lacking=problem.lacking - _STEP_DOUBT).residuals([fitted.member], windows)[0]
     late = bread @ np.einsum("wsp,ws->p", slopes, coarser.astype(np.float64) - residual)
     variance = (n - 1) / n * np.sum(moved**2, axis=0) + np.diag(bread @ pulled @ bread) + late**2
     reach = float(student.ppf(_UPPER, max(n - 1, 1))) * np.sqrt(np.maximum(variance, 0.0)) * scale

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import _data_costs, _heeded, _Walk, fit
+from estexp_jax.discovery.fitting import _data_costs, _Walk, fit, heeded
 from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.slopes import DAMPINGS, Fit, movable
 from estexp_jax.discovery.starts import starts
@@ -83,7 +83,7 @@ class Rugged:
     def __init__(self) -> None:
         self.memory: dict[str, Any] = {}
         self.counted = [0]
-        self.replayer = SimpleNamespace(robot=nominal("one"))
+        self.replayer, self.parting = SimpleNamespace(robot=nominal("one")), False
 
     def residuals(self, members, windows) -> np.ndarray:
         size = np.array([f.size for f in members[0][0].free])
@@ -185,10 +185,10 @@ def test_windows_in_which_robots_part_neither_rule_slopes_nor_costs():
     derivative = np.ones((5, 4, 1))
     derivative[2] = -30.0
     at = Fit(hypothesis, np.zeros(1), 1.0)
-    weights = _heeded(at, derivative)
+    weights = heeded(at, derivative)
     assert weights == pytest.approx([1.0, 1.0, 0.1, 1.0, 1.0])
-    np.testing.assert_array_equal(_heeded(at, 0.0 * derivative), 1.0)
+    np.testing.assert_array_equal(heeded(at, 0.0 * derivative), 1.0)
     residual = np.ones((5, 4))
-    ruled, heeded = (_Walk(at, np.array([True]), residual, derivative, 1e-9, weights=w) for w in (None, weights))
-    first = [walk.candidates()[0][0] for walk in (ruled, heeded)]
+    ruled, free = (_Walk(at, np.array([True]), residual, derivative, 1e-9, weights=w) for w in (None, weights))
+    first = [walk.candidates()[0][0] for walk in (ruled, free)]
     assert first[0] > 0.0 > first[1], "four windows of five say less"

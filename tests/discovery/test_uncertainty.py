@@ -1,6 +1,6 @@
 """Intervals hold the truth as often as they say, also where windows are few and their errors last."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -23,6 +23,7 @@ class Linear:
     seen: np.ndarray
     step: np.ndarray | float = 0.0
     lacking: float = 1.0
+    hairs: bool = False
     fitted: np.ndarray = field(default_factory=lambda: np.arange(WINDOWS))
 
     def prices(self, members):
@@ -66,3 +67,18 @@ def test_what_the_step_does_like_a_parameter_makes_it_uncertain() -> None:
     doubtful = np.diff(parameter_intervals(stepped, fitted))[:, 0]  # pyright: ignore[reportArgumentType]
     assert doubtful[1] > 8.0 and doubtful[1] > 5.0 * plain[1]
     assert doubtful[[0, 2]] == pytest.approx(plain[[0, 2]], rel=0.2)
+
+
+def test_a_window_that_hangs_on_a_hair_makes_nothing_uncertain_that_the_others_settle() -> None:
+    problem, fitted = drawn(np.random.default_rng(33))
+    plain = np.diff(parameter_intervals(problem, fitted))[:, 0]  # pyright: ignore[reportArgumentType]
+    slopes, seen = problem.slopes.copy(), problem.seen.copy()
+    slopes[4] *= 30.0
+    seen[4] = slopes[4] @ fitted.vector + 40.0
+    wild = Linear(slopes, seen)
+    ruled, free = (
+        np.diff(parameter_intervals(replace(wild, hairs=hairs), fitted))[:, 0]  # pyright: ignore[reportArgumentType]
+        for hairs in (False, True)
+    )
+    assert (ruled > 3.0 * plain).all()
+    assert (free < 1.5 * plain).all()
