@@ -1,15 +1,17 @@
 """How visible a concealed effect is, decided before anyone explains it, from the truth without noise.
 
-The nominal model is run from the true state of every window of 1 s; then all its masses, dampings, armatures and gains
-are refitted within bounds until nothing improves (bounded least squares). What remains on the test recordings, in noise
-floors, is the effect's visibility: what no honest change of parameters explains. The nominal model's step-size error is
-subtracted (at the nominal parameters and again at the fitted ones), so that it does not count as an effect.
+The nominal model is run from the true state of every window of 1 s; then all its masses, dampings, armatures and gains,
+and one constant error of each measured joint's position at the windows' starts (who explains the recordings knows
+starts from the sensors alone), are refitted within bounds until nothing improves (bounded least squares). What remains
+on the test recordings, in noise floors, is the effect's visibility: what no honest change of parameters explains. The
+nominal model's step-size error is subtracted (at the nominal parameters and again at the fitted ones), so that it does
+not count as an effect.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -44,18 +46,31 @@ class Stretch:
 
 
 class Bent:
-    """A model whose masses, dampings, armatures and gains are scaled by a vector of relative errors."""
+    """A model whose masses, dampings, armatures and gains are scaled by a vector of relative errors.
 
-    def __init__(self, model: mujoco.MjModel) -> None:
-        """Of a nominal model, which stays as it is."""
+    The vector ends with errors of the windows' starts, in spans of the joints that are measured.
+    """
+
+    def __init__(self, model: mujoco.MjModel, layout: Layout, channels: Sequence[Channel], spans: np.ndarray) -> None:
+        """Of a nominal model, which stays as it is.
+
+        Args:
+            model: the nominal one.
+            layout: where things are in it.
+            channels: its sensors.
+            spans: (channels,) of their readings.
+        """
         self.model = model
+        measured = {c.joint: span for c, span in zip(channels, spans, strict=True) if c.kind == "position"}
+        self.starts = 1 + layout.q[list(measured)]  # behind the time, in MuJoCo's state
+        self.spans = np.nan_to_num(np.array(list(measured.values())), posinf=0.0)
         self.damped, self.turned = np.flatnonzero(model.dof_damping > 0.0), np.flatnonzero(model.dof_armature > 0.0)
         self.slowed = np.flatnonzero(model.actuator_biasprm[:, 2] != 0.0)
-        self.sizes = (model.nbody - 1, len(self.damped), len(self.turned), model.nu, len(self.slowed))
+        self.sizes = (model.nbody - 1, len(self.damped), len(self.turned), model.nu, len(self.slowed), len(self.starts))
 
     def at(self, x: np.ndarray) -> mujoco.MjModel:
         """The model at a vector."""
-        mass, damping, armature, gain, slow = np.split(1.0 + x, np.cumsum(self.sizes)[:-1])
+        mass, damping, armature, gain, slow, _ = np.split(1.0 + x, np.cumsum(self.sizes)[:-1])
         m = self.model.__copy__()
         m.body_mass[1:] *= mass
         m.body_inertia[1:] *= mass[:, None]
@@ -67,6 +82,12 @@ class Bent:
         m.actuator_biasprm[self.slowed, 2] *= slow
         mujoco.mj_setConst(m, mujoco.MjData(m))
         return m
+
+    def begun(self, x: np.ndarray, s: Stretch) -> Stretch:
+        """Windows that begin elsewhere."""
+        states = s.states.copy()
+        states[:, self.starts] += self.spans * x[len(x) - len(self.starts) :]
+        return replace(s, states=states)
 
 
 def stretch(model: mujoco.MjModel, traces: Sequence[Trace], readings: Sequence[np.ndarray]) -> Stretch:
@@ -159,13 +180,15 @@ def visibility(
     spans = np.maximum(spans, 5.0 * deviations)
     spans = np.where(spans > 0.0, spans, np.inf)  # a joint that stands still, seen without noise, shows nothing
     floor = float(np.sqrt(np.mean((deviations / spans) ** 2)))
-    bent, zero, roles = Bent(model), np.zeros(sum(Bent(model).sizes)), tuple(stretches)
+    bent, roles = Bent(model, layout, channels, spans), tuple(stretches)
+    zero = np.zeros(sum(bent.sizes))
 
     def shifts(x: np.ndarray) -> dict[str, np.ndarray]:
-        return {role: step_error(bent.at(x), stretches[role], layout, channels) for role in roles}
+        return {role: step_error(bent.at(x), bent.begun(x, stretches[role]), layout, channels) for role in roles}
 
     def misfit(x: np.ndarray, role: str, shift: dict[str, np.ndarray]) -> np.ndarray:
-        found = predicted(bent.at(x), stretches[role], layout, channels) + shift[role] - stretches[role].readings
+        begun = bent.begun(x, stretches[role])
+        found = predicted(bent.at(x), begun, layout, channels) + shift[role] - begun.readings
         found = np.nan_to_num(found / spans, nan=1e3, posinf=1e3, neginf=-1e3)
         return np.clip(found, -1e3, 1e3).ravel()
 

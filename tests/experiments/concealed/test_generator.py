@@ -166,6 +166,16 @@ def test_a_joint_that_stands_still_and_is_seen_without_noise_says_nothing_of_wha
     assert all(np.isfinite([*case.visible.refit.values()]))
 
 
+def test_a_bias_shows_where_the_motion_depends_on_the_position_alone():
+    """Along a free rail every place is like every other, so that recordings begin elsewhere says nothing."""
+    rail, knee = [
+        make(Plan("single", robot, (Planted("sensor_bias", joint, 0.5),), 12), shorter=0.3)
+        for robot, joint in (("cartpole", 0), ("leg", 2))
+    ]
+    assert max(rail.visible.nominal.values()) > 30.0 and min(rail.visible.refit.values()) < 3.0
+    assert min(knee.visible.refit.values()) > 3.0
+
+
 def test_a_set_has_all_groups_and_every_effect_a_place():
     drawn = plans(3, 60, ["leg", "planar"])
     assert {p.group for p in drawn} == set(SHARES) and len(drawn) == 60 and len({p.seed for p in drawn}) == 60
