@@ -47,14 +47,19 @@ def read_inputs(
         mend: judge rather than refuse logs whose clock stands still or runs backwards.
 
     Raises:
-        InputError: nothing to read, a manifest together with other things, or a file that cannot be read.
+        InputError: nothing to read, a folder, a manifest together with other things, or a file that cannot be read.
     """
+    folder = next((Path(file) for file in files if Path(file).is_dir()), None)
+    if folder is not None:
+        manifest = folder / "recordings.toml"
+        right = f"the manifest in it, {manifest}" if manifest.is_file() else "a manifest, or a model and its logs"
+        raise InputError("is a folder", where=str(folder), right=right)
     if is_manifest(files):
         if len(files) > 1 or test or maps:
             right = "it names logs, roles and columns itself; or give an MJCF and logs instead"
             raise InputError("a manifest stands alone", where=files[0], right=right)
-        manifest = read_manifest(files[0], mend=mend)
-        return Inputs(manifest.model, manifest.robot, manifest.recordings)
+        read = read_manifest(files[0], mend=mend)
+        return Inputs(read.model, read.robot, read.recordings)
     if len(files) + len(test) < 2 or not files:
         raise InputError("no recordings given", right="a recordings.toml, or an MJCF model and at least one log")
     robot, mapping = Robot.from_xml(files[0]), parse_maps(maps)

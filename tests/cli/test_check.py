@@ -55,6 +55,7 @@ def test_settings_of_a_recording_count(data):
     [
         ([], "no recordings given"),
         (["arm.xml"], "no recordings given"),
+        (["."], "is a folder; the manifest in it, recordings.toml"),
         (["arm.xml", "a.csv"], "no column 'ctrl.servo'"),
         (["recordings.toml", "a.csv"], "stands alone"),
         (["nowhere.toml"], "no such manifest"),

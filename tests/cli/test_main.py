@@ -100,7 +100,10 @@ print(heavy, file=sys.stderr)
 
 def test_version(capsys):
     assert main(["--version"]) == 0
-    assert capsys.readouterr().out.startswith("estexp ")
+    shown = capsys.readouterr().out
+    assert shown.startswith("estexp ")
+    module = [sys.executable, "-m", "estexp_jax", "--version"]
+    assert subprocess.run(module, capture_output=True, text=True, check=True).stdout == shown
 
 
 INTERRUPTED = """
