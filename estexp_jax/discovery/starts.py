@@ -26,6 +26,9 @@ _REBOUND = 0.35
 _STIFF, _SOFT = (0.01, 500.0), (0.3, 33.0)
 """Time constant (s) and frequency (rad/s) of stops that throw a joint back at once, or after they gave way."""
 
+_GRIPS = (0.03, 0.1, 0.25, 0.5, 0.75, 0.93, 1.07, 1.4, 2.5)
+"""Shares of the modelled grip: where feet slip, a motion a little farther off is another one."""
+
 Vectors = list[tuple[float, ...]]
 """Values of an effect's parameters, in its order."""
 Bounds = Sequence[tuple[float, float]]
@@ -89,8 +92,11 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
         case "rebound_limit":
             hard = starts(robot, effect("joint_limit"), site, seen)
             return [(*stop, *bounce) for stop, bounce in product(hard, (_STIFF, _SOFT))]
-        case "torque_saturation" | "ground_friction":
+        case "torque_saturation":
             return [(float(x),) for x in np.geomspace(*bounds[0], 8)]
+        case "ground_friction":
+            grip = float(robot.model.geom_friction[:, 0].max())
+            return [(min(max(share * grip, bounds[0][0]), bounds[0][1]),) for share in _GRIPS]
         case "part_lost" | "part_stub":
             return [(1.0,)]
         case "joint_jam":
