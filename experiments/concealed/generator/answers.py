@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -42,11 +43,16 @@ def answer(case: Case) -> dict[str, Any]:
 
 
 def _visibility(case: Case) -> dict[str, Any]:
-    """Errors in noise floors, and `shown`: what the effect leaves after the refit in training and test, the smaller."""
+    """Errors in noise floors, and `shown`: what the effect leaves after the refit in training and test, the smaller.
+
+    What the robot leaves without the effect, `twin`, is taken out.
+    """
     v = case.visible
+    twin = dict.fromkeys(v.refit, 0.0) if case.twin is None else case.twin.refit
     coarse = any(p.effect == "time_step" for p in case.plan.planted)
-    shown = v.step if coarse else min(v.refit["train"], v.refit["test"])
-    return {"floor": v.floor, "nominal": v.nominal, "refit": v.refit, "step": v.step, "shown": shown}
+    left = [sqrt(max(v.refit[role] ** 2 - twin[role] ** 2, 0.0)) for role in ("train", "test")]
+    shown = v.step if coarse else min(left)
+    return {"floor": v.floor, "nominal": v.nominal, "refit": v.refit, "twin": twin, "step": v.step, "shown": shown}
 
 
 def _effect(planted: Planted, effect: Effect, robot: str) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import asdict, dataclass, field, replace
 
 import mujoco
@@ -87,6 +88,8 @@ class Case:
         effects: made, with their parameters, beside `plan.planted`.
         instruments: how good the sensors are.
         visible: how visible the difference is.
+        twin: and how visible it were without the effects, with the same wrong values, where bodies touch: their motions
+            part by themselves.
         truth, motors: the true model without its effects, and its motors.
         wrong: relative errors of the parameters that were made wrong on purpose.
         deviation: of the ordinary parameter errors.
@@ -104,6 +107,7 @@ class Case:
     wrong: dict[str, float] = field(default_factory=dict)
     deviation: float = 0.0
     shorter: float = 1.0
+    twin: Visibility | None = None
 
 
 def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = False, refit: bool = True) -> Case:
@@ -129,11 +133,18 @@ def make(plan: Plan, *, shorter: float = 1.0, bound: float = 0.3, clean: bool = 
     instruments = Instruments.draw(rng)
     instruments = replace(instruments, bits=14, coloured=0.0, dropped=0.0, memory=0.0) if plan.plain else instruments
     rate = float(rng.choice(robot.rates, p=_shares(len(robot.rates))))
-    plant = Plant(robot, truth, motors, effects, plan.by_hand)
-    recorded = tuple(_recordings(plan, robot, plant, effects, instruments, rate, shorter, rng))
-    seen = channels(model, place)
-    measure = _visible(model, robot, seen, recorded, effects, plan.planted, instruments, bound if refit else 0.0)
-    return Case(plan, nominal, recorded, effects, instruments, measure, truth, motors, wrong, deviation, shorter)
+    bound = bound if refit else 0.0
+
+    def moved(effects: tuple[Effect, ...], rng: np.random.Generator) -> tuple[tuple[Recorded, ...], Visibility]:
+        plant = Plant(robot, truth, motors, effects, plan.by_hand)
+        recorded = tuple(_recordings(plan, robot, plant, effects, instruments, rate, shorter, rng))
+        planted = plan.planted if effects else ()
+        return recorded, _visible(model, robot, channels(model, place), recorded, effects, planted, instruments, bound)
+
+    same = deepcopy(rng)
+    recorded, measure = moved(effects, rng)
+    twin = moved((), same)[1] if place.free and effects and refit else None
+    return Case(plan, nominal, recorded, effects, instruments, measure, truth, motors, wrong, deviation, shorter, twin)
 
 
 def _shares(n: int) -> list[float]:

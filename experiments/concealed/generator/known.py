@@ -16,6 +16,11 @@ def _compliance(s: float, j: int, z: Scales) -> dict[str, float]:
     return {"k": k, "d": 0.1 * np.sqrt(k * inertia), "I": inertia}
 
 
+def _stop(s: float, low: float, high: float) -> dict[str, float]:
+    half = 0.5 * (high - low)
+    return {"low": low - 3.0 * half, "high": high - s * half}
+
+
 def _direction(rng: np.random.Generator) -> np.ndarray:
     v = rng.standard_normal(3)
     return v / np.linalg.norm(v)
@@ -68,7 +73,7 @@ KNOWN = (
         "joint_limit",
         "joint",
         joints.Wall,
-        lambda s, j, z, r: {"low": z.low[j] * 4.0, "high": z.high[j] * (1.0 - 0.8 * s)},
+        lambda s, j, z, r: _stop(s, z.low[j], z.high[j]),
         ("high",),
     ),
     Kind("joint_jam", "joint", joints.Jam, lambda s, j, z, r: {"f": 0.15 + 0.7 * s}, ("f",)),

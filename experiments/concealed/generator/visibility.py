@@ -1,11 +1,11 @@
 """How visible a concealed effect is, decided before anyone explains it, from the truth without noise.
 
-The nominal model is run from the true state of every window of 1 s; then all its masses, dampings, armatures and gains,
-and one constant error of each measured joint's position at the windows' starts (who explains the recordings knows
-starts from the sensors alone), are refitted within bounds until nothing improves (bounded least squares). What remains
-on the test recordings, in noise floors, is the effect's visibility: what no honest change of parameters explains. The
-nominal model's step-size error is subtracted (at the nominal parameters and again at the fitted ones), so that it does
-not count as an effect.
+The nominal model is run from the true state of every window of 1 s; then all its masses, dampings, armatures and gains
+are refitted within bounds until nothing improves (bounded least squares), with one constant error of each measured
+joint's position at the windows' starts where the robot is fixed: who explains the recordings knows starts from the
+sensors alone. What remains on the test recordings, in noise floors, is the effect's visibility: what no honest change
+of parameters explains. The nominal model's step-size error is subtracted (at the nominal parameters and again at the
+fitted ones), so that it does not count as an effect.
 """
 
 from __future__ import annotations
@@ -62,7 +62,8 @@ class Bent:
         """
         self.model = model
         measured = {c.joint: span for c, span in zip(channels, spans, strict=True) if c.kind == "position"}
-        self.starts = 1 + layout.q[list(measured)]  # behind the time, in MuJoCo's state
+        measured = {} if layout.free else measured  # servos pull the legs to what is asked within some rows
+        self.starts = 1 + layout.q[np.array(list(measured), int)]  # behind the time, in MuJoCo's state
         self.spans = np.nan_to_num(np.array(list(measured.values())), posinf=0.0)
         self.damped, self.turned = np.flatnonzero(model.dof_damping > 0.0), np.flatnonzero(model.dof_armature > 0.0)
         self.slowed = np.flatnonzero(model.actuator_biasprm[:, 2] != 0.0)

@@ -11,7 +11,7 @@ import pytest
 
 from experiments.concealed.generator.answers import answer
 from experiments.concealed.generator.case import Plan, Planted, build, make, reading
-from experiments.concealed.generator.catalogue import CATALOGUE, RELATIVES, UNKNOWN, places
+from experiments.concealed.generator.catalogue import CATALOGUE, RELATIVES, UNKNOWN, parameters, places
 from experiments.concealed.generator.effect import Queue, bristle
 from experiments.concealed.generator.equations import by_hand
 from experiments.concealed.generator.excitation import controller, motion
@@ -21,6 +21,7 @@ from experiments.concealed.generator.motors import Motors
 from experiments.concealed.generator.plans import SHARES, counts, plans
 from experiments.concealed.generator.plant import Plant, clock
 from experiments.concealed.generator.robots import ROBOTS, layout
+from experiments.concealed.generator.scales import scales
 from experiments.concealed.generator.sensing import channels
 
 GENERATOR = Path(__file__).parents[3] / "experiments" / "concealed" / "generator"
@@ -174,6 +175,23 @@ def test_a_bias_shows_where_the_motion_depends_on_the_position_alone():
     ]
     assert max(rail.visible.nominal.values()) > 30.0 and min(rail.visible.refit.values()) < 3.0
     assert min(knee.visible.refit.values()) > 3.0
+
+
+def test_a_stop_leaves_room_on_the_other_side_and_takes_some_where_the_joint_goes():
+    for robot in ROBOTS.values():
+        z, at = scales(robot.name), places("joint_limit", robot.name)
+        for joint in at:
+            stop = parameters("joint_limit", 0.5, robot.name, joint, np.random.default_rng(0))
+            assert stop["low"] < z.low[joint] - 0.2 * (z.high[joint] - z.low[joint])
+            assert z.low[joint] < stop["high"] < z.high[joint]
+
+
+def test_what_a_walker_leaves_without_the_effect_is_not_the_effects():
+    single = make(Plan("single", "quadruped", (Planted("ground_friction", -1, 0.05),), 13), shorter=0.1)
+    assert single.twin is not None
+    seen = answer(single)["visibility"]
+    left = {role: np.sqrt(max(seen["refit"][role] ** 2 - seen["twin"][role] ** 2, 0.0)) for role in seen["refit"]}
+    assert min(seen["twin"].values()) > 0.0 and seen["shown"] == pytest.approx(min(left.values()))
 
 
 def test_a_set_has_all_groups_and_every_effect_a_place():
