@@ -13,7 +13,7 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.believing import crowded, needed, without_piles
 from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of, shortened, shown_of, to_fit
-from estexp_jax.discovery.dating import dated, short_windows
+from estexp_jax.discovery.dating import sharpened
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Progress, Task, fit
@@ -26,7 +26,7 @@ from estexp_jax.discovery.hypotheses import (
     known_values,
     parameters_only,
 )
-from estexp_jax.discovery.late import begun, select_late, starting_late
+from estexp_jax.discovery.late import begun, select_late, starting, starting_late
 from estexp_jax.discovery.laws import Unnamed, single_term, unknown_law, unknown_law_nearer
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
@@ -110,15 +110,16 @@ def _late(
     case: Case, config: ExplainConfig, problem: Problem, selection: Selection, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem, dict[int, float]]]:
     """The selection among claims that begin part-way, if they do: with its comparison and the dates, refined by it."""
-    began = yield from begun(case, problem, selection, config.seed)
+    began = yield from begun(case, config, problem, selection)
     if not began:
         return selection, problem, {}
     late = starting_late(case, config, problem, began)
     better = yield from select_late(late, parameters, selection, config.most)
     if better is None:
         return selection, problem, {}
-    again = dated(short_windows(case, problem), [better[0].chosen.fitted])
-    return *better, again or began
+    fitted = better[0].chosen.fitted
+    again = yield from sharpened(starting(case, config, problem), began, fitted, "from when on it acts")
+    return *better, again
 
 
 def _frozen(selection: Selection, problem: Problem, parameters: Hypothesis) -> Selection:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import replace
+from functools import partial
 
 from estexp_jax.discovery.beginnings import parted
-from estexp_jax.discovery.dating import dated, short_windows
+from estexp_jax.discovery.dating import Dates, dated, sharpened, short_windows
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import driven, force_residuals
@@ -14,22 +15,26 @@ from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.onset import helps_before, onsets
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
-from estexp_jax.discovery.selection import NOISE, Selection
+from estexp_jax.discovery.selection import NOISE, Explanation, Selection
 from estexp_jax.inference.windows import cut_of, fitting_window
 
 _MEMORY = "from the onset on"
 _LIKELY = 5
 """So many of the best single claims may be the one that begins, where none was worth it from the start."""
+_GROWING = ("motor_fade", "motor_heat")
+"""Effects that come on by themselves: they make up for an onset, and for a date that is a little off."""
 
 
-def begun(case: Case, problem: Problem, selection: Selection, seed: int) -> Generator[Progress, None, dict[int, float]]:
-    """When the mismatch begins in each training recording, s; empty: from the start, or nothing is wrong.
+def begun(
+    case: Case, config: ExplainConfig, problem: Problem, selection: Selection
+) -> Generator[Progress, None, Dates]:
+    """When the mismatch begins in each training recording; empty: from the start, or nothing is wrong.
 
     Args:
         case: what is explained.
+        config: how.
         problem: the comparison.
         selection: what was chosen as if everything acted from the start.
-        seed: of what is drawn.
 
     Yields:
         Progress.
@@ -37,11 +42,12 @@ def begun(case: Case, problem: Problem, selection: Selection, seed: int) -> Gene
     chosen = selection.chosen
     if chosen.error <= NOISE:
         return {}
-    claims = chosen.places and [chosen] or [e for e in selection.tried if len(e.places) == 1]
-    likely = sorted(claims, key=lambda e: e.error)[:_LIKELY]
+    single = sorted((e for e in selection.tried if len(e.places) == 1), key=lambda e: e.error)
+    steady = [e for e in single if not _grows(e)][:_LIKELY]
+    likely = [chosen, *(steady if _grows(chosen) else [])] if chosen.places else single[:_LIKELY]
     found = dated(short_windows(case, problem), [e.fitted for e in likely])
-    if found:
-        return found
+    if found is not None:
+        return (yield from sharpened(starting(case, config, problem), found.began, found.fitted, "from when on"))
     found = yield from parted(case, problem, selection.parameters.fitted.hypothesis)
     if found:
         return found
@@ -49,12 +55,21 @@ def begun(case: Case, problem: Problem, selection: Selection, seed: int) -> Gene
     # Parameters fitted to whole recordings would leave traces of the mismatch before it began: so the nominal robot.
     seen = force_residuals(problem, [robot.model for robot in case.robots], train)
     dofs = driven(case.robot.model, seen).tolist()
-    found = onsets(dict(zip(train, seen, strict=True)), dofs, seed)
+    found = onsets(dict(zip(train, seen, strict=True)), dofs, config.seed)
     return {} if found and helps_before(problem, found, chosen.fitted) else found
 
 
+def _grows(e: Explanation) -> bool:
+    return any(name in _GROWING for name, _ in e.places)
+
+
+def starting(case: Case, config: ExplainConfig, problem: Problem) -> Callable[[Mapping[int, float]], Problem]:
+    """`starting_late` of dates."""
+    return partial(starting_late, case, config, problem)
+
+
 def starting_late(case: Case, config: ExplainConfig, problem: Problem, began: Mapping[int, float]) -> Problem:
-    """The comparison with a window beginning where the mismatch does; claims act from there on.
+    """The comparison with a window beginning where the mismatch does; claims act from there on, all of it at once.
 
     Args:
         case: what is explained.
@@ -65,7 +80,8 @@ def starting_late(case: Case, config: ExplainConfig, problem: Problem, began: Ma
     window = fitting_window(case.robot, config.window)
     cut = cut_of(case.robots, problem.recordings, window, began)
     memory = problem.memory.setdefault(_MEMORY, {})
-    return replace(problem.with_windows(cut, began), memory=memory)
+    places = tuple(place for place in problem.places if place[0] not in _GROWING)
+    return replace(problem.with_windows(cut, began), memory=memory, places=places)
 
 
 def select_late(

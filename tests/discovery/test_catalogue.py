@@ -66,7 +66,7 @@ def test_a_grip_starts_a_little_on_either_side_of_the_modelled_one(grip: float) 
     """Where feet slip a hair less the robot goes another way, from which no fit finds back."""
     ground = f'<mujoco><worldbody><geom type="plane" size="1 1 1" friction="{grip}"/><body><freejoint/>'
     walker = Robot.from_string(ground + '<geom size=".1" friction=".1"/></body></worldbody></mujoco>', "walker.xml")
-    found = np.array(starts(walker, effect("ground_friction"), "", Seen(*np.zeros((2, 7)), np.zeros(0)))).ravel()
+    found = np.array(starts(walker, effect("ground_friction"), "", Seen(np.zeros(7), np.zeros(7), np.zeros(0)))).ravel()
     off = found / grip - 1.0
     assert 0.02 < off[off > 0].min() < 0.1 and -0.1 < off[off < 0].max() < -0.02
     assert found.min() < 0.1 * grip and found.max() > 1.3 * grip

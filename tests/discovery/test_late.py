@@ -34,15 +34,19 @@ BEGAN = (2.3, 3.7, 3.05)
 TORQUE = 0.3
 
 
-def late_recording(seed: int, began: float, role: str) -> Recording:
-    """A servo's arm that resists its motion from some time on, simulated by C at a fifth of the step."""
+def late_recording(seed: int, began: float, role: str, torque: float = TORQUE, loss: float = 0.0) -> Recording:
+    """A servo's arm, simulated by C at a fifth of the step, that resists its motion or is weaker from some time on."""
     model = mujoco.MjModel.from_xml_string(XML["one"])
     model.opt.timestep /= 5
     data, rng, n = mujoco.MjData(model), np.random.default_rng(seed), round(LENGTH * RATE)
+    servo, bias = model.actuator_gainprm[0, 0].copy(), model.actuator_biasprm[0].copy()
     command, angles = commands(rng, np.arange(n) / RATE, np.array([1.2])), np.zeros((n, 1))
     for k in range(n):
         angles[k], data.ctrl[:] = data.qpos, command[k]
-        model.dof_frictionloss[0] = TORQUE * (k / RATE >= began)
+        late = k / RATE >= began
+        left = 1.0 - loss * late
+        model.dof_frictionloss[0] = torque * late
+        model.actuator_gainprm[0, 0], model.actuator_biasprm[0] = servo * left, bias * left
         for _ in range(10):
             mujoco.mj_step(model, data)
     quantum, nothing = 2.0 * np.pi / 2**12, np.full((n, 1), np.nan)
@@ -121,6 +125,23 @@ def test_what_is_there_from_the_start_or_never_has_no_beginning(name):
     problem = problem_of(whole)
     own = parameters_only(problem.replayer.robot, problem.replayer.catalogue)
     assert finished(parted(whole, problem, own)) == {}
+
+
+def test_a_motor_that_weakens_part_way_is_no_motor_that_fades():
+    recordings = [late_recording(910 + i, t, "train", 0.0, 0.35) for i, t in enumerate(BEGAN)]
+    weak = Case(nominal("one"), (*recordings, late_recording(913, -1.0, "test", 0.0, 0.35)), (nominal("one"),) * 4)
+    few = ("motor_weakness", "motor_fade", "motor_heat")
+    findings = explained(weak, replace(CONFIG, most=1, effects=few)).findings
+    assert [w["effect"] for w in findings["what"]] == ["motor_weakness"]
+    assert findings["what"][0]["parameters"]["loss"]["value"] == pytest.approx(0.35, rel=0.1)
+    assert np.array(list(findings["when"]["onset_s"].values())) == pytest.approx(BEGAN, abs=0.08)  # windows have 0.2 s
+
+
+def test_what_begins_part_way_does_not_come_on_by_itself():
+    one = case_of("one", Plant(), 12, trains=1)
+    places = tuple((name, "servo") for name in ("motor_weakness", "motor_fade", "motor_heat"))
+    late = starting_late(one, CONFIG, replace(problem_of(one), places=places), {0: 0.8})
+    assert late.places == places[:1]
 
 
 @pytest.mark.slow
