@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.inference.channels import spans
 from estexp_jax.physics import units
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
@@ -20,6 +22,8 @@ from estexp_jax.physics.robot import Robot
 
 TOLD = 0.01
 """Smallest probability of an alternative worth a line."""
+_LOUD, _LOUDER = 0.1, 10.0
+"""Share of its range that the noise of a reading is at least, and how many times that of most, where it is told."""
 _TIED = 8
 """Alternatives after which those without a probability are left out, however well they fit."""
 
@@ -172,6 +176,23 @@ def engine_advice(robot: Robot) -> list[str]:
     """A line on each thing of a model that is left out of its simulation, contacts of what came near included."""
     return [
         f"See that this does not matter to your motions: simulated without {x}." for x in within_mjx(robot).left_out
+    ]
+
+
+def noise_advice(problem: Problem) -> list[str]:
+    """A line on each reading that jumps from row to row by much of its range, and far more than its fellows do."""
+    loud: dict[str, float] = {}
+    for recording, noise in zip(problem.recordings, problem.noise, strict=True):
+        quiet = np.sort(noise[np.isfinite(noise)])
+        usual = quiet[(len(quiet) - 1) // 2] if len(quiet) else np.inf
+        shares = noise / spans(problem.channels, recording)
+        for name, own, share in zip(problem.channels.names, noise, shares, strict=True):
+            if share > _LOUD and own > _LOUDER * usual:
+                loud[name] = max(share, loud.get(name, 0.0))
+    return [
+        f"Record more rows a second, or see what swings: the reading {name} jumps from row to row by {share:.0%} of "
+        "its range. That is taken for noise, under which little can be seen."
+        for name, share in loud.items()
     ]
 
 

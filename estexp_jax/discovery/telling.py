@@ -170,6 +170,7 @@ def _told(
         "fit": errors,
         "advice": (tell.belied(found.claimed) if refuted(case, config, shown, "test") else [])
         + tell.advice(judged, found.claimed, case.recordings, shares)
+        + tell.noise_advice(found.problem)
         + tell.step_advice(selection, timestep)
         + tell.engine_advice(found.shown.replayer.robot)
         + tell.black_box_advice(judged, errors)

@@ -1,16 +1,18 @@
 """What is told where nothing explains a mismatch."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from estexp_jax.discovery.diagnosis import Case
+from estexp_jax.discovery.findings import noise_advice
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling import Found, judged_by
-from tests.discovery.planted import nominal
+from tests.discovery.planted import Plant, case_of, nominal, problem_of
 
 UNUSED: Any = None
 
@@ -38,3 +40,12 @@ def test_where_nothing_explains_values_stay_unless_bending_them_pays(before: flo
     assert after.fits["parameters_only"] is fits["parameters_only"]
     shown = "explained" if kept else "nominal"
     assert after.fits["explained"] is fits[shown] and after.fits["sayable"] is fits["sayable" if kept else "nominal"]
+
+
+@pytest.mark.parametrize(("loud", "told"), [(1.0, 1), (0.01, 0)])
+def test_a_reading_that_swings_faster_than_its_rows_is_told(loud: float, told: int) -> None:
+    problem = problem_of(case_of("two", Plant(), 12, trains=1))
+    noise = problem.noise.copy()
+    noise[0, 1] = loud * np.ptp(problem.recordings[0].sensor[:, 1])
+    lines = noise_advice(replace(problem, noise=noise))
+    assert len(lines) == told and all("lower_angle" in line and "100%" in line for line in lines)
