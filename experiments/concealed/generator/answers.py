@@ -16,6 +16,8 @@ from experiments.concealed.generator.sensing import channels
 
 _INNER = ("source", "reference", "axis", "times", "ratio")
 """Parameters of ours that no name of the catalogue has."""
+_SPUN = ("leg", "arm6", "cartpole", "scara")
+"""Robots on whose first joint the first link's weight has no lever: all that its mass adds there is inertia."""
 _JAMMED = 0.5
 """Degree from which on a jam is told from viscous friction."""
 
@@ -107,7 +109,8 @@ def equivalents(case: Case) -> list[list[str]]:
 
     Without a stretch with the motor off, back-EMF and viscous friction differ only in what a torque sensor shows. On a
     planar robot gravity's tilt, the first joint's zero offset and its sensor's bias differ only in servo commands; at
-    any other joint the last two do. These robots have motors without servos.
+    any other joint the last two do. These robots have motors without servos. The mass of a first link whose weight has
+    no lever on its joint is rotor inertia.
     """
     torque = any(c.kind == "torque" for c in channels(ROBOTS[case.plan.robot].model, layout(case.plan.robot)))
     off = any(not np.all(r.rows.enable) for r in case.recorded)
@@ -118,6 +121,7 @@ def equivalents(case: Case) -> list[list[str]]:
     for p in case.plan.planted:
         name = CATALOGUE[p.effect].name
         first = p.joint in (-1, 0 if case.plan.robot == "planar" else 1)
-        groups = [g for g in (drags, turned if first else shifted) if name in g]
+        inert = {"body_mass", "armature"} if p.joint == 0 and case.plan.robot in _SPUN else set()
+        groups = [g for g in (drags, turned if first else shifted, inert) if name in g]
         found.append(sorted(set().union(*groups) - {name}) if groups else [])
     return found

@@ -194,6 +194,26 @@ def test_what_a_walker_leaves_without_the_effect_is_not_the_effects():
     assert min(seen["twin"].values()) > 0.0 and seen["shown"] == pytest.approx(min(left.values()))
 
 
+@pytest.mark.parametrize("robot", ["leg", "planar", "arm6", "cartpole", "scara"])
+def test_a_first_links_mass_is_rotor_inertia_where_an_answer_says_so(robot):
+    """Where it is, more of it changes nothing but the inertia about the first joint."""
+    case = make(Plan("single", robot, (Planted("body_mass", 0, 0.5),), 14), shorter=0.14, refit=False)
+    model, heavier = case.truth, case.effects[0]
+    other = model.__copy__()
+    heavier.edit(other)
+    bias, inertia = np.zeros((2, model.nv)), np.zeros((2, model.nv, model.nv))
+    for k, m in enumerate((model, other)):
+        data = mujoco.MjData(m)
+        data.qpos[:], data.qvel[:] = 0.3, 0.4
+        mujoco.mj_forward(m, data)
+        bias[k] = data.qfrc_bias
+        for dof in range(m.nv):
+            mujoco.mj_mulM(m, data, inertia[k, dof], np.eye(m.nv)[dof])
+    changed = np.abs(inertia[1] - inertia[0])
+    same = np.allclose(bias[0], bias[1]) and changed[0, 0] > 0.0 and np.allclose(changed.sum(), changed[0, 0])
+    assert same == ("armature" in answer(case)["equivalents"][0])
+
+
 def test_a_set_has_all_groups_and_every_effect_a_place():
     drawn = plans(3, 60, ["leg", "planar"])
     assert {p.group for p in drawn} == set(SHARES) and len(drawn) == 60 and len({p.seed for p in drawn}) == 60
