@@ -58,6 +58,7 @@ def short_windows(case: Case, problem: Problem) -> Problem:
 
 
 def _short(problem: Problem) -> float:
+    """Length of a short window, s."""
     longest = max(float(recording.time[-1] - recording.time[0]) for recording in problem.recordings)
     return max(_SHORT, _SHARE_OF_ALL * longest)
 
@@ -76,7 +77,7 @@ def dated(short: Problem, fits: Sequence[Fit]) -> Dated | None:
 def sharpened(
     starting_at: Callable[[Mapping[int, float]], Problem], began: Mapping[int, float], fitted: Fit, stage: str
 ) -> Generator[Progress, None, Dates]:
-    """Dates, to a few hundredths of a second, at which claims that begin part-way leave least.
+    """Dates near given ones at which claims that begin part-way leave least, in steps shorter than a window.
 
     Args:
         starting_at: the comparison in which claims begin at dates.

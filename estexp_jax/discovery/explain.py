@@ -26,7 +26,7 @@ from estexp_jax.discovery.hypotheses import (
     known_values,
     parameters_only,
 )
-from estexp_jax.discovery.late import begun, select_late, starting, starting_late
+from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.laws import Unnamed, single_term, unknown_law, unknown_law_nearer
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
@@ -113,12 +113,11 @@ def _late(
     began = yield from begun(case, config, problem, selection)
     if not began:
         return selection, problem, {}
-    late = starting_late(case, config, problem, began)
-    better = yield from select_late(late, parameters, selection, config.most)
+    starting_at = partial(starting_late, case, config, problem)
+    better = yield from select_late(starting_at(began), parameters, selection, config.most)
     if better is None:
         return selection, problem, {}
-    fitted = better[0].chosen.fitted
-    again = yield from sharpened(starting(case, config, problem), began, fitted, "from when on it acts")
+    again = yield from sharpened(starting_at, began, better[0].chosen.fitted, "from when on it acts")
     return *better, again
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -22,7 +22,8 @@ _MEMORY = "from the onset on"
 _LIKELY = 5
 """So many of the best single claims may be the one that begins, where none was worth it from the start."""
 _GROWING = ("motor_fade", "motor_heat")
-"""Effects that come on by themselves: they make up for an onset, and for a date that is a little off."""
+"""Effects that come on by themselves: they make up for an onset, and for a date that is a little off.
+Where one is chosen, steady claims are dated, too; and after an onset none of them may be claimed."""
 
 
 def begun(
@@ -47,7 +48,8 @@ def begun(
     likely = [chosen, *(steady if _grows(chosen) else [])] if chosen.places else single[:_LIKELY]
     found = dated(short_windows(case, problem), [e.fitted for e in likely])
     if found is not None:
-        return (yield from sharpened(starting(case, config, problem), found.began, found.fitted, "from when on"))
+        starting_at = partial(starting_late, case, config, problem)
+        return (yield from sharpened(starting_at, found.began, found.fitted, "from when on"))
     found = yield from parted(case, problem, selection.parameters.fitted.hypothesis)
     if found:
         return found
@@ -61,11 +63,6 @@ def begun(
 
 def _grows(e: Explanation) -> bool:
     return any(name in _GROWING for name, _ in e.places)
-
-
-def starting(case: Case, config: ExplainConfig, problem: Problem) -> Callable[[Mapping[int, float]], Problem]:
-    """`starting_late` of dates."""
-    return partial(starting_late, case, config, problem)
 
 
 def starting_late(case: Case, config: ExplainConfig, problem: Problem, began: Mapping[int, float]) -> Problem:
