@@ -83,7 +83,8 @@ def path_figure(state: RunState, axis: str, *, stands_in: bool = False) -> Any:
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     axes.spines[["top", "right"]].set_visible(False)
-    figure.legend(loc="outside upper center", ncols=len(walks), fontsize=9, frameon=False)
+    close = {"handlelength": 1.0, "handletextpad": 0.4, "columnspacing": 1.0}
+    figure.legend(loc="outside upper center", ncols=len(walks), fontsize=9, frameon=False, **close)
     return figure
 
 

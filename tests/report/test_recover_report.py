@@ -13,7 +13,7 @@ from estexp_jax.physics.interface import interface_of
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.state import RunState
-from estexp_jax.report.recover_figure import _captions
+from estexp_jax.report.recover_figure import _captions, path_figure
 from estexp_jax.report.recover_files import record, write_history, write_traces
 from estexp_jax.report.recover_page import advice, headline, page, verdict
 from estexp_jax.report.recover_run import RecoverTable, recover
@@ -88,6 +88,17 @@ def test_captions_say_once_what_stays() -> None:
     captions = _captions(((WEAK,), (WEAK,), ()), 17)
     assert captions == ["1:\nthe motor knee_f\nlost 48 % of its\nstrength", "2: as before", "3:\nnothing differs"]
     assert _captions(((WEAK,), ()), 5) == ["1", "2"]
+
+
+@pytest.mark.parametrize("stands_in", [False, True])
+def test_the_legend_of_the_ways_is_inside_the_picture(state: RunState, stands_in: bool) -> None:
+    far = [replace(t, position=100.0 * t.position) for t in state.trials]
+    figure = path_figure(replace(state, before=far[1], trials=far), "x", stands_in=stands_in)
+    figure.savefig(io.BytesIO(), dpi=100)
+    (legend,) = figure.legends
+    assert len(legend.get_texts()) == 3
+    box = legend.get_window_extent()
+    assert box.x0 >= 0.0 and box.x1 <= figure.bbox.x1
 
 
 def test_page_of_a_run_without_passes(state: RunState) -> None:
