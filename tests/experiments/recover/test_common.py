@@ -1,6 +1,9 @@
 """What the experiments of recover share."""
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -113,6 +116,13 @@ def test_ratios_are_told_by_situation() -> None:
     found = summary([pair(1, 2.0, 0.5, 1.0, 2.0), pair(1, 2.0, 0.9, 1.5, 1.5), pair(2, 2.0, 1.5, 1.0, 0.0)])["same"]
     assert found["situations"]["1"]["ratio"] == 0.75 and found["severe"] == {"n": 2, "twice": 1}
     assert found["situations"]["2"]["ratio"] is None, "a run that came nowhere though it was told is no measure"
+
+
+def test_a_script_keeps_xlas_log_off_the_terminal(root: Path) -> None:
+    clean = {k: v for k, v in os.environ.items() if k != "TF_CPP_MIN_LOG_LEVEL"}
+    code = "import os, experiments.common.options; print(os.environ['TF_CPP_MIN_LOG_LEVEL'])"
+    told = subprocess.run([sys.executable, "-c", code], cwd=root, env=clean, capture_output=True, text=True, check=True)
+    assert told.stdout == "3\n", "JAX, loaded first, would have set 1"
 
 
 @pytest.mark.slow
