@@ -22,11 +22,13 @@ from scipy.ndimage import uniform_filter1d
 
 from estexp_jax.discovery.c_replay import switched
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.physics.motors import asked_torques, limited_commands
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.segment import Path
 
 _MEAN = 0.03
 """Length of time over which forces are averaged, s."""
+_SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
 @final
@@ -40,6 +42,8 @@ class ForceResidual:
         ctrl: (intervals, nu).
         motor: (intervals, nv) torque of the motors, N m or N.
         force: (intervals, nv) what is missing, N m or N.
+        told: (intervals, nv) torque that the motors' commands ask for in all, without limits, N m or N.
+        asked: (intervals, nv) the same beyond rest: of a position servo, of the way left to go.
     """
 
     time: np.ndarray
@@ -48,6 +52,8 @@ class ForceResidual:
     ctrl: np.ndarray
     motor: np.ndarray
     force: np.ndarray
+    told: np.ndarray
+    asked: np.ndarray
 
 
 def force_residual(model: mujoco.MjModel, recording: Recording, path: Path) -> ForceResidual:
@@ -76,7 +82,24 @@ def force_residual(model: mujoco.MjModel, recording: Recording, path: Path) -> F
         force[k] = data.qfrc_inverse - motor[k]
     rows = max(1, round(_MEAN / float(np.median(span))))
     steady = uniform_filter1d(force, rows, axis=0, mode="nearest")
-    return ForceResidual(path.time[:-1] + 0.5 * span, qpos, qvel, recording.ctrl[:-1], motor, steady)
+    time, ctrl = path.time[:-1] + 0.5 * span, recording.ctrl[:-1]
+    return ForceResidual(time, qpos, qvel, ctrl, motor, steady, *_asked(model, recording, qpos, qvel))
+
+
+def _asked(
+    model: mujoco.MjModel, recording: Recording, qpos: np.ndarray, qvel: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the commands ask for of the motors of hinges and slides, (intervals, nv), in all and beyond rest."""
+    on_joint = np.flatnonzero(model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT))
+    a = np.array([i for i in on_joint if int(model.jnt_type[model.actuator_trnid[i, 0]]) in _SCALAR], int)
+    joint = model.actuator_trnid[a, 0]
+    dof, command = model.jnt_dofadr[joint], np.asarray(limited_commands(model, recording.ctrl[:-1]))[:, a]
+    each = asked_torques(model, a, qpos[:, model.jnt_qposadr[joint]], qvel[:, dof], command)
+    told, asked = np.zeros_like(qvel), np.zeros_like(qvel)
+    for total, torques in zip((told, asked), each, strict=True):
+        for d, torque in zip(dof, (recording.enable[:-1, a] * np.asarray(torques)).T, strict=True):
+            total[:, d] += torque
+    return told, asked
 
 
 def force_residuals(problem: Problem, models: Sequence[mujoco.MjModel], which: Sequence[int]) -> list[ForceResidual]:
@@ -87,9 +110,8 @@ def force_residuals(problem: Problem, models: Sequence[mujoco.MjModel], which: S
 
 def driven(model: mujoco.MjModel, residuals: Sequence[ForceResidual]) -> np.ndarray:
     """Degrees of freedom of hinge and slide joints that a motor drives and that were seen to move."""
-    scalar = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
     on_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-    joints = [int(j) for j in np.unique(model.actuator_trnid[on_joint, 0]) if int(model.jnt_type[j]) in scalar]
+    joints = [int(j) for j in np.unique(model.actuator_trnid[on_joint, 0]) if int(model.jnt_type[j]) in _SCALAR]
     dofs = model.jnt_dofadr[joints] if joints else np.zeros(0, int)
     moved = np.any([r.qvel[:, dofs].any(axis=0) for r in residuals], axis=0)
     return dofs[moved]

@@ -24,12 +24,14 @@ _FAST = 0.98
 
 
 class Samples(NamedTuple):
-    """What was seen of a joint, (samples,); position, speed and motor torque of the others by index."""
+    """What was seen of a joint, (samples,), as in `ForceResidual`; q, w and motor torque of the others by index."""
 
     force: np.ndarray
     q: np.ndarray
     w: np.ndarray
     motor: np.ndarray
+    told: np.ndarray
+    asked: np.ndarray
     bent: np.ndarray  # (samples, n) orthonormal: what wrong values of the model would look like
     others: Mapping[int, tuple[np.ndarray, np.ndarray, np.ndarray]]
     runs: tuple[Course, ...]  # of each recording, unthinned
@@ -98,9 +100,12 @@ def samples_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> Sampl
     length = max(float(np.ptp(r.time)) for r in seen)
     others = {j: motion(j) for j in moved if j != joint}
     fast, hard = (float(np.quantile(np.abs(x), _FAST)) for x in (w, motor))
+    told, asked = joined([r.told[:, dof] for r in seen]), joined([r.asked[:, dof] for r in seen])
     reach = Reach(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
-    runs = tuple(Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof]) for r in seen)
-    return Samples(np.clip(force, -far, far), q, w, motor, bent, others, runs, thin, reach)
+    runs = tuple(
+        Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof], r.told[:, dof]) for r in seen
+    )
+    return Samples(np.clip(force, -far, far), q, w, motor, told, asked, bent, others, runs, thin, reach)
 
 
 def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.ndarray:
@@ -119,11 +124,24 @@ def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.n
     def torque_of(number: np.ndarray) -> np.ndarray:
         return of_others(number)[2]
 
-    moment = JointMoment(q, w, motor, one, np.zeros(1), one, one, lambda q, w: motor, torque_of, motion_of)
+    told, asked = samples.told[:, None], samples.asked[:, None]
+    moment = JointMoment(
+        q=q,
+        w=w,
+        torque=motor,
+        on=one,
+        dt=np.zeros(1),
+        limit=one,
+        armature=one,
+        torque_at=lambda q, w: motor,
+        torque_of=torque_of,
+        motion_of=motion_of,
+        asked=lambda: (told, asked),
+    )
     state = _states(law, p, samples)
     does, _ = law.act(tuple(jnp.asarray(x) for x in p), moment, state)
     sign = np.tanh(w / (0.01 * max(samples.reach.speed, 1e-9)))
-    total = does.force - does.damping * w - does.friction * sign + (does.motor - 1.0) * motor
+    total = does.force - does.damping * w - does.friction * sign + (does.motor - 1.0) * motor + does.command
     return np.asarray(jnp.broadcast_to(total, (len(samples.q), len(p[0]))), float)
 
 

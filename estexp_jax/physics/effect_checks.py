@@ -164,7 +164,7 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
         case Term():
             moment = moment_of(n)
             force, _ = e.act(p, moment, e.initial(p, moment.q, moment.w))
-            nothing = JointForce(0.0, 0.0, 0.0, 0.0, 1.0)
+            nothing = JointForce()
             return jax.tree.map(lambda x: jnp.broadcast_to(x, n), (nothing, force))
         case Distortion():
             readings = jnp.arange(2.0 * model.nsensordata).reshape(2, -1)
@@ -190,7 +190,19 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
 def moment_of(n: int) -> JointMoment:
     """Joints (n,) that move, pulled by springs as motors."""
     ones, q = jnp.ones(n), jnp.linspace(-1.0, 1.0, n)
-    return JointMoment(q, 2.0 * ones, 3.0 - q, ones, 0.002, 5.0 * ones, 0.01 * ones, _spring, _other, _moved)
+    return JointMoment(
+        q=q,
+        w=2.0 * ones,
+        torque=_spring(q, 2.0 * ones),
+        on=ones,
+        dt=0.002,
+        limit=5.0 * ones,
+        armature=0.01 * ones,
+        torque_at=_spring,
+        torque_of=_other,
+        motion_of=_moved,
+        asked=lambda: (3.0 * ones, 3.0 - q),
+    )
 
 
 def _spring(q: jax.Array, w: jax.Array) -> jax.Array:

@@ -52,17 +52,24 @@ def motor_torque(model: mjx.Model, a: np.ndarray, q: jax.Array, w: jax.Array, co
     return gear * _limited(model.actuator_forcelimited[a], model.actuator_forcerange[a], force)
 
 
-def limited_commands(model: mjx.Model, ctrl: jax.Array) -> jax.Array:
+def limited_commands(model: Any, ctrl: Any) -> jax.Array:
     """Commands (nu,) within their ranges."""
     return _limited(model.actuator_ctrllimited, model.actuator_ctrlrange, ctrl)
 
 
-def idle_commands(model: mjx.Model, a: np.ndarray, q: jax.Array, w: jax.Array) -> jax.Array:
+def idle_commands(model: Any, a: np.ndarray, q: Any, w: Any) -> jax.Array:
     """Commands (n,) at which motors `a` give no torque; damping that a position servo has on top does not count."""
     gear, g, b = model.actuator_gear[a, 0], model.actuator_gainprm[a, 0], model.actuator_biasprm[a]
     biased = model.actuator_biastype[a] == _AFFINE_BIAS
-    bias = jnp.where(b[:, 1] != 0.0, b[:, 0] + b[:, 1] * gear * q, b[:, 0] + b[:, 2] * gear * w)
-    return jnp.where(biased & (g != 0.0), -bias / jnp.where(g == 0.0, 1.0, g), 0.0)
+    bias = jnp.where(b[..., 1] != 0.0, b[..., 0] + b[..., 1] * gear * q, b[..., 0] + b[..., 2] * gear * w)
+    found: Any = jnp.where(biased & (g != 0.0), -bias / jnp.where(g == 0.0, 1.0, g), 0.0)
+    return found
+
+
+def asked_torques(model: Any, a: np.ndarray, q: Any, w: Any, command: Any) -> tuple[jax.Array, jax.Array]:
+    """Torque that commands of motors `a` ask for, in all and beyond that of `idle_commands`; without limits."""
+    strength = model.actuator_gear[a, 0] * model.actuator_gainprm[a, 0]
+    return strength * command, strength * (command - idle_commands(model, a, q, w))
 
 
 @final
@@ -102,6 +109,21 @@ class Drives:
         limits = self.robot.model.jnt_actfrclimited[self.joint]
         return _limited(limits, model.jnt_actfrcrange[self.joint], total)
 
+    def asked(self, model: mjx.Model, q: jax.Array, w: jax.Array, command: jax.Array) -> tuple[jax.Array, jax.Array]:
+        """`asked_torques` (n_sites,) of each site's motors together; arguments as of `torque`."""
+        if not self.motors.size:
+            return jnp.zeros_like(q), jnp.zeros_like(q)
+        each = asked_torques(model, self.motors, q[:, None], w[:, None], command[self.motors])
+        told, beyond = (jnp.sum(x * self.there, axis=1) for x in each)
+        return told, beyond
+
+    def further(self, model: mjx.Model, command: jax.Array, more: jax.Array) -> jax.Array:
+        """Commands (nu,) that ask for so much more torque (n_sites,) at each site, its motors for equal parts."""
+        strength = model.actuator_gear[self.motors, 0] * model.actuator_gainprm[self.motors, 0]
+        part = more[:, None] / np.maximum(self.there.sum(axis=1, keepdims=True), 1.0)
+        further: Any = jnp.where(strength == 0.0, 0.0, part / jnp.where(strength == 0.0, 1.0, strength))
+        return command.at[self.motors].add(further * self.there)
+
     def on(self, enable: jax.Array) -> jax.Array:
         """1.0 where a site's motor is on, (n_sites,), of switches (nu,)."""
         if not self.motors.size:
@@ -138,5 +160,5 @@ def drives(robot: Robot, dofs: np.ndarray, motors: np.ndarray | None) -> Drives:
     return Drives(robot, filled, there, joint, whole=True)
 
 
-def _limited(limited: np.ndarray, limits: jax.Array, value: jax.Array) -> jax.Array:
+def _limited(limited: np.ndarray, limits: Any, value: Any) -> Any:
     return jnp.where(limited, jnp.clip(value, limits[..., 0], limits[..., 1]), value)

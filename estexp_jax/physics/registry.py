@@ -27,11 +27,10 @@ from estexp_jax.physics.effects.joint_limit import JointLimit
 from estexp_jax.physics.effects.joint_offset import JointOffset
 from estexp_jax.physics.effects.joint_stiffness import JointStiffness
 from estexp_jax.physics.effects.laws.base import JointLaw
+from estexp_jax.physics.effects.laws.of_commands import LawDeafMotor, LawLateCommand
 from estexp_jax.physics.effects.laws.of_friction import LawBristles, LawFrictionWave, LawTightSpot, LawTwoWayFriction
 from estexp_jax.physics.effects.laws.of_motors import (
     LawClippedMotor,
-    LawDeafMotor,
-    LawLazyMotor,
     LawLoadFriction,
     LawSag,
     LawSlowMotor,
@@ -187,7 +186,7 @@ LAWS: tuple[JointLaw, ...] = (
     LawClippedMotor(),
     LawDeafMotor(),
     LawWarmMotor(),
-    LawLazyMotor(),
+    LawLateCommand(),
     LawDriven(),
     LawBristles(),
 )

@@ -171,7 +171,7 @@ def moving(force) -> ForceResidual:
     motor = np.stack([np.sin(4.0 * time), np.cos(6.5 * time)], axis=1)
     lacks = np.zeros((800, 2))
     lacks[:, 1] = force(time, q, w)
-    return ForceResidual(time, q, w, motor, motor, lacks)
+    return ForceResidual(time, q, w, motor, motor, lacks, motor, motor)
 
 
 @pytest.mark.parametrize(
@@ -221,6 +221,15 @@ def test_without_its_name_what_a_motor_or_friction_does_is_a_term(force, name, v
     law = effect(name)
     assert isinstance(law, JointLaw)
     assert (name, "elbow") not in likely(nominal("two"), [there], "elbow", 60, [law.stands_for])
+
+
+def test_what_a_servo_does_not_answer_to_is_told_from_what_it_is_asked_for():
+    there = moving(lambda t, q, w: -np.clip(8.0 * (np.cos(6.5 * t) - q[:, 1]), -0.4, 0.4))
+    told = 8.0 * there.ctrl
+    asked = told - 8.0 * there.qpos
+    found = likely(nominal("two"), [replace(there, motor=asked - 0.5 * there.qvel, told=told, asked=asked)], "elbow", 6)
+    first, [best, *_] = next(iter(found.items()))
+    assert first == ("law_deaf_motor", "elbow") and best == pytest.approx((1.0, 0.4), rel=0.1)
 
 
 def test_joints_that_lack_most_force_are_suspects():

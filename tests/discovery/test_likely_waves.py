@@ -1,5 +1,7 @@
 """Missing forces show at what spacing a joint cogs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ def seen(robot: Robot, force, rows: int = 1600) -> ForceResidual:
     w = np.gradient(q, time)
     qpos, qvel, ctrl, motor = (x[:, None] for x in (q, w, np.zeros(rows), 0.3 * np.cos(3.0 * time)))
     noise = rng.normal(scale=0.05, size=rows)
-    return ForceResidual(time, qpos, qvel, ctrl, motor, (force(q, w) + noise)[:, None])
+    return ForceResidual(time, qpos, qvel, ctrl, motor, (force(q, w) + noise)[:, None], motor, motor)
 
 
 @pytest.mark.parametrize("n", [5.3, 21.0, 44.0])
@@ -37,5 +39,5 @@ def test_a_wave_is_seen_beside_friction_a_spring_and_noise(n: float) -> None:
 def test_a_joint_that_stands_still_shows_none() -> None:
     robot = nominal("one")
     still = seen(robot, lambda q, w: 0.0 * q)
-    still = ForceResidual(still.time, 0.0 * still.qpos, 0.0 * still.qvel, still.ctrl, still.motor, still.force)
+    still = replace(still, qpos=0.0 * still.qpos, qvel=0.0 * still.qvel)
     assert likely_waves(robot, [still]) == {}

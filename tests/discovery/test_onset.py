@@ -1,5 +1,7 @@
 """A mismatch that begins part-way is dated; one that is there from the start, or in one recording only, is not."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 
@@ -19,7 +21,7 @@ def lacking(seed: int, began: float, size: float = 0.5) -> ForceResidual:
     other = 0.1 * w + 0.05 * rng.standard_normal(800)
     force = np.stack([other, other - size * np.sign(w) * (time >= began)], axis=1)
     table = np.stack([w, w], axis=1)
-    return ForceResidual(time, table, table, table, table, force)
+    return ForceResidual(time, table, table, table, table, force, table, table)
 
 
 def test_an_onset_is_dated_in_each_recording():
@@ -39,9 +41,9 @@ def test_one_recording_of_three_is_not_enough_but_one_of_one_is():
 
 def test_short_or_silent_recordings_tell_nothing():
     r = lacking(0, 1.0)
-    short = ForceResidual(*(getattr(r, n)[:60] for n in ("time", "qpos", "qvel", "ctrl", "motor", "force")))
+    short = ForceResidual(*(getattr(r, f.name)[:60] for f in fields(r)))
     assert onsets({0: short}, [0, 1], 0) == {}
-    assert onsets({0: ForceResidual(r.time, r.qpos, r.qvel, r.ctrl, r.motor, 0.0 * r.force)}, [0, 1], 0) == {}
+    assert onsets({0: replace(r, force=0.0 * r.force)}, [0, 1], 0) == {}
     assert onsets({0: r}, [], 0) == {}
 
 

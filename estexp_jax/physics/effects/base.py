@@ -119,6 +119,8 @@ class JointMoment(NamedTuple):
     """What a term sees of its sites' joints at the beginning of a physics step.
 
     At a site of kind actuator, "the motor" is that actuator alone; at a joint, all that drive it, taken together.
+    What a command asks for is its share of the motor's torque, without limits: gear gain command in all; of a position
+    servo, what goes beyond rest is that of the way left to go, of other motors all.
     """
 
     q: Array  #: position, rad or m
@@ -131,6 +133,7 @@ class JointMoment(NamedTuple):
     torque_at: Callable[[Array, Array], Array]  #: (q, w) -> torque of the motor if it sat at q and turned at w
     torque_of: Callable[[Array], Array]  #: 1 + index of a joint -> motor torque at that joint; 0 for no joint
     motion_of: Callable[[Array], tuple[Array, Array]]  #: 1 + index of a joint -> its (q, w); zeros for no joint
+    asked: Callable[[], tuple[Array, Array]]  #: -> torque that the motor's command asks for in all, and beyond rest
 
 
 class JointForce(NamedTuple):
@@ -141,6 +144,7 @@ class JointForce(NamedTuple):
     friction: Array = 0.0  #: on top of the joint's friction loss, MuJoCo's constraint
     inertia: Array = 0.0  #: on top of the joint's armature, kg m2 or kg
     motor: Array = 1.0  #: factor on the motor's force: its gain, bias and force range
+    command: Array = 0.0  #: torque that the motor's command asks for on top, N m or N; sensors show it
 
 
 class Term(Effect):

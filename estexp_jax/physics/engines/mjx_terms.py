@@ -107,7 +107,7 @@ def acted(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, 
             step = _applied(step, does, dofs, there)
     model = step.model if step.share is nominal else step.scaled()
     pull = _pulled(robot, catalogue, model, values, now)
-    return Acted(without_slope_at_limits(robot, model, now), now.ctrl, step.force, pull, hidden)
+    return Acted(without_slope_at_limits(robot, model, step.now), step.now.ctrl, step.force, pull, hidden)
 
 
 def _columns(values: jax.Array) -> Arrays:
@@ -172,6 +172,7 @@ def _moment(step: _Step, dofs: np.ndarray, there: Drives) -> JointMoment:
         torque_at=torque_at,
         torque_of=torque_of,
         motion_of=motion_of,
+        asked=lambda: there.asked(model, q, w, command),
     )
 
 
@@ -192,7 +193,10 @@ def _applied(step: _Step, does: JointForce, dofs: np.ndarray, there: Drives) -> 
     model = step.model.replace(**changed) if changed else step.model
     force = step.force.at[dofs].add(does.force) if is_set(does.force) else step.force
     share = there.scaled(step.share, does.motor) if is_set(does.motor) else step.share
-    return replace(step, model=model, force=force, share=share)
+    now = step.now
+    if is_set(does.command):
+        now = now._replace(ctrl=there.further(step.scaled(), limited_commands(step.model, now.ctrl), does.command))
+    return replace(step, now=now, model=model, force=force, share=share)
 
 
 def _pulled(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, now: Now) -> jax.Array:

@@ -13,6 +13,7 @@ from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import ALL, LAWS, NAMELESS, VARIANTS, catalogue, effect
+from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Start, segment
 from tests.discovery.planted import nominal
 from tests.physics.robots import ROBOTS, robot
@@ -20,6 +21,8 @@ from tests.physics.robots import ROBOTS, robot
 every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 Q, W, M = np.linspace(-1.2, 1.4, 27), np.linspace(-3.0, 3.1, 27), np.linspace(2.0, -2.5, 27)
 Q2, W2, M2 = np.cos(Q), np.sin(3.0 * W), np.cos(2.0 * W)
+ASKED = M + 0.2 * W
+"""A servo's demand, of which damping takes some away."""
 REACH = Reach(-1.2, 1.4, 3.0, 8.0, 2.0, (1,))
 
 
@@ -34,7 +37,8 @@ def moment() -> JointMoment:
     def torque_of(number):
         return jnp.where(number > 1.5, jnp.asarray(M2), 0.0)
 
-    return JointMoment(q, w, m, one, 0.002, one, one, lambda q, w: m, torque_of, motion_of)
+    asked = (jnp.asarray(ASKED - 3.0 * Q, jnp.float32), jnp.asarray(ASKED, jnp.float32))
+    return JointMoment(q, w, m, one, 0.002, one, one, lambda q, w: m, torque_of, motion_of, lambda: asked)
 
 
 def force(name: str, *p: float, state: tuple = ()) -> np.ndarray:
@@ -42,7 +46,7 @@ def force(name: str, *p: float, state: tuple = ()) -> np.ndarray:
     law = effect(name)
     assert isinstance(law, JointLaw)
     does, _ = law.act(tuple(jnp.full(len(Q), x) for x in p), moment(), tuple(jnp.full(len(Q), x) for x in state))
-    total = does.force - does.damping * W - does.friction * np.sign(W) + (does.motor - 1.0) * M
+    total = does.force - does.damping * W - does.friction * np.sign(W) + (does.motor - 1.0) * M + does.command
     return np.asarray(total, float) + np.zeros(len(Q))
 
 
@@ -79,7 +83,7 @@ EXPECTED = {
     "law_load_friction": ((0.3,), -0.3 * np.abs(M) * np.sign(W)),
     "law_weak_motor": ((0.3,), -0.3 * M),
     "law_clipped_motor": ((0.6, 1.1), -0.6 * np.sign(M) * np.maximum(np.abs(M) - 1.1, 0.0)),
-    "law_deaf_motor": ((0.6, 1.1), -0.6 * np.clip(M, -1.1, 1.1)),
+    "law_deaf_motor": ((0.6, 1.1), -0.6 * np.clip(ASKED, -1.1, 1.1)),
     "law_driven": ((0.3, 2.0), 0.3 * M2),
     "law_wave": ((0.2, 7.0, 0.4), 0.2 * np.sin(7.0 * Q + 0.4)),
 }
@@ -90,7 +94,7 @@ REMEMBERING = {
     "law_creep": (5.0, 0.5),
     "law_thinning": (0.4, 2.0, 0.5),
     "law_warm_motor": (0.6, 0.3, 0.5),
-    "law_lazy_motor": (0.7, 0.05),
+    "law_late_command": (0.7, 0.05),
     "law_bristles": (0.4, 0.02),
 }
 """Laws with hidden variables, and values of theirs."""
@@ -148,19 +152,64 @@ def test_what_thins_resists_less_the_longer_it_moves() -> None:
     assert force("law_thinning", 0.4, 2.0, 1.0, state=(1.5,)) == pytest.approx(-0.1 * W, rel=1e-4, abs=1e-6)
 
 
-def test_a_warm_motor_gives_less_and_a_lazy_one_late() -> None:
+def test_a_warm_motor_gives_less() -> None:
     assert force("law_warm_motor", 0.6, 0.3, 0.5, state=(0.0,)) == pytest.approx(0.0 * M, abs=1e-6)
     assert force("law_warm_motor", 0.6, 0.3, 0.5, state=(0.3,)) == pytest.approx(-0.3 * M, rel=1e-4, abs=1e-6)
     assert force("law_warm_motor", 0.6, 0.3, 0.5, state=(300.0,)) == pytest.approx(-0.6 * M, rel=2e-3, abs=1e-6)
-    late = -0.7 * (M - 1.2) * (1.0 + np.exp(-0.002 / 0.05)) / 2.0  # the mean over the step
-    assert force("law_lazy_motor", 0.7, 0.05, state=(1.2,)) == pytest.approx(late, rel=1e-4, abs=1e-6)
+
+
+def test_of_a_late_command_a_share_is_missing_wherever_the_joint_is() -> None:
+    late = -0.7 * (ASKED - 3.0 * Q - 1.2) * (1.0 + np.exp(-0.002 / 0.05)) / 2.0  # the mean over the step
+    assert force("law_late_command", 0.7, 0.05, state=(1.2, 1.0)) == pytest.approx(late, rel=1e-4, abs=1e-5)
+    assert force("law_late_command", 0.7, 0.05, state=(0.0, 0.0)) == pytest.approx(0.0 * Q, abs=1e-5), (
+        "at the beginning"
+    )
+
+
+SERVO = """
+<mujoco>
+  <option timestep="0.005" integrator="implicitfast"/>
+  <worldbody><body><joint name="j" axis="0 1 0" damping="0.02" armature="0.01"/>
+    <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.3"/></body></worldbody>
+  <actuator><position name="s" joint="j" gear="0.8" kp="8" kv="0.3" forcerange="-4 4" ctrlrange="-1.4 1.4"/></actuator>
+</mujoco>
+"""
+NM = 0.8 * 8.0
+"""Torque for each unit of its command, N m."""
+
+
+@pytest.mark.parametrize(
+    ("law", "same"),
+    [
+        ({"law_deaf_motor": {"a": 1.0, "m_0": NM * 0.15}}, {"dead_band": {"half_width": 0.15}}),
+        ({"law_late_command": {"a": 1.0, "T": 0.12}}, {"actuator_lag": {"tau": 0.12}}),
+    ],
+    ids=["dead_band", "actuator_lag"],
+)
+def test_laws_of_a_servos_command_do_what_its_named_effects_do(law: dict, same: dict) -> None:
+    subject, rows = Robot.from_string(SERVO, "servo.xml"), 81
+    time, nothing = 0.01 * np.arange(rows), np.full((rows, 1), np.nan)
+    recording = Recording("r", time, 0.9 * np.cos(5.0 * time)[:, None], np.ones((rows, 1)), nothing, nothing, nothing)
+    stretch = segment([recording], 0, (0, rows - 1), 0.005, Start(np.zeros(1), np.zeros(1)))
+    nothing_off = {next(iter(same)): {}}
+    ways = []
+    for acts, site in ((law, "j"), (same, "s"), (nothing_off, "s")):
+        [(name, parameters)] = acts.items()
+        effects, changes = catalogue([name]), [Change(name, site, parameters)] if parameters else []
+        values = stack([encode(subject, effects, changes)])
+        for engine in ("lanes", "mjx"):
+            replay = replayer(subject, effects, [subject], engine=engine, width=1).replay
+            ways.append(replay(values, [stretch], np.zeros(1, int)).qpos[0, :, 0])
+    for way in ways[1:4]:
+        np.testing.assert_allclose(way, ways[0], atol=3e-3)
+    assert np.abs(ways[4] - ways[0]).max() > 0.05
 
 
 def test_bristles_hold_like_a_spring_until_they_slip() -> None:
     law = effect("law_bristles")
     assert isinstance(law, JointLaw)
     way = np.array([0.0, 1e-4, 0.2, 0.4, 0.4 - 1e-4])
-    course = Course(np.arange(5.0), way, np.zeros(5), np.zeros(5))
+    course = Course(np.arange(5.0), way, *np.zeros((3, 5)))
     built, _ = law.remembered((0.5, 0.01), course)
     assert built[1] == pytest.approx(0.5 * 1e-4 / 0.01, rel=0.01)
     assert built[2:4] == pytest.approx([0.5, 0.5]) and built[3] - built[4] == pytest.approx(0.01, rel=0.02)
@@ -171,12 +220,15 @@ def test_what_is_remembered_is_what_the_steps_lead_to(name: str) -> None:
     law = effect(name)
     assert isinstance(law, JointLaw)
     values, steps = REMEMBERING[name], np.arange(40)
-    course = Course(0.01 * steps, 0.05 * (1.0 - np.cos(steps / 5.0)), np.sin(steps / 5.0), np.cos(steps / 7.0))
+    way, asked = 0.05 * (1.0 - np.cos(steps / 5.0)), np.sin(steps / 3.0)
+    course = Course(0.01 * steps, way, np.sin(steps / 5.0), np.cos(steps / 7.0), asked)
     [told, *_] = law.remembered(values, course)
     one, p = jnp.ones(1), tuple(jnp.full(1, x) for x in values)
     state, stepped = law.initial(p, course.q[0] * one, one), []
-    for q, w, m in zip(*course[1:], strict=True):
-        at = moment()._replace(q=q * one, w=w * one, torque=m * one, dt=0.01 * one)
+    for q, w, m, c in zip(*course[1:], strict=True):
+        at = moment()._replace(
+            q=q * one, w=w * one, torque=m * one, dt=0.01 * one, asked=lambda c=c: (c * one, c * one)
+        )
         stepped.append(float(state[0][0]))
         _, state = law.act(p, at, state)
     lag = 1 if name == "law_bristles" else 0  # at each step they follow the way of the one before
@@ -222,7 +274,8 @@ def test_bounds_sentences_and_starts_go_together(law: JointLaw, name: str) -> No
         ("law_tie", (0.3, 1.0, 0.1)),
         ("law_friction_wave", (0.03, 0.8, 5.0, 0.4)),
         ("law_driven", (0.3, 1.0)),
-        ("law_lazy_motor", (0.8, 0.05)),
+        ("law_late_command", (0.8, 0.05)),
+        ("law_deaf_motor", (0.9, 0.1)),
         ("law_bristles", (0.2, 0.02)),
     ],
 )

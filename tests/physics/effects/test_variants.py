@@ -20,8 +20,8 @@ from estexp_jax.physics.engines.mjx_model import mjx_model
 from estexp_jax.physics.registry import ALL, VARIANTS, effect
 from estexp_jax.physics.robot import Robot
 
-IDLE = (lambda joint: joint, lambda joint: (joint, joint))
-"""What other joints do."""
+IDLE = (lambda joint: joint, lambda joint: (joint, joint), lambda: (0.0, 0.0))
+"""What other joints do, and what the motor is asked for."""
 SERVO = """
 <mujoco>
   <worldbody><body><joint name="j" axis="0 1 0"/><geom size="0.1" mass="1" pos="0.2 0 0"/></body></worldbody>
@@ -55,9 +55,7 @@ def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
     q, one = jnp.zeros(1), jnp.ones(1)
     state, left = term.initial(p, q, q), 0.0
     for _ in range(round(seconds / dt)):
-        moment = JointMoment(
-            q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *(lambda joint: joint,) * 2
-        )
+        moment = JointMoment(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *IDLE)
         does, state = term.act(p, moment, state)
         left = float((does.force - does.damping * speed)[0])
         q = q + dt * speed
@@ -68,9 +66,7 @@ def test_a_motor_hot_at_its_largest_torque_only_is_the_one_that_fades():
     own, less = (tuple(jnp.full(1, x) for x in p) for p in ((0.6, 2.0), (0.6, 2.0, 1.0)))
     one, states, left = jnp.ones(1), [(jnp.zeros(1),), (jnp.zeros(1),)], []
     for torque in np.random.default_rng(5).uniform(-1.0, 1.0, 200):
-        now = JointMoment(
-            one, one, one * torque, one, one * 0.02, one, one, lambda q, w: q, *(lambda joint: joint,) * 2
-        )
+        now = JointMoment(one, one, one * torque, one, one * 0.02, one, one, lambda q, w: q, *IDLE)
         pairs = [t.act(p, now, s) for t, p, s in zip((MotorFade(), MotorHeat()), (own, less), states, strict=True)]
         states = [state for _, state in pairs]
         left.append([float(does.motor[0]) for does, _ in pairs])
@@ -106,9 +102,7 @@ def test_a_rotor_rebounds_from_the_end_of_its_play_and_passes_on_its_momentum(e)
     p = (one * 0.05, one * inertia, one * e)
     state, passed = (zero, one * 1.0, zero, zero), 0.0  # in the middle of its play, at 1 rad/s; the joint is held
     for _ in range(80):
-        moment = JointMoment(
-            zero, zero, zero, one, one * dt, one * 0.003, one, lambda q, w: zero, *(lambda joint: joint,) * 2
-        )
+        moment = JointMoment(zero, zero, zero, one, one * dt, one * 0.003, one, lambda q, w: zero, *IDLE)
         does, state = RotorBacklash().act(p, moment, state)
         passed += float(does.force[0]) * dt
     x, speed, *_ = (float(s[0]) for s in state)

@@ -52,6 +52,7 @@ class Course(NamedTuple):
     q: np.ndarray  #: position, rad or m
     w: np.ndarray  #: speed
     motor: np.ndarray  #: torque of its motors, N m or N
+    told: np.ndarray  #: torque that their commands ask for in all
 
 
 class JointLaw(Term):

@@ -11,7 +11,6 @@ from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Par
 from estexp_jax.physics.effects.laws.base import (
     Bounds,
     Course,
-    JointLaw,
     Reach,
     Shapeless,
     amplitude,
@@ -19,13 +18,12 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
+from estexp_jax.physics.effects.laws.with_motors import MOTOR, Remembering, Threshold
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.robot import Robot
 
-_MOTOR = "m the motor's torque"
-"""A joint without a motor has none, so that these laws do nothing there."""
-_WARMING, _LATE = (0.1, 100.0), (0.001, 1.0)
-"""Time constants of a motor that warms, and of one whose torque comes late, s."""
+_WARMING = (0.1, 100.0)
+"""Time constants of a motor that warms, s."""
 _SMALL = 1e-6
 """A torque that is next to none, N m or N."""
 
@@ -33,26 +31,7 @@ _SMALL = 1e-6
 class _MotorLaw(Shapeless):
     """Without other shapes."""
 
-    symbols: ClassVar[str] = _MOTOR
-
-
-class _Threshold(JointLaw):
-    """A share of the motor's torque that is lost, and the torque where that begins or ends."""
-
-    symbols: ClassVar[str] = _MOTOR
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        amplitude("a", "", signed=False),
-        Parameter("m_0", "N m", neutral=1.0),
-    )
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return 1.0
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ((0.001 * torque(robot, joint), 2.0 * torque(robot, joint)),)
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(share * reach.motor,) for share in (0.05, 0.15, 0.3, 0.5, 0.75)] if reach.motor > 0.0 else []
+    symbols: ClassVar[str] = MOTOR
 
 
 @final
@@ -114,7 +93,7 @@ class LawWeakMotor(_MotorLaw):
 
 
 @final
-class LawClippedMotor(_Threshold):
+class LawClippedMotor(Threshold):
     """tau = -a max(1 - m_0 / |m|, 0) m of motor torque m: of what is asked beyond m_0 a share is lost."""
 
     name: ClassVar[str] = "law_clipped_motor"
@@ -131,39 +110,7 @@ class LawClippedMotor(_Threshold):
 
 
 @final
-class LawDeafMotor(_Threshold):
-    """tau = -a min(m_0 / |m|, 1) m of motor torque m: a share of the first m_0 is lost."""
-
-    name: ClassVar[str] = "law_deaf_motor"
-    equation: ClassVar[str] = "tau = -a min(m_0 / |m|, 1) m, m the motor's torque"
-    resembles: ClassVar[str] = "a motor that does not answer to small demands"
-    stands_for: ClassVar[str] = "dead_band"
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["a"], f"min({values['m_0']:.3g}/|m|, 1) m")
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        within = jnp.minimum(p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 1.0)
-        return JointForce(motor=1.0 - p[0] * within), state
-
-
-class _Remembering(JointLaw):
-    """A share of the motor's torque by a variable that follows it, or its square, with the time constant T."""
-
-    symbols: ClassVar[str] = _MOTOR
-    n_states: ClassVar[int] = 1
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return 1.0
-
-    @staticmethod
-    def constants(low: float, high: float) -> list[float]:
-        """Time constants to try, s."""
-        return np.geomspace(2.0 * low, 0.3 * high, 5).tolist()
-
-
-@final
-class LawWarmMotor(_Remembering):
+class LawWarmMotor(Remembering):
     """tau = -a H / (H + H_0) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses a share as it warms."""
 
     name: ClassVar[str] = "law_warm_motor"
@@ -196,37 +143,6 @@ class LawWarmMotor(_Remembering):
         power = jnp.square(moment.torque)
         after = power + (heat - power) * jnp.exp(-moment.dt / T)
         return JointForce(motor=1.0 - a * heat / (heat + level)), (after,)
-
-
-@final
-class LawLazyMotor(_Remembering):
-    """tau = -a (m - y) of motor torque m, dy/dt = (m - y) / T: of a motor's torque a share comes late."""
-
-    name: ClassVar[str] = "law_lazy_motor"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        amplitude("a", "", signed=False),
-        Parameter("T", "s", neutral=0.05),
-    )
-    equation: ClassVar[str] = "tau = -a (m - y), dy/dt = (m - y) / T, m the motor's torque"
-    resembles: ClassVar[str] = "a motor whose torque comes late"
-    stands_for: ClassVar[str] = "actuator_lag"
-
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return (_LATE,)
-
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(T,) for T in self.constants(*_LATE)] if reach.motor > 0.0 else []
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return f"- {values['a']:.3g} (m - y) with dy/dt = (m - y)/{values['T']:.3g}"
-
-    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
-        return (followed(course.motor, course.time, p[1]),)
-
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        (a, T), (late,) = p, state
-        after = moment.torque + (late - moment.torque) * jnp.exp(-moment.dt / T)
-        return JointForce(force=-a * (moment.torque - 0.5 * (late + after))), (after,)
 
 
 @final

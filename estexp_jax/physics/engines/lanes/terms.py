@@ -12,7 +12,6 @@ from typing import Any, final
 
 import jax
 import jax.numpy as jnp
-import mujoco
 import numpy as np
 from jax.extend.core import jaxpr_as_fun
 
@@ -21,6 +20,7 @@ from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, Effect
 from estexp_jax.physics.effects.sites import driven_actuators
 from estexp_jax.physics.engines.lanes.algebra import Scalar
 from estexp_jax.physics.engines.lanes.forces import Drive
+from estexp_jax.physics.engines.lanes.motors import Motors, Told
 from estexp_jax.physics.engines.lanes.numbers import Numbers
 from estexp_jax.physics.engines.lanes.plan import Dof, Plan
 from estexp_jax.physics.engines.lanes.pulls import pulled
@@ -29,8 +29,6 @@ from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.motors import drives
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
-
-_AFFINE_GAIN, _AFFINE_BIAS = int(mujoco.mjtGain.mjGAIN_AFFINE), int(mujoco.mjtBias.mjBIAS_AFFINE)
 
 
 @final
@@ -57,6 +55,7 @@ class Acting:
     def __init__(self, robot: Robot, catalogue: Catalogue, plan: Plan, numbers: Numbers, values: Values) -> None:
         """With values (n_sites, n_parameters, N) of each effect."""
         self._robot, self._plan, self._numbers, self._values = robot, plan, numbers, values
+        self._motors = Motors(robot, plan, numbers)
         self._terms = [e for e in catalogue if isinstance(e, Term) and e.sites(robot)]
         self._laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
         self._pulls = [e for e in catalogue if isinstance(e, BodyPull) and e.sites(robot)]
@@ -80,10 +79,10 @@ class Acting:
         hidden, rows = dict(hidden), [commands[a] for a in range(commands.shape[0])]
         position, speed = self._coordinates(state)
         if self._laws or self._terms:
-            rows = [self._limited(a, row) for a, row in enumerate(rows)]
+            rows = [self._motors.limited(a, row) for a, row in enumerate(rows)]
         for law in self._laws:
             ids = law.actuators(self._robot)
-            idle = jnp.stack([self._idle(int(a), position, speed) for a in ids])
+            idle = jnp.stack([self._motors.idle(int(a), position, speed) for a in ids])
             told, before = jnp.stack([rows[a] for a in ids]), hidden.get(law.name, ())
             there, after = self._ruled(law, told, idle, dt, before)
             hidden |= {law.name: after} if law.n_states else {}
@@ -93,14 +92,14 @@ class Acting:
         for term in self._terms:
             does, after = self._acted(term, sums, (position, speed, rows, enable, dt), hidden.get(term.name, ()))
             hidden |= {term.name: after} if term.n_states else {}
-            self._gather(term, does, sums)
+            rows = self._gather(term, does, sums, rows)
         on = self._slots([enable[a] for a in range(enable.shape[0])])
         share = self._slots([sums.share.get(a, jnp.ones_like(row)) for a, row in enumerate(rows)])
         return Drive(self._slots(rows), on, share if sums.share else None), self._added(state, sums), hidden
 
     def rest(self, state: LaneState, commands: Any) -> Hidden:
         """Hidden variables of robots that have been where they are, under commands (nu, N), for long."""
-        rows = [self._limited(a, commands[a]) for a in range(commands.shape[0])]
+        rows = [self._motors.limited(a, commands[a]) for a in range(commands.shape[0])]
         position, speed = self._coordinates(state)
         hidden: Hidden = {}
         for e in (*self._laws, *self._terms):
@@ -160,34 +159,9 @@ class Acting:
     def _number(self, name: str, element: int, column: int | None = None) -> Scalar:
         return self._numbers.get(name, [element], column)
 
-    def _limited(self, a: int, command: Any) -> Any:
-        if not self._plan.model.actuator_ctrllimited[a]:
-            return command
-        return jnp.clip(command, *(self._number("actuator_ctrlrange", a, i) for i in range(2)))
-
-    def _address(self, a: int) -> int:
-        joint = self._robot.joint_of_actuator(a)
-        assert joint is not None
-        return int(self._plan.model.jnt_dofadr[joint])
-
-    def _idle(self, a: int, position: dict[int, Any], speed: dict[int, Any]) -> Any:
-        """As `motors.idle_commands`."""
-        address, model = self._address(a), self._plan.model
-        zero = jnp.zeros_like(position[address])
-        if model.actuator_biastype[a] != _AFFINE_BIAS:
-            return zero
-        gear, gain = self._number("actuator_gear", a, 0), self._number("actuator_gainprm", a, 0)
-        b = [self._number("actuator_biasprm", a, i) for i in range(3)]
-        at_rest = b[0] + b[1] * gear * position[address]
-        moving = b[0] + b[2] * gear * speed[address]
-        bias: Any = jnp.where(jnp.asarray(b[1]) != 0.0, at_rest, moving)
-        known = jnp.asarray(gain) != 0.0
-        found: Any = jnp.where(known, -bias / jnp.where(known, gain, 1.0), 0.0)
-        return found + zero
-
     def _moment(self, term: Term, dofs: np.ndarray, sums: _Sums, now: tuple) -> JointMoment:
         position, speed, rows, enable, dt = now
-        motors = None
+        told, motors = Told(rows, enable, sums.share), None
         if term.kind == "actuator":
             motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)
         there = drives(self._robot, dofs, motors)
@@ -195,16 +169,15 @@ class Acting:
         q, w = _stacked(dofs, position, speed)
 
         def torque_at(q: Any, w: Any) -> Any:
-            return jnp.stack(
-                [self._torque(site, q[i], w[i], rows, enable, sums, whole=there.whole) for i, site in enumerate(at)]
-            )
+            pairs = [(site, q[i], w[i]) for i, site in enumerate(at)]
+            return jnp.stack([self._motors.torque(*pair, told, whole=there.whole) for pair in pairs])
 
         def torque_of(number: Any) -> Any:
             total: Any = jnp.zeros_like(q)
             for address in position:
                 joint = int(self._plan.model.dof_jntid[address])
                 site = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
-                one = self._torque(site, position[address], speed[address], rows, enable, sums, whole=True)
+                one = self._motors.torque(site, position[address], speed[address], told, whole=True)
                 mine: Any = jnp.where(jnp.round(number) == joint + 1, one, 0.0)
                 total = total + mine
             return total
@@ -216,6 +189,11 @@ class Acting:
                 mine: Any = (jnp.round(number) == int(joint) + 1).astype(q.dtype)
                 at, rate = at + mine * position[address], rate + mine * speed[address]
             return at, rate
+
+        def asked() -> tuple[Any, Any]:
+            each = [self._motors.asked(site, position, speed, told) for site in at]
+            in_all, beyond = (jnp.stack(rows) for rows in zip(*each, strict=True))
+            return in_all, beyond
 
         def switched(site: list[int]) -> Any:
             on = jnp.zeros_like(q[0])
@@ -234,44 +212,27 @@ class Acting:
             torque_at=torque_at,
             torque_of=torque_of,
             motion_of=motion_of,
+            asked=asked,
         )
 
-    def _torque(self, site: list[int], q: Any, w: Any, rows: list, enable: Any, sums: _Sums, *, whole: bool) -> Any:
-        """Torque of the motors at a site, as scaled so far."""
-        model, total = self._plan.model, jnp.zeros_like(q)
-        for a in site:
-            gear = self._number("actuator_gear", a, 0)
-            length, rate = gear * q, gear * w
-            gain = self._number("actuator_gainprm", a, 0)
-            if model.actuator_gaintype[a] == _AFFINE_GAIN:
-                gain = gain + sum(self._number("actuator_gainprm", a, i) * x for i, x in ((1, length), (2, rate)))
-            force = gain * rows[a]
-            if model.actuator_biastype[a] == _AFFINE_BIAS:
-                b = [self._number("actuator_biasprm", a, i) for i in range(3)]
-                force = force + b[0] + b[1] * length + b[2] * rate
-            force = force * enable[a]
-            if model.actuator_forcelimited[a]:
-                force = jnp.clip(force, *(self._number("actuator_forcerange", a, i) for i in range(2)))
-            total = total + gear * force * sums.share.get(a, 1.0)
-        joint = self._robot.joint_of_actuator(site[0]) if site and whole else None
-        if joint is not None and model.jnt_actfrclimited[joint]:
-            total = jnp.clip(total, *(self._number("jnt_actfrcrange", joint, i) for i in range(2)))
-        return total
-
-    def _gather(self, term: Term, does: JointForce, sums: _Sums) -> None:
+    def _gather(self, term: Term, does: JointForce, sums: _Sums, rows: list[Any]) -> list[Any]:
+        """Add what a term does; the commands with what it asks for on top."""
         addresses = [int(d) for d in term.dofs(self._robot)]
         for what in ("force", "damping", "friction", "inertia"):
             sums.add(what, addresses, getattr(does, what))
-        if isinstance(does.motor, float):
-            return
+        if isinstance(does.motor, float) and isinstance(does.command, float):
+            return rows
         for i, site in enumerate(term.sites(self._robot)):
             if term.kind == "actuator":
                 moved = [self._robot.index("actuator", site)]
             else:
                 joint = int(self._plan.model.dof_jntid[addresses[i]])
                 moved = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
-            for a in moved:
-                sums.share[a] = sums.share.get(a, 1.0) * does.motor[i]
+            if not isinstance(does.command, float):
+                rows = self._motors.further(moved, rows, sums.share, does.command[i])
+            if not isinstance(does.motor, float):
+                sums.share.update({a: sums.share.get(a, 1.0) * does.motor[i] for a in moved})
+        return rows
 
     def _slots(self, rows: list[Any]) -> dict[tuple[int, ...], Any]:
         return {
