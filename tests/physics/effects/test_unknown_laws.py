@@ -191,9 +191,9 @@ def test_laws_of_a_servos_command_do_what_its_named_effects_do(law: dict, same: 
     time, nothing = 0.01 * np.arange(rows), np.full((rows, 1), np.nan)
     recording = Recording("r", time, 0.9 * np.cos(5.0 * time)[:, None], np.ones((rows, 1)), nothing, nothing, nothing)
     stretch = segment([recording], 0, (0, rows - 1), 0.005, Start(np.zeros(1), np.zeros(1)))
-    nothing_off = {next(iter(same)): {}}
+    without = {next(iter(same)): {}}
     ways = []
-    for acts, site in ((law, "j"), (same, "s"), (nothing_off, "s")):
+    for acts, site in ((law, "j"), (same, "s"), (without, "s")):
         [(name, parameters)] = acts.items()
         effects, changes = catalogue([name]), [Change(name, site, parameters)] if parameters else []
         values = stack([encode(subject, effects, changes)])

@@ -40,7 +40,7 @@ class LawDeafMotor(Threshold):
 class LawLateCommand(Remembering):
     """tau = -a (c - y) of what the command asks for in all, c, dy/dt = (c - y) / T: of a command a share comes late.
 
-    What a servo makes of where the joint is does not come late. With a = 2 it is all but a delay of 2 T (Pade).
+    What a servo makes of where the joint is does not come late. With a = 2 it is close to a delay of 2 T (Pade).
     The first command has been in force for long: hidden are y, and whether there has been any.
     """
 
