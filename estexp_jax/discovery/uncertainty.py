@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import t as student
 
-from estexp_jax.discovery.fitting import counting, heeded
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit, jacobian
+from estexp_jax.discovery.walks import counting, heeded
 from estexp_jax.inference.accuracy import gain
 
 _UPPER = 0.95

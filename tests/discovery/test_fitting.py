@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.fitting import _data_costs, _Walk, fit, heeded
+from estexp_jax.discovery.fitting import fit
 from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.slopes import DAMPINGS, Fit, movable
 from estexp_jax.discovery.starts import starts
+from estexp_jax.discovery.walks import Walk, data_costs, heeded
 from estexp_jax.physics.registry import effect
 from tests.discovery.planted import CASES, case_of, finished, nominal, problem_of
 
@@ -62,7 +63,7 @@ def test_derivatives_mended_by_a_step_explain_that_step(setting):
     h, rng = hypotheses[0], np.random.default_rng(77)
     shape = (2, 5)
     at = Fit(h, h.start(), 2.0)
-    walk = _Walk(at, movable(h), rng.standard_normal(shape), rng.standard_normal((*shape, len(h.free))), 0.0)
+    walk = Walk(at, movable(h), rng.standard_normal(shape), rng.standard_normal((*shape, len(h.free))), 0.0)
     before, step = walk.residual, 0.1 * np.array([f.size for f in h.free])
     shown = 0.1 * rng.standard_normal((2, *shape))
     shown[1] *= 5.0
@@ -164,7 +165,7 @@ def test_first_looks_at_walking_robots_leap_where_slopes_mean_nothing():
     )
     flat = np.zeros((2, 3)), np.zeros((2, 3, 2))
     at, moving = Fit(hypothesis, np.array([0.01, 0.4]), 4.0), np.array([False, True])
-    usual, leaping = (_Walk(at, moving, *flat, 0.0, leaps=leaps) for leaps in (False, True))
+    usual, leaping = (Walk(at, moving, *flat, 0.0, leaps=leaps) for leaps in (False, True))
     assert len(usual.candidates()) == len(DAMPINGS)
     tried = leaping.candidates()[len(DAMPINGS) :]
     np.testing.assert_allclose(tried, [[0.01, 0.16], [0.01, 1.0]])
@@ -178,7 +179,7 @@ def test_windows_in_which_robots_part_neither_rule_slopes_nor_costs():
     residuals = np.full((3, 5, 4), 0.5)
     residuals[1, 2] = 50.0
     residuals[2] = 5.0
-    plain, robust = _data_costs(residuals, False), _data_costs(residuals, True)
+    plain, robust = data_costs(residuals, False), data_costs(residuals, True)
     assert plain == pytest.approx([5.0, 4.0 + 1e4, 500.0])
     assert robust == pytest.approx([5.0, 4.0 + 4.0, 500.0]), "what is off everywhere counts in full"
     hypothesis = Hypothesis((), (Free("armature", "knee", "I", 0, 0, -1.0, 1.0, 0.0, 0.1),))
@@ -189,6 +190,6 @@ def test_windows_in_which_robots_part_neither_rule_slopes_nor_costs():
     assert weights == pytest.approx([1.0, 1.0, 0.1, 1.0, 1.0])
     np.testing.assert_array_equal(heeded(at, 0.0 * derivative), 1.0)
     residual = np.ones((5, 4))
-    ruled, free = (_Walk(at, np.array([True]), residual, derivative, 1e-9, weights=w) for w in (None, weights))
+    ruled, free = (Walk(at, np.array([True]), residual, derivative, 1e-9, weights=w) for w in (None, weights))
     first = [walk.candidates()[0][0] for walk in (ruled, free)]
     assert first[0] > 0.0 > first[1], "four windows of five say less"

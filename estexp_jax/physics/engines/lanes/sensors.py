@@ -13,13 +13,10 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.engines.lanes.algebra import (
-    Matrix,
     Scalar,
     Vector,
-    add,
     apply,
     cross,
-    dot,
     each,
     neg,
     one,
@@ -36,12 +33,11 @@ from estexp_jax.physics.engines.lanes.numbers import Numbers
 from estexp_jax.physics.engines.lanes.plan import Plan
 from estexp_jax.physics.engines.lanes.rays import meets
 from estexp_jax.physics.engines.lanes.rows import Residual
+from estexp_jax.physics.engines.lanes.seats import Seats, on_fixed_body, seat_of
 from estexp_jax.physics.engines.lanes.step import Instant
 
-_SENSOR, _OBJECT = mujoco.mjtSensor, mujoco.mjtObj
+_SENSOR = mujoco.mjtSensor
 _AXES = (_SENSOR.mjSENS_FRAMEXAXIS, _SENSOR.mjSENS_FRAMEYAXIS, _SENSOR.mjSENS_FRAMEZAXIS)
-SEATS = (_OBJECT.mjOBJ_SITE, _OBJECT.mjOBJ_GEOM, _OBJECT.mjOBJ_BODY, _OBJECT.mjOBJ_XBODY)
-"""What sensors of motion may be on."""
 
 
 class Reader:
@@ -49,7 +45,7 @@ class Reader:
 
     def __init__(self, plan: Plan, numbers: Numbers, inertias: Inertias) -> None:
         """For robots of these numbers."""
-        self._plan, self._numbers, self._inertias = plan, numbers, inertias
+        self._plan, self._numbers, self._seats = plan, numbers, Seats(plan, numbers, inertias)
 
     def read(self, now: Instant, sensors: Sequence[int]) -> dict[int, Scalar]:
         """Readings (N,) by their address in `sensordata`, of the sensors with these indices."""
@@ -113,7 +109,7 @@ class Reader:
 
     def _felt(self, now: Instant, contact: Contact, residual: Residual, member: int, site: int) -> Scalar:
         force = one(contact.normal_force(residual), member)
-        rotation, place = self._site(now, site)
+        rotation, place = self._seats.site(now, site)
         point = tuple(one(x, member) for x in contact.position)
         ray = tuple(neg(one(x, member)) for x in contact.normal)
         local = transposed(rotation)
@@ -123,22 +119,22 @@ class Reader:
 
     def frame_position(self, now: Instant, sensor: int) -> Vector:
         """`framepos`, world axes."""
-        _, place, origin, _ = self._frame(now, sensor)
+        _, place, origin, _ = self._seats.frame(now, sensor)
         return self._full(now, vadd(place, origin))
 
     def frame_velocity(self, now: Instant, sensor: int) -> Vector:
         """`framelinvel`, world axes."""
-        _, place, _, body = self._frame(now, sensor)
-        return self._full(now, self._velocity(now, body, place))
+        _, place, _, body = self._seats.frame(now, sensor)
+        return self._full(now, self._seats.velocity(now, body, place))
 
     def frame_spin(self, now: Instant, sensor: int) -> Vector:
         """`frameangvel`, world axes."""
-        group, member = self._plan.place_of_body[self._frame(now, sensor)[3]]
+        group, member = self._plan.place_of_body[self._seats.frame(now, sensor)[3]]
         return self._full(now, each(now.moving.poses[group].spin, member))
 
     def frame_axis(self, now: Instant, sensor: int) -> Vector:
         """`framexaxis`, `frameyaxis`, `framezaxis`, world axes."""
-        axes, *_ = self._frame(now, sensor)
+        axes, *_ = self._seats.frame(now, sensor)
         column = _AXES.index(_SENSOR(int(self._plan.model.sensor_type[sensor])))
         return self._full(now, tuple(row[column] for row in axes))
 
@@ -152,18 +148,18 @@ class Reader:
 
     def velocimeter(self, now: Instant, sensor: int) -> Vector:
         """`velocimeter`, in the site's axes."""
-        rotation, place, _, body = self._frame(now, sensor)
-        return self._full(now, apply(transposed(rotation), self._velocity(now, body, place)))
+        rotation, place, _, body = self._seats.frame(now, sensor)
+        return self._full(now, apply(transposed(rotation), self._seats.velocity(now, body, place)))
 
     def gyro(self, now: Instant, sensor: int) -> Vector:
         """`gyro`, in the site's axes."""
-        rotation, _, _, body = self._frame(now, sensor)
+        rotation, _, _, body = self._seats.frame(now, sensor)
         group, member = self._plan.place_of_body[body]
         return self._full(now, apply(transposed(rotation), each(now.moving.poses[group].spin, member)))
 
     def accelerometer(self, now: Instant, sensor: int) -> Vector:
         """`accelerometer`, in the site's axes: gravity shows as an upward acceleration."""
-        rotation, place, _, body = self._frame(now, sensor)
+        rotation, place, _, body = self._seats.frame(now, sensor)
         group, member = self._plan.place_of_body[body]
         pose = now.moving.poses[group]
         spin, rate = each(pose.spin, member), each(pose.spin_rate, member)
@@ -178,77 +174,24 @@ class Reader:
 
     def subtree_centre(self, now: Instant, sensor: int) -> Vector:
         """`subtreecom`, world axes."""
-        mass, moment = self._weighed(sensor, lambda body: vadd(self._centre(now, body), self._origin(now, body)))
+        seats = self._seats
+        mass, moment = seats.weighed(
+            self._object(sensor), lambda body: vadd(seats.centre(now, body), seats.origin(now, body))
+        )
         return self._full(now, scale(1.0 / mass, moment))
 
     def subtree_velocity(self, now: Instant, sensor: int) -> Vector:
         """`subtreelinvel`, world axes."""
-        mass, momentum = self._weighed(sensor, lambda body: self._velocity(now, body, self._centre(now, body)))
+        seats = self._seats
+        mass, momentum = seats.weighed(
+            self._object(sensor), lambda body: seats.velocity(now, body, seats.centre(now, body))
+        )
         return self._full(now, scale(1.0 / mass, momentum))
-
-    def _weighed(self, sensor: int, of: Callable[[int], Vector]) -> tuple[Scalar, Vector]:
-        """Mass of a subtree, and the sum of what each body has times its mass."""
-        model, top = self._plan.model, self._object(sensor)
-        mass: Scalar = 0
-        whole: Vector = (0, 0, 0)
-        for body in range(1, model.nbody):
-            above = body
-            while above > top:
-                above = int(model.body_parentid[above])
-            if above == top and body in self._plan.place_of_body:
-                group, member = self._plan.place_of_body[body]
-                weight = one(self._inertias.mass[group], member)
-                mass, whole = add(mass, weight), vadd(whole, scale(weight, of(body)))
-        return mass, whole
-
-    def _centre(self, now: Instant, body: int) -> Vector:
-        """Centre of mass of a body about its tree's origin."""
-        group, member = self._plan.place_of_body[body]
-        pose = now.moving.poses[group]
-        arm = apply(_turn(pose.rotation, member), each(self._inertias.centre[group], member))
-        return vadd(each(pose.position, member), arm)
-
-    def _origin(self, now: Instant, body: int) -> Vector:
-        """Origin of a body's tree."""
-        group, member = self._plan.place_of_body[body]
-        return each(now.moving.origin[group], member)
-
-    def _velocity(self, now: Instant, body: int, place: Vector) -> Vector:
-        group, member = self._plan.place_of_body[body]
-        pose = now.moving.poses[group]
-        arm = vsub(place, each(pose.position, member))
-        return vadd(each(pose.velocity, member), cross(each(pose.spin, member), arm))
-
-    def _frame(self, now: Instant, sensor: int) -> tuple[Matrix, Vector, Vector, int]:
-        """Axes, place about the tree's origin, the origin, and the body of what a sensor sits on."""
-        body, seat = seat_of(self._plan.model, sensor)
-        group, member = self._plan.place_of_body[body]
-        pose, origin = now.moving.poses[group], each(now.moving.origin[group], member)
-        rotation, place = _turn(pose.rotation, member), each(pose.position, member)
-        if not seat:
-            return rotation, place, origin, body
-        target = [self._object(sensor)]
-        place = vadd(place, apply(rotation, self._numbers.vector(f"{seat}pos", target)))
-        local = self._numbers.rotation(f"{seat}quat", target)
-        axes = tuple(tuple(dot(row, column) for column in transposed(local)) for row in rotation)
-        return axes, place, origin, body
-
-    def _site(self, now: Instant, site: int) -> tuple[Matrix, Vector]:
-        group, member = self._plan.place_of_body[int(self._plan.model.site_bodyid[site])]
-        pose = now.moving.poses[group]
-        rotation = _turn(pose.rotation, member)
-        place = vadd(each(pose.position, member), apply(rotation, self._numbers.vector("site_pos", [site])))
-        local = self._numbers.rotation("site_quat", [site])
-        return tuple(tuple(dot(row, column) for column in transposed(local)) for row in rotation), place
 
     def _full(self, now: Instant, v: Sequence[Scalar]) -> Vector:
         """As arrays (N,), also where a component is known."""
         zero = jnp.zeros_like(one(now.state.qvel[0], 0))
         return tuple(zero + x for x in v)
-
-
-def _turn(rotation: Matrix, member: int) -> Matrix:
-    return tuple(each(row, member) for row in rotation)
 
 
 _READINGS: dict[mujoco.mjtSensor, Callable[[Reader, Instant, int], Sequence[Scalar]]] = {
@@ -278,24 +221,3 @@ RESTING = frozenset(
     }
 )
 """Those that always show the same where their body cannot move."""
-
-
-def seat_of(model: mujoco.MjModel, sensor: int) -> tuple[int, str]:
-    """The body of what a sensor is on, and how the pose fields of that begin, if it is not the body itself."""
-    kind, target = _OBJECT(int(model.sensor_objtype[sensor])), int(model.sensor_objid[sensor])
-    match kind:
-        case _OBJECT.mjOBJ_SITE:
-            return int(model.site_bodyid[target]), "site_"
-        case _OBJECT.mjOBJ_GEOM:
-            return int(model.geom_bodyid[target]), "geom_"
-        case _OBJECT.mjOBJ_BODY:
-            return target, "body_i"
-        case _:
-            return target, ""
-
-
-def on_fixed_body(model: mujoco.MjModel, sensor: int) -> bool:
-    """Whether a sensor is on a site, geom or body that cannot move."""
-    if _OBJECT(int(model.sensor_objtype[sensor])) not in SEATS:
-        return False
-    return int(model.body_weldid[seat_of(model, sensor)[0]]) == 0

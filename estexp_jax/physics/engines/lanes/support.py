@@ -8,7 +8,8 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.engines.lanes.rays import TOUCH_SHAPES
-from estexp_jax.physics.engines.lanes.sensors import RESTING, SEATS, SENSORS, on_fixed_body
+from estexp_jax.physics.engines.lanes.seats import SEATS, on_fixed_body
+from estexp_jax.physics.engines.lanes.sensors import RESTING, SENSORS
 from estexp_jax.physics.engines.lanes.touching import SHAPES
 from estexp_jax.physics.touching import touching_pairs
 

@@ -12,21 +12,20 @@ from typing import Any, final
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax.extend.core import jaxpr_as_fun
 
 from estexp_jax.physics.changes import Values
-from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, Effect, JointForce, JointMoment, Term
+from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, Effect, JointForce, Term
 from estexp_jax.physics.effects.sites import driven_actuators
 from estexp_jax.physics.engines.lanes.algebra import Scalar
 from estexp_jax.physics.engines.lanes.forces import Drive
+from estexp_jax.physics.engines.lanes.moments import Moments, Now, stacked
 from estexp_jax.physics.engines.lanes.motors import Motors, Told
 from estexp_jax.physics.engines.lanes.numbers import Numbers
 from estexp_jax.physics.engines.lanes.plan import Dof, Plan
 from estexp_jax.physics.engines.lanes.pulls import pulled
 from estexp_jax.physics.engines.lanes.step import Added, LaneState
 from estexp_jax.physics.engines.mjx_terms import Hidden
-from estexp_jax.physics.motors import drives
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
 
@@ -56,6 +55,7 @@ class Acting:
         """With values (n_sites, n_parameters, N) of each effect."""
         self._robot, self._plan, self._numbers, self._values = robot, plan, numbers, values
         self._motors = Motors(robot, plan, numbers)
+        self._moments = Moments(robot, plan, numbers, self._motors)
         self._terms = [e for e in catalogue if isinstance(e, Term) and e.sites(robot)]
         self._laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
         self._pulls = [e for e in catalogue if isinstance(e, BodyPull) and e.sites(robot)]
@@ -77,7 +77,7 @@ class Acting:
             hidden: (n_sites, N) of each effect that has some.
         """
         hidden, rows = dict(hidden), [commands[a] for a in range(commands.shape[0])]
-        position, speed = self._coordinates(state)
+        position, speed = self._moments.coordinates(state)
         if self._laws or self._terms:
             rows = [self._motors.limited(a, row) for a, row in enumerate(rows)]
         for law in self._laws:
@@ -90,7 +90,8 @@ class Acting:
                 rows[a] = there[i]
         sums = _Sums()
         for term in self._terms:
-            does, after = self._acted(term, sums, (position, speed, rows, enable, dt), hidden.get(term.name, ()))
+            now = Now(position, speed, Told(rows, enable, sums.share), dt)
+            does, after = self._acted(term, now, hidden.get(term.name, ()))
             hidden |= {term.name: after} if term.n_states else {}
             rows = self._gather(term, does, sums, rows)
         on = self._slots([enable[a] for a in range(enable.shape[0])])
@@ -100,14 +101,14 @@ class Acting:
     def rest(self, state: LaneState, commands: Any) -> Hidden:
         """Hidden variables of robots that have been where they are, under commands (nu, N), for long."""
         rows = [self._motors.limited(a, commands[a]) for a in range(commands.shape[0])]
-        position, speed = self._coordinates(state)
+        position, speed = self._moments.coordinates(state)
         hidden: Hidden = {}
         for e in (*self._laws, *self._terms):
             p = self._parameters(e.name)
             if e.n_states and isinstance(e, CommandLaw):
                 hidden[e.name] = e.initial(p, jnp.stack([rows[a] for a in e.actuators(self._robot)]))
             elif e.n_states:
-                hidden[e.name] = e.initial(p, *_stacked(e.dofs(self._robot), position, speed))
+                hidden[e.name] = e.initial(p, *stacked(e.dofs(self._robot), position, speed))
         return hidden
 
     def _is_changed(self, e: Effect) -> jax.Array:
@@ -123,12 +124,11 @@ class Acting:
 
         return jax.lax.cond(self._at_work[law.name], act, lambda: (told, before))
 
-    def _acted(self, term: Term, sums: _Sums, now: tuple, before: Arrays) -> tuple[JointForce, Arrays]:
+    def _acted(self, term: Term, now: Now, before: Arrays) -> tuple[JointForce, Arrays]:
         """What a term does, and its hidden variables after the step."""
 
         def act() -> tuple[dict[str, Any], Arrays]:
-            moment = self._moment(term, term.dofs(self._robot), sums, now)
-            does, after = term.act(self._parameters(term.name), moment, before)
+            does, after = term.act(self._parameters(term.name), self._moments.of(term, now), before)
             return {name: x for name, x in does._asdict().items() if not isinstance(x, float)}, after
 
         program, shapes = jax.make_jaxpr(act, return_shape=True)()
@@ -146,74 +146,6 @@ class Acting:
     def _parameters(self, name: str) -> Arrays:
         values = self._values[name]
         return tuple(values[:, i] for i in range(values.shape[1]))
-
-    def _coordinates(self, state: LaneState) -> tuple[dict[int, Any], dict[int, Any]]:
-        """Position and speed (N,) of each hinge and slide, by velocity address."""
-        position, speed = {}, {}
-        for joint, q in zip(self._plan.joints, state.qpos, strict=True):
-            if not joint.free:
-                for i, address in enumerate(joint.dof):
-                    position[address], speed[address] = (_row(x, i) for x in (q[0], state.qvel[joint.dofs[0]]))
-        return position, speed
-
-    def _number(self, name: str, element: int, column: int | None = None) -> Scalar:
-        return self._numbers.get(name, [element], column)
-
-    def _moment(self, term: Term, dofs: np.ndarray, sums: _Sums, now: tuple) -> JointMoment:
-        position, speed, rows, enable, dt = now
-        told, motors = Told(rows, enable, sums.share), None
-        if term.kind == "actuator":
-            motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)
-        there = drives(self._robot, dofs, motors)
-        at = [[int(a) for a, t in zip(*pair, strict=True) if t] for pair in zip(there.motors, there.there, strict=True)]
-        q, w = _stacked(dofs, position, speed)
-
-        def torque_at(q: Any, w: Any) -> Any:
-            pairs = [(site, q[i], w[i]) for i, site in enumerate(at)]
-            return jnp.stack([self._motors.torque(*pair, told, whole=there.whole) for pair in pairs])
-
-        def torque_of(number: Any) -> Any:
-            total: Any = jnp.zeros_like(q)
-            for address in position:
-                joint = int(self._plan.model.dof_jntid[address])
-                site = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
-                one = self._motors.torque(site, position[address], speed[address], told, whole=True)
-                mine: Any = jnp.where(jnp.round(number) == joint + 1, one, 0.0)
-                total = total + mine
-            return total
-
-        def motion_of(number: Any) -> tuple[Any, Any]:
-            at: Any = jnp.zeros_like(q)
-            rate: Any = jnp.zeros_like(q)
-            for address, joint in zip(position, self._plan.model.dof_jntid[list(position)], strict=True):
-                mine: Any = (jnp.round(number) == int(joint) + 1).astype(q.dtype)
-                at, rate = at + mine * position[address], rate + mine * speed[address]
-            return at, rate
-
-        def asked() -> tuple[Any, Any]:
-            each = [self._motors.asked(site, position, speed, told) for site in at]
-            in_all, beyond = (jnp.stack(rows) for rows in zip(*each, strict=True))
-            return in_all, beyond
-
-        def switched(site: list[int]) -> Any:
-            on = jnp.zeros_like(q[0])
-            for a in site:
-                on = jnp.maximum(on, enable[a])
-            return on
-
-        return JointMoment(
-            q=q,
-            w=w,
-            torque=torque_at(q, w),
-            on=jnp.stack([switched(site) for site in at]),
-            dt=dt,
-            limit=jnp.asarray(there.limit(), q.dtype)[:, None],
-            armature=jnp.stack([self._number("dof_armature", int(d)) + jnp.zeros_like(q[0]) for d in dofs]),
-            torque_at=torque_at,
-            torque_of=torque_of,
-            motion_of=motion_of,
-            asked=asked,
-        )
 
     def _gather(self, term: Term, does: JointForce, sums: _Sums, rows: list[Any]) -> list[Any]:
         """Add what a term does; the commands with what it asks for on top."""
@@ -248,15 +180,6 @@ class Acting:
             *(per_dof.get(what, [0] * len(self._plan.dofs)) for what in ("force", "damping", "friction", "inertia")),
             pull=pulls,
         )
-
-
-def _stacked(dofs: np.ndarray, *tables: dict[int, Any]) -> tuple[Any, ...]:
-    """Rows (n_sites, N) of tables by velocity address."""
-    return tuple(jnp.stack([table[int(d)] for d in dofs]) for table in tables)
-
-
-def _row(x: jax.Array, i: int) -> jax.Array:
-    return x[i] if x.ndim == 2 else x
 
 
 def _collected(dof: Dof, table: dict[int, Scalar]) -> Scalar:
