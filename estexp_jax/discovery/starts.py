@@ -23,6 +23,8 @@ SHARES = (0.004, 0.04, 0.3)
 
 _REBOUND = 0.35
 """Restitution of steel on steel, as gears meet."""
+_DAMPED = 0.3
+"""Damping ratio of the contact of such gears."""
 _STIFF, _SOFT = (0.01, 500.0), (0.3, 33.0)
 """Time constant (s) and frequency (rad/s) of stops that throw a joint back at once, or after they gave way."""
 
@@ -110,6 +112,9 @@ def starts(robot: Robot, e: Effect, site: str, seen: Seen) -> Vectors:
         case "rotor_backlash":
             [rotor], plays = _spread(bounds[1], 1), np.geomspace(0.03, 0.5, 5) * bounds[0][1]
             return [(play, rotor, _REBOUND) for play in plays.tolist()]
+        case "outer_backlash":
+            [rotor], plays = _spread(bounds[1], 1), np.geomspace(0.03, 0.5, 5) * bounds[0][1]
+            return [(play, rotor, k, _DAMPED) for play, k in product(plays.tolist(), _spread(bounds[2], 2))]
         case "com_shift" | "external_force":
             return _along_axes(bounds, 0.1)
         case "gravity_tilt":

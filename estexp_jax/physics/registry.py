@@ -8,7 +8,7 @@ from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.actuator_lag import ActuatorLag
 from estexp_jax.physics.effects.armature import Armature
 from estexp_jax.physics.effects.back_emf import BackEmf
-from estexp_jax.physics.effects.backlash import Backlash, OuterBacklash, RotorBacklash
+from estexp_jax.physics.effects.backlash import Backlash, RotorBacklash
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.body_mass import BodyMass
 from estexp_jax.physics.effects.cogging import Cogging
@@ -78,6 +78,7 @@ from estexp_jax.physics.effects.motor_fade import MotorFade
 from estexp_jax.physics.effects.motor_heat import MotorHeat
 from estexp_jax.physics.effects.motor_weakness import MotorWeakness
 from estexp_jax.physics.effects.neuron_fault import NeuronFault
+from estexp_jax.physics.effects.outer_backlash import OuterBacklash
 from estexp_jax.physics.effects.part_lost import PartLost
 from estexp_jax.physics.effects.part_stub import PartStub
 from estexp_jax.physics.effects.quadratic_drag import QuadraticDrag

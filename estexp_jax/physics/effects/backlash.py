@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.rotor import held, rotor_step
+from estexp_jax.physics.effects.rotor import rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.robot import Robot
 
@@ -20,12 +20,11 @@ class _Backlash(Term):
     """The rotor turns freely within |x| < half_gap, x = its angle less the joint's; at either end it pushes the joint.
 
     Its inertia is the joint's armature, or part of it, which the joint has only while they touch; where they meet, the
-    joint gets the rotor's momentum, and they move on as one, or the rotor rebounds in the next step. It takes implicit
-    sub-steps; the joint gets their mean push, with the motor's braking implicitly.
+    joint gets the rotor's momentum, and they move on as one, or the rotor rebounds in the next step. The motor's own
+    loop sees the rotor, as most servos' encoders do. It takes implicit sub-steps; the joint gets their mean push, with
+    the motor's braking implicitly.
     """
 
-    #: Whether the motor's own loop sees the rotor, or the joint.
-    collocated: ClassVar[bool]
     kind: ClassVar[str] = "joint"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_gap", "rad"),)
     equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
@@ -58,7 +57,6 @@ class _Backlash(Term):
         x, a, _, thrown = state
         bounces = thrown != 0.0
         x, a = x * (1.0 - _FREE * bounces), a + bounces * (moment.w + thrown - a)
-        moment = moment if self.collocated else held(moment)
         q, w, inertia, h = moment.q, moment.w, self.rotor(p, moment), moment.dt / _SUBSTEPS
         thrown = push = braking = apart = shown = jnp.zeros_like(q)
         for _ in range(_SUBSTEPS):
@@ -91,21 +89,9 @@ class _Backlash(Term):
 
 @final
 class Backlash(_Backlash):
-    """The motor's own loop sees the rotor, as most servos' encoders do."""
+    """With a rotor that has the joint's armature, and does not rebound."""
 
     name: ClassVar[str] = "backlash"
-    collocated: ClassVar[bool] = True
-
-
-@final
-class OuterBacklash(_Backlash):
-    """The motor's own loop sees the joint, by an encoder behind the play; told as backlash."""
-
-    name: ClassVar[str] = "outer_backlash"
-    collocated: ClassVar[bool] = False
-
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return "backlash", values
 
 
 @final
@@ -117,7 +103,6 @@ class RotorBacklash(_Backlash):
 
     name: ClassVar[str] = "rotor_backlash"
     parameters: ClassVar[tuple[Parameter, ...]] = (*_Backlash.parameters, Parameter("I", "kg m2"), Parameter("e", ""))
-    collocated: ClassVar[bool] = True
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         joint = robot.index("joint", site)

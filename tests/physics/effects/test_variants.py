@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from estexp_jax.physics.effects.backlash import RotorBacklash
 from estexp_jax.physics.effects.base import NEVER, JointMoment
@@ -11,6 +12,7 @@ from estexp_jax.physics.effects.hysteresis import Hysteresis
 from estexp_jax.physics.effects.load_bristles import LoadBristles
 from estexp_jax.physics.effects.motor_fade import MotorFade
 from estexp_jax.physics.effects.motor_heat import MotorHeat
+from estexp_jax.physics.effects.outer_backlash import OuterBacklash
 from estexp_jax.physics.effects.part_stub import PartStub
 from estexp_jax.physics.effects.rebound_limit import ReboundLimit
 from estexp_jax.physics.effects.servo_damping import ServoDamping, servo_damping
@@ -20,6 +22,8 @@ from estexp_jax.physics.engines.mjx_model import mjx_model
 from estexp_jax.physics.registry import ALL, VARIANTS, effect
 from estexp_jax.physics.robot import Robot
 
+PLAY = (0.03, 0.006, 900.0, 0.3)
+"""half_gap, I, k, zeta of a play inside a servo's loop."""
 IDLE = (lambda joint: joint, lambda joint: (joint, joint), lambda: (0.0, 0.0))
 """What other joints do, and what the motor is asked for."""
 SERVO = """
@@ -109,6 +113,44 @@ def test_a_rotor_rebounds_from_the_end_of_its_play_and_passes_on_its_momentum(e)
     assert passed == pytest.approx(inertia * (1.0 + e), rel=0.01)
     assert speed == pytest.approx(-e, abs=1e-6)
     assert x == pytest.approx(0.05 - e * 0.03, abs=1.5e-3)
+
+
+def hunting(dt, seconds=0.4):
+    """Joint positions (rows,) 20 ms apart at steps of dt: .02 kg m2, moved by a servo that sees it beyond the play."""
+    one, armature, rest = jnp.ones(1), 0.008, 0.012
+    p = tuple(jnp.full(1, x) for x in PLAY)
+    term, q, w = OuterBacklash(), jnp.zeros(1), jnp.zeros(1)
+    state, rows = term.initial(p, q, w), []
+
+    def servo(q, w):
+        return 8.0 * (0.3 - q) - 0.1 * w
+
+    for n in range(round(seconds / dt)):
+        torque = servo(q, w)
+        moment = JointMoment(q, w, torque, one, one * dt, one, one * armature, servo, *IDLE)
+        does, state = term.act(p, moment, state)
+        inertia = armature + rest + does.inertia
+        w = (inertia * w + dt * (does.force + does.motor * torque)) / (inertia + dt * does.damping)
+        q = q + dt * w
+        rows += [float(q[0])] if (n + 1) % round(0.02 / dt) == 0 else []
+    return np.array(rows)
+
+
+def test_a_servo_with_play_inside_its_loop_moves_as_two_bodies_do():
+    gap, rotor, k, zeta = PLAY
+    d = 2.0 * zeta * np.sqrt(k * rotor)
+
+    def rates(_, y):
+        q, w, r, a = y
+        deep = np.sign(r - q) * max(abs(r - q) - gap, 0.0)
+        push = k * deep + d * (a - w)
+        push = push if push * deep > 0.0 else 0.0
+        return w, push / (0.02 - rotor), a, (8.0 * (0.3 - q) - 0.1 * w - push) / rotor
+
+    two = solve_ivp(rates, (0.0, 0.4), [0.0, 0.0, gap, 0.0], t_eval=np.arange(1, 21) * 0.02, max_step=2e-5).y[0]
+    assert np.ptp(two) > 0.4
+    np.testing.assert_allclose(hunting(2e-4), two, atol=0.01)
+    np.testing.assert_allclose(hunting(2e-3), two, atol=0.06)
 
 
 def test_servo_damping_changes_the_motors_own_force():
