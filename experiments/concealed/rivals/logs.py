@@ -104,8 +104,8 @@ def start(model: mujoco.MjModel, log: Log, row: int) -> tuple[np.ndarray, np.nda
     for s in range(model.nsensor):
         if int(model.sensor_type[s]) == int(mujoco.mjtSensor.mjSENS_JOINTPOS):
             joint = int(model.sensor_objid[s])
-            cubic = np.polynomial.Polynomial.fit(t, log.sensor[near, s], 3).convert().coef
-            qpos[model.jnt_qposadr[joint]], qvel[model.jnt_dofadr[joint]] = cubic[0], cubic[1]
+            cubic = np.polynomial.Polynomial.fit(t, log.sensor[near, s], 3)
+            qpos[model.jnt_qposadr[joint]], qvel[model.jnt_dofadr[joint]] = cubic(0.0), cubic.deriv()(0.0)
     return qpos, qvel
 
 

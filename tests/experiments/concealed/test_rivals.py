@@ -1,6 +1,7 @@
 """Rivals read what explainers read, and the oracle with the truth beats the nominal model."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from experiments.concealed.generator.case import Plan, Planted, make
 from experiments.concealed.generator.files import write_case
 from experiments.concealed.rivals import oracle, sparse
 from experiments.concealed.rivals.front import rivals_of
-from experiments.concealed.rivals.logs import floor, gain, nrmse, read_case
+from experiments.concealed.rivals.logs import floor, gain, nrmse, read_case, windows
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +47,13 @@ def test_sparse_regression_finds_the_terms_that_are_there():
     found = sparse.regressed(q, w, tau, force)
     assert found["sign w"] == pytest.approx(-0.7, abs=0.01) and found["w"] == pytest.approx(-0.3, abs=0.01)
     assert not any(c for t, c in found.items() if t not in ("sign w", "w"))
+
+
+def test_windows_start_where_a_sensor_is_stuck_at_zero(visible):
+    model, [log, *_] = read_case(visible[0])
+    stuck = replace(log, sensor=np.zeros_like(log.sensor))
+    for window in windows(model, stuck):
+        assert not window.qpos.any() and not window.qvel.any()
 
 
 def test_gain_is_beyond_noise():
