@@ -5,9 +5,8 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.rotor import rotor_step
+from estexp_jax.physics.effects.rotor import inertia_bounds, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.robot import Robot
 
@@ -105,11 +104,7 @@ class RotorBacklash(_Backlash):
     parameters: ClassVar[tuple[Parameter, ...]] = (*_Backlash.parameters, Parameter("I", "kg m2"), Parameter("e", ""))
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        joint = robot.index("joint", site)
-        inertia, address = scales.joint_inertia(robot, joint), robot.model.jnt_dofadr[joint]
-        own = float(robot.model.dof_armature[address])
-        rotor = (0.5 * own, own) if own > 0.0 else (0.01 * inertia, inertia)
-        return *super().bounds(robot, site), rotor, (0.0, 0.7)
+        return *super().bounds(robot, site), inertia_bounds(robot, site), (0.0, 0.7)
 
     def rotor(self, p: Arrays, moment: JointMoment) -> Array:
         return p[1]

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.rotor import held, rotor_step
+from estexp_jax.physics.effects.rotor import held, inertia_bounds, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.robot import Robot
 
@@ -35,7 +35,7 @@ class OuterBacklash(Term):
         Parameter("k", "N m/rad"),
         Parameter("zeta", ""),
     )
-    equation: ClassVar[str] = "tau = k (x - s half_gap) + d (a - w) where the rotor is x ahead and pushes, else 0"
+    equation: ClassVar[str] = "tau = k (x - half_gap) + d (a - w) where the rotor is x > half_gap ahead and pushes"
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     n_states: ClassVar[int] = 3
     shows: ClassVar[int | None] = 2
@@ -44,12 +44,9 @@ class OuterBacklash(Term):
         return driven_joint_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        joint, step = robot.index("joint", site), float(robot.model.opt.timestep)
-        inertia, address = scales.joint_inertia(robot, joint), robot.model.jnt_dofadr[joint]
-        own = float(robot.model.dof_armature[address])
-        rotor = (0.5 * own, own) if own > 0.0 else (0.01 * inertia, inertia)
-        play, stiff = 0.02 if is_slide(robot, site) else 0.2, [share * inertia / step**2 for share in _STIFF]
-        return (0.0, play), rotor, (stiff[0], stiff[1]), (0.05, 1.0)
+        stiffest = scales.joint_inertia(robot, robot.index("joint", site)) / float(robot.model.opt.timestep) ** 2
+        play, (soft, stiff) = 0.02 if is_slide(robot, site) else 0.2, (share * stiffest for share in _STIFF)
+        return (0.0, play), inertia_bounds(robot, site), (soft, stiff), (0.05, 1.0)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"

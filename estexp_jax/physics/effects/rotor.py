@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import jax.numpy as jnp
 
+from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, JointMoment
+from estexp_jax.physics.robot import Robot
 
 _NUDGE = 1e-3
 """Displacement (rad, rad/s) over which a motor's torque is derived."""
@@ -49,3 +51,11 @@ def rotor_step(
 def held(moment: JointMoment) -> JointMoment:
     """The same moment of a motor whose own loop sees the joint: where its rotor is does not change its torque."""
     return moment._replace(torque_at=lambda r, a: moment.torque)
+
+
+def inertia_bounds(robot: Robot, site: str) -> tuple[float, float]:
+    """Plausible (low, high) inertia of a rotor behind a gap: part of the joint's armature, its own where that is 0."""
+    joint = robot.index("joint", site)
+    inertia, address = scales.joint_inertia(robot, joint), robot.model.jnt_dofadr[joint]
+    armature = float(robot.model.dof_armature[address])
+    return (0.5 * armature, armature) if armature > 0.0 else (0.01 * inertia, inertia)
