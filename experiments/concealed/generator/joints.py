@@ -217,10 +217,10 @@ class Eddy(Effect):
 
 
 class Swirl(Effect):
-    """A force from two joints' speeds: c w_this w_other."""
+    """A joint that is held the more the faster another one turns: -c w_this |w_other|."""
 
     def joint(self, m: Moment) -> None:
-        m.force[self.at] += self.c * m.w[self.at] * abs(m.w[int(self.source)])
+        m.force[self.at] -= self.c * m.w[self.at] * abs(m.w[int(self.source)])
 
 
 class Pulse(Effect):

@@ -4,6 +4,7 @@ import ast
 import sys
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -16,7 +17,7 @@ from experiments.concealed.generator.effect import Queue, bristle
 from experiments.concealed.generator.equations import by_hand
 from experiments.concealed.generator.excitation import controller, motion
 from experiments.concealed.generator.files import write_case
-from experiments.concealed.generator.joints import Gap
+from experiments.concealed.generator.joints import Gap, Swirl
 from experiments.concealed.generator.motors import Motors
 from experiments.concealed.generator.plans import SHARES, counts, plans
 from experiments.concealed.generator.plant import Plant, clock
@@ -141,6 +142,15 @@ def test_a_gap_passes_nothing_until_it_is_crossed():
     gap.edit(model)
     assert gap.passed(0.015, 0.0) == 0.0 and gap.passed(0.025, 0.0) > 0.0 and gap.passed(-0.035, 0.0) < 0.0
     assert gap.rotor + model.dof_armature[0] == pytest.approx(ROBOTS["planar"].model.dof_armature[0])
+
+
+@pytest.mark.parametrize("w", [(2.0, 3.0), (2.0, -3.0), (-2.0, 3.0), (-2.0, -3.0)])
+def test_what_couples_two_speeds_takes_power_and_gives_none(w):
+    place = layout("planar")
+    swirl = Swirl({"c": 0.1, "source": 1.0}, place, 0, Motors.of(ROBOTS["planar"].model, place))
+    moment = SimpleNamespace(w=np.array(w), force=np.zeros(2))
+    swirl.joint(moment)
+    assert moment.force @ moment.w == pytest.approx(-0.1 * 2.0**2 * 3.0)
 
 
 def test_equal_plans_give_equal_files_without_a_label(tmp_path):
