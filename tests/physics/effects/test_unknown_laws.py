@@ -267,6 +267,11 @@ def test_bounds_sentences_and_starts_go_together(law: JointLaw, name: str) -> No
     assert law.equation and law.resembles and type(law).__doc__
 
 
+@every_law
+def test_a_joint_that_ran_away_does_not_ask_for_endless_starts(law: JointLaw) -> None:
+    assert len(law.tried(REACH._replace(low=-1e8, high=1e8, speed=1e8))) < 200_000
+
+
 @pytest.mark.parametrize(
     ("name", "p"),
     [

@@ -29,6 +29,8 @@ from estexp_jax.physics.robot import Robot, spec_element
 
 _DENSEST = 60.0
 """Largest spatial frequency, 1/rad or 1/m."""
+_FREQUENCIES = 20_000
+"""Of so many at most a look is taken: a joint that ran away does not ask for more memory than there is."""
 
 
 @final
@@ -163,7 +165,8 @@ class LawWave(JointLaw):
         return (0.1, _DENSEST), ROUND
 
     def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        dense = np.arange(1.0, _DENSEST, 0.5 / reach.span).tolist()
+        apart = max(0.5 / reach.span, (_DENSEST - 1.0) / _FREQUENCIES)
+        dense = np.arange(1.0, _DENSEST, apart).tolist()
         return [(n, phase) for n, phase in product((*WAVES, *dense), PHASES)]
 
     def formula(self, values: Mapping[str, float]) -> str:
