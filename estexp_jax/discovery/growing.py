@@ -76,15 +76,24 @@ def one_more(
 
 
 def grown_from(
-    search: Setting, found: Standing, base: Fit, stage: str, most: int = _PROMISING
+    search: Setting, found: Standing, base: Fit, stage: str, most: int = _PROMISING, *, as_bent: bool = False
 ) -> Generator[Progress, None, list[Fit]]:
     """The most promising hypotheses with one effect more than a fit, fitted.
 
     Where everything is `FAR` off and simulating the robot takes long, they are fewer, and first fits are rough.
+
+    Args:
+        search: what does not change.
+        found: the comparison, and the best explanation so far.
+        base: the fit.
+        stage: what to call it.
+        most: so many of the most promising effects are fitted in full.
+        as_bent: a fit without effects keeps the values that it has bent, which may stand in for the effect that is
+            looked for.
     """
     problem, hypothesis = found.problem, base.hypothesis
     far = found.chosen.fitted.cost > FAR**2 and problem.replayer.robot.model.nv > _JOINTS
-    if not hypothesis.places:  # values bent to stand in for an effect are no place to look for it
+    if not hypothesis.places and not as_bent:
         base = Fit(hypothesis, hypothesis.start(), np.inf)
     claimed = hypothesis.places
     places = [p for p in problem.places if p not in claimed and not any(at_odds(p, c) for c in claimed)]

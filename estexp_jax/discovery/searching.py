@@ -68,6 +68,8 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
         if before.error <= NOISE or (n > _FEW and not _goes_on(problem, before, as_it_is)):
             break
         found = yield from _added(search, found, bases, n)
+        if n == 1 and found.chosen is before:
+            found = yield from _added(search, found, bases, n, as_bent=True)
         if found.chosen is before:
             break
         if n == 2 and len(bases) == 1 and found.chosen.error > NOISE:
@@ -130,12 +132,18 @@ def _bases(found: Standing) -> list[Fit]:
     return [chosen.fitted, *others[: _BASES - 1]]
 
 
-def _added(search: Setting, found: Standing, bases: Sequence[Fit], n: int) -> Generator[Progress, None, Standing]:
-    """The best explanation with one effect more than one of some, if it is worth it."""
-    stage, grown = f"explanations with {n} effect{'s' * (n > 1)}", list[Fit]()
+def _added(
+    search: Setting, found: Standing, bases: Sequence[Fit], n: int, *, as_bent: bool = False
+) -> Generator[Progress, None, Standing]:
+    """The best explanation with one effect more than one of some, if it is worth it.
+
+    Values that are bent stand in for the effect, so that it is looked for from where they are as modelled. Where much
+    is off by them, nothing shows from there; then it is looked for beside them, too.
+    """
+    stage, grown = f"explanations with {n} effect{'s' * (n > 1)}{', beside what is fitted' * as_bent}", list[Fit]()
     for base in bases:
         name = stage if base is bases[0] else f"{stage}, beside {base.hypothesis.label}"
-        grown += yield from grown_from(search, found, base, name)
+        grown += yield from grown_from(search, found, base, name, as_bent=as_bent)
     best = {frozenset(f.hypothesis.places): f for f in sorted(grown, key=lambda f: f.cost, reverse=True)}
     grown = [f for f in grown if best[frozenset(f.hypothesis.places)] is f]
     if not grown:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estexp_jax.discovery import searching
+from estexp_jax.discovery import growing, searching
 from estexp_jax.discovery.growing import Setting, Standing, at_odds
 from estexp_jax.discovery.hypotheses import Free, Hypothesis
 from estexp_jax.discovery.searching import _added, _goes_on, _simplified, _unbound
@@ -45,6 +45,29 @@ def test_a_search_ends_where_everything_is_claimed() -> None:
     with pytest.raises(StopIteration) as end:
         next(steps)
     assert end.value.value.chosen is best
+
+
+@pytest.mark.parametrize("as_bent", [False, True])
+def test_an_effect_is_looked_for_beside_what_is_fitted_where_that_is_asked(
+    monkeypatch: pytest.MonkeyPatch, as_bent: bool
+) -> None:
+    bases = list[Fit]()
+
+    def nothing(_: Any, base: Fit, *__: Any, **___: Any) -> Any:
+        bases.append(base)
+        yield from ()
+        return []
+
+    monkeypatch.setattr(growing, "extended", lambda *_: None)
+    monkeypatch.setattr(growing, "looked_at", nothing)
+    monkeypatch.setattr(growing, "at_first", nothing)
+    there = problem(0)
+    there.places = (("sensor_gain", "angle"),)
+    free = Free("body_mass", "arm", "dm", 0, 0, -0.3, 0.3, 0.0, 0.03)
+    bent = Fit(Hypothesis((), (free,)), np.array([0.2]), 60.0)
+    found, search = Standing(there, explanation(8.0), ()), Setting(bent.hypothesis, [])
+    assert not list(growing.grown_from(search, found, bent, "one effect", as_bent=as_bent))
+    assert bases[0].vector == pytest.approx([0.2 if as_bent else 0.0])
 
 
 def test_forms_of_one_effect_and_laws_beside_names_of_a_motor_make_no_sense() -> None:
