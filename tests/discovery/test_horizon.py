@@ -42,8 +42,9 @@ def teeth(_: float, q: np.ndarray, __: np.ndarray) -> list[float]:
 def test_shorter_windows_find_teeth_that_throw_the_joint_about():
     answers, found = asked(case_of("two", Plant(law=teeth), 661))
     assert answers == [True]
-    assert found == pytest.approx({"A": STRENGTH, "n": TEETH, "phase": PHASE}, rel=0.05)
+    assert found["A"] == pytest.approx(STRENGTH, rel=0.05)
     assert found["n"] == pytest.approx(TEETH, rel=2e-3), "as near as if no motion had parted"
+    assert found["phase"] == pytest.approx(PHASE, abs=0.2), "at zero, turns away from where the joint is thrown to"
 
 
 def test_shorter_windows_find_the_law_of_such_teeth_where_it_has_no_name():

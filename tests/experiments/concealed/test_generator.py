@@ -4,7 +4,6 @@ import ast
 import sys
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -13,7 +12,7 @@ import pytest
 from experiments.concealed.generator.answers import answer
 from experiments.concealed.generator.case import Plan, Planted, build, make, reading
 from experiments.concealed.generator.catalogue import CATALOGUE, RELATIVES, UNKNOWN, parameters, places
-from experiments.concealed.generator.effect import Queue, bristle
+from experiments.concealed.generator.effect import Moment, Queue, bristle
 from experiments.concealed.generator.equations import by_hand
 from experiments.concealed.generator.excitation import controller, motion
 from experiments.concealed.generator.files import write_case
@@ -148,9 +147,9 @@ def test_a_gap_passes_nothing_until_it_is_crossed():
 def test_what_couples_two_speeds_takes_power_and_gives_none(w):
     place = layout("planar")
     swirl = Swirl({"c": 0.1, "source": 1.0}, place, 0, Motors.of(ROBOTS["planar"].model, place))
-    moment = SimpleNamespace(w=np.array(w), force=np.zeros(2))
+    moment = Moment(0.0, 0.0, [0.0, 0.0], list(w), [0.0, 0.0], force=[0.0, 0.0])
     swirl.joint(moment)
-    assert moment.force @ moment.w == pytest.approx(-0.1 * 2.0**2 * 3.0)
+    assert np.dot(moment.force, w) == pytest.approx(-0.1 * 2.0**2 * 3.0)
 
 
 def test_equal_plans_give_equal_files_without_a_label(tmp_path):
