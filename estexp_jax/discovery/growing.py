@@ -93,7 +93,7 @@ def grown_from(
     """
     problem, hypothesis = found.problem, base.hypothesis
     far = found.chosen.fitted.cost > FAR**2 and problem.replayer.robot.model.nv > _JOINTS
-    if not hypothesis.places and not as_bent:
+    if not hypothesis.places and not as_bent:  # bent values may stand in for an effect: it shows without them
         base = Fit(hypothesis, hypothesis.start(), np.inf)
     claimed = hypothesis.places
     places = [p for p in problem.places if p not in claimed and not any(at_odds(p, c) for c in claimed)]
