@@ -18,6 +18,18 @@ from experiments.concealed.scoring.judge import Row, judge
 from experiments.concealed.sets import open_answers
 
 _WORST = 10
+_LOGGED = (
+    "cases",
+    "failed",
+    "false_alarms",
+    "detected",
+    "place_first",
+    "name_first",
+    "wrong_name_outside_catalogue",
+    "gain",
+    "calibration",
+)
+"""Scores that an opening is logged with."""
 
 
 def judged(out: Path) -> tuple[list[Row], dict[str, dict[str, Any]]]:
@@ -83,10 +95,7 @@ def log_opening(out: Path, log: Path) -> None:
 def log_opened(out: Path, public: Mapping[str, Any], log: Path) -> None:
     """Append to the log that the set in a folder, scored there, was opened."""
     scores = _read(out / "scored" / "scores.json")["scores"]
-    short = {
-        k: scores[k]
-        for k in ("cases", "failed", "false_alarms", "detected", "place_first", "name_first", "gain", "calibration")
-    }
+    short = {k: scores[k] for k in _LOGGED}
     known = {k: public[k] for k in ("commit", "seed", "answers_sha256") if k in public}
     with log.open("a", encoding="utf-8") as file:
         file.write(json.dumps(known | {"scores": short}, sort_keys=True) + "\n")

@@ -31,13 +31,13 @@ from experiments.concealed.generator.plans import plans  # noqa: E402
 CASES, QUICK, RIVALS = 420, (4007, "all"), 100
 """Size of the sealed set; seed of one for development; cases that rivals get, too."""
 _PUBLISHED = Path(__file__).with_name("sealed.json")
-_OPENINGS = Path(__file__).with_name("openings.jsonl")
+OPENINGS = Path(__file__).with_name("openings.jsonl")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what is asked; gives the exit code."""
     asked = sys.argv[1:] if arguments is None else arguments
-    return sealed_set(QUICK[0] if "--quick" in asked else _seed()).main(__doc__, arguments)
+    return sealed_set(QUICK[0] if "--quick" in asked else sealed_seed(_PUBLISHED)).main(__doc__, arguments)
 
 
 def sealed_set(seed: int) -> CaseSet:
@@ -50,7 +50,7 @@ def sealed_set(seed: int) -> CaseSet:
         quick=QUICK,
         published=_PUBLISHED,
         command=command,
-        write_scores=partial(opened, _OPENINGS if seed != QUICK[0] else None),
+        write_scores=partial(opened, OPENINGS if seed != QUICK[0] else None),
         more=partial(beside, rivalled(seed)),
     )
 
@@ -111,8 +111,8 @@ def opened(log: Path | None, out: Path, entries: Sequence[Mapping[str, Any]], wh
     return page
 
 
-def _seed() -> int:
-    """The seed of the commit that all is frozen at.
+def sealed_seed(published: Path) -> int:
+    """The seed of the commit that all is frozen at, but for a file of results.
 
     Raises:
         InputError: it is not the one at which the published cases were explained, or not frozen.
@@ -121,15 +121,13 @@ def _seed() -> int:
     from experiments.concealed.sets import frozen_commit, seed_of
 
     try:
-        commit = frozen_commit(ROOT, but=_PUBLISHED)
+        commit = frozen_commit(ROOT, but=published)
     except RuntimeError as error:
         raise InputError(str(error), where=str(ROOT)) from None
-    known = json.loads(_PUBLISHED.read_text(encoding="utf-8")) if _PUBLISHED.is_file() else None
+    known = json.loads(published.read_text(encoding="utf-8")) if published.is_file() else None
     if known is not None and known["seed"] != seed_of(commit):
         first = known["rows"][0]["commit"]
-        raise InputError(
-            f"its set was sealed at {first}", where=str(_PUBLISHED), right=f"check {first} out, see --help"
-        )
+        raise InputError(f"its set was sealed at {first}", where=str(published), right=f"check {first} out, see --help")
     return seed_of(commit)
 
 

@@ -7,7 +7,7 @@ from dataclasses import asdict
 import pytest
 
 from estexp_jax.errors import InputError
-from experiments.concealed import parts
+from experiments.concealed import odd_laws, parts
 from experiments.concealed.scoring.judge import Row
 from experiments.concealed.sets import frozen_commit, seed_of
 
@@ -39,14 +39,13 @@ def test_results_may_grow_while_everything_else_is_frozen(repository, monkeypatc
     commit = frozen_commit(repository)
     published.write_text(json.dumps({"seed": seed_of(commit), "rows": [{"commit": commit}]}), encoding="utf-8")
     monkeypatch.setattr(parts, "ROOT", repository)
-    monkeypatch.setattr(parts, "_PUBLISHED", published)
-    assert parts._seed() == seed_of(commit)
+    assert parts.sealed_seed(published) == seed_of(commit)
     published.write_text(json.dumps({"seed": 1, "rows": [{"commit": "abc"}]}), encoding="utf-8")
     with pytest.raises(InputError, match="sealed at abc"):
-        parts._seed()
+        parts.sealed_seed(published)
     (repository / "code.py").write_text("x = 2\n", encoding="utf-8")
     with pytest.raises(InputError, match="commit everything first"):
-        parts._seed()
+        parts.sealed_seed(published)
 
 
 def test_a_set_is_opened_only_when_it_is_whole(tmp_path):
@@ -74,3 +73,15 @@ def test_rivals_get_a_hundred_cases_that_the_seed_draws():
     assert one <= {f"c{i:03d}" for i in range(parts.CASES)}
     groups = [plan.group for plan in parts.planned(5, "all")]
     assert len(groups) >= 400 and sum(g in ("null", "parameters") for g in groups) >= 150
+
+
+def test_odd_laws_are_drawn_as_in_a_set_of_all_groups_and_scored_without_rivals(tmp_path):
+    drawn = odd_laws.planned(5, "all")
+    assert {plan.group for plan in drawn} == {"unknown", "relative"} and len(drawn) >= 80
+    told = {"group": "unknown", "truth": "eddy", "errors": {"nominal": 1.0, "explained": 0.2}, "floor": 0.01}
+    rows = [_entry("c000", verdict="unexplained", detected=True, place_first=True, wrong_name=False, **told)]
+    rows += [_entry("c001", verdict="missing_physics", claimed=("armature@knee",), wrong_name=True, gain=0.8, **told)]
+    log = tmp_path / "openings.jsonl"
+    page = parts.opened(log, tmp_path, rows, 2).read_text(encoding="utf-8")
+    assert "| laws in no catalogue: wrong name | 50.0 %" in page and (tmp_path / "scored" / "scores.png").is_file()
+    assert json.loads(log.read_text(encoding="utf-8"))["scores"]["wrong_name_outside_catalogue"]["k"] == 1
