@@ -1,6 +1,6 @@
 """What a search asks before it goes on."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +10,7 @@ import pytest
 from estexp_jax.discovery import growing, searching
 from estexp_jax.discovery.growing import Setting, Standing, at_odds
 from estexp_jax.discovery.hypotheses import Free, Hypothesis
-from estexp_jax.discovery.searching import _added, _goes_on, _simplified, _unbound
+from estexp_jax.discovery.searching import _added, _goes_on, _simplified, _unbound, select
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
 
@@ -68,6 +68,53 @@ def test_an_effect_is_looked_for_beside_what_is_fitted_where_that_is_asked(
     found, search = Standing(there, explanation(8.0), ()), Setting(bent.hypothesis, [])
     assert not list(growing.grown_from(search, found, bent, "one effect", as_bent=as_bent))
     assert bases[0].vector == pytest.approx([0.2 if as_bent else 0.0])
+
+
+@dataclass
+class Nothing:
+    """A comparison that `select` may pass on."""
+
+    step: None = None
+    rough: None = None
+
+    def heard(self, _: Any) -> Any:
+        return self
+
+
+@pytest.mark.parametrize(
+    ("helps", "looks"),
+    [
+        ((1, False), [(1, False), (2, False)]),
+        ((1, True), [(1, False), (1, True), (2, False)]),
+        (None, [(1, False), (1, True)]),
+    ],
+)
+def test_what_shows_no_effect_from_values_as_modelled_is_looked_at_once_more(
+    monkeypatch: pytest.MonkeyPatch, helps: tuple[int, bool] | None, looks: list[tuple[int, bool]]
+) -> None:
+    own, better, seen = explanation(8.0), explanation(4.0), list[tuple[int, bool]]()
+
+    def steps(result: Any) -> Any:
+        yield from ()
+        return result
+
+    def added(_: Any, found: Standing, __: Any, n: int, *, as_bent: bool = False) -> Any:
+        seen.append((n, as_bent))
+        return steps(replace(found, chosen=better) if (n, as_bent) == helps else found)
+
+    there: Any = Nothing()
+    monkeypatch.setattr(searching, "folds_of", lambda *_: [])
+    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
+    monkeypatch.setattr(searching, "fitted", lambda *_: steps(([own.fitted], there)))
+    monkeypatch.setattr(searching, "as_fitted", lambda *_: [explanation(30.0)])
+    monkeypatch.setattr(searching, "compared", lambda *_: steps(([own], there)))
+    monkeypatch.setattr(searching, "_added", added)
+    monkeypatch.setattr(searching, "_simplified", lambda _, found: steps(found))
+    monkeypatch.setattr(searching, "_all_exchanged", lambda _, found, __: steps(found))
+    with pytest.raises(StopIteration) as end:
+        next(select(there, Hypothesis((), ()), 2))
+    assert seen == looks
+    assert end.value.value[0].chosen is (better if helps else own)
 
 
 def test_forms_of_one_effect_and_laws_beside_names_of_a_motor_make_no_sense() -> None:
