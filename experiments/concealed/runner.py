@@ -1,7 +1,7 @@
 """Explain every case of a set, each in a process of its own that sees nothing but its recordings.
 
 A case is done when `out/explained/<id>.json` says how its process ended; that file is written last, so a killed run
-goes on where it was. A case under way at the kill is resumed from its own checkpoint.
+goes on where it was. A case under way at the kill is resumed from its own checkpoint, as is one that was terminated.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class Runner:
         code = self._process(case, again)
         if code == 2 and again:  # nothing to resume from
             code = self._process(case, ("--force",))
-        if not self.stopped.is_set():
+        if not self.stopped.is_set() and code != -signal.SIGTERM:  # nobody but a person ends a case so
             told = {"code": code, "wall_s": time.monotonic() - begin, "resumed": bool(again)}
             part = result.with_suffix(".part")
             part.write_text(json.dumps(told), encoding="utf-8")

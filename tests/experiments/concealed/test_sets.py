@@ -120,6 +120,13 @@ def test_a_case_under_way_at_a_kill_is_resumed(copy):
     assert "--resume" in json.loads((copy / "explained" / "c001" / "seen.json").read_text())
 
 
+def test_a_case_that_someone_terminated_stays_open(copy):
+    end = "import os, signal; os.kill(os.getpid(), signal.SIGTERM if 'c001' in str(out) else signal.SIGKILL)"
+    assert _runner(copy, end).run() == 1
+    assert ending_of(copy, "c001") is None
+    assert ending_of(copy, "c000")["code"] == -signal.SIGKILL  # pyright: ignore[reportOptionalSubscript]
+
+
 def test_what_takes_too_long_counts_as_failed(copy):
     assert _runner(copy, "import time; time.sleep(60)", timeout=0.5).run() == 0
     assert ending_of(copy, "c000")["code"] is None  # pyright: ignore[reportOptionalSubscript]
