@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -20,34 +21,24 @@ sys.path.insert(0, str(ROOT))
 from experiments.common.case_sets import CaseSet  # noqa: E402
 from experiments.concealed.generator.case import Plan  # noqa: E402
 from experiments.concealed.generator.plans import plans  # noqa: E402
-from experiments.concealed.parts import OPENINGS, QUICK, beside, command, opened, sealed_seed  # noqa: E402
+from experiments.concealed.parts import beside, sealed_set, seed_asked  # noqa: E402
 from experiments.concealed.scoring.board import UNNAMED  # noqa: E402
 from experiments.concealed.sets import SEALED  # noqa: E402
 
 DRAWN_OF = 720
-"""Cases of the set of all groups that these are drawn from: 86 of them, some 60 visible."""
+"""Cases of the set of all groups that these are drawn from: 86 of them, 56 visible in the one that is opened."""
 _PUBLISHED = Path(__file__).with_name("odd_laws.json")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what is asked; gives the exit code."""
-    asked = sys.argv[1:] if arguments is None else arguments
-    return odd_laws(QUICK[0] if "--quick" in asked else sealed_seed(_PUBLISHED)).main(__doc__, arguments)
+    return odd_laws(seed_asked(_PUBLISHED, arguments)).main(__doc__, arguments)
 
 
 def odd_laws(seed: int) -> CaseSet:
-    """The set of a seed."""
-    return CaseSet(
-        name="concealed/odd_laws",
-        planned=planned,
-        parts=("all",),
-        seed=seed,
-        quick=QUICK,
-        published=_PUBLISHED,
-        command=command,
-        write_scores=partial(opened, OPENINGS if seed != QUICK[0] else None),
-        more=partial(beside, ()),
-    )
+    """The set of a seed: a sealed one, but for what it holds."""
+    name = "concealed/odd_laws"
+    return replace(sealed_set(seed), name=name, planned=planned, published=_PUBLISHED, more=partial(beside, ()))
 
 
 def planned(seed: int, _: str) -> list[Plan]:

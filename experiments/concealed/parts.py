@@ -31,13 +31,12 @@ from experiments.concealed.generator.plans import plans  # noqa: E402
 CASES, QUICK, RIVALS = 420, (4007, "all"), 100
 """Size of the sealed set; seed of one for development; cases that rivals get, too."""
 _PUBLISHED = Path(__file__).with_name("sealed.json")
-OPENINGS = Path(__file__).with_name("openings.jsonl")
+_OPENINGS = Path(__file__).with_name("openings.jsonl")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what is asked; gives the exit code."""
-    asked = sys.argv[1:] if arguments is None else arguments
-    return sealed_set(QUICK[0] if "--quick" in asked else sealed_seed(_PUBLISHED)).main(__doc__, arguments)
+    return sealed_set(seed_asked(_PUBLISHED, arguments)).main(__doc__, arguments)
 
 
 def sealed_set(seed: int) -> CaseSet:
@@ -50,7 +49,7 @@ def sealed_set(seed: int) -> CaseSet:
         quick=QUICK,
         published=_PUBLISHED,
         command=command,
-        write_scores=partial(opened, OPENINGS if seed != QUICK[0] else None),
+        write_scores=partial(opened, _OPENINGS if seed != QUICK[0] else None),
         more=partial(beside, rivalled(seed)),
     )
 
@@ -109,6 +108,16 @@ def opened(log: Path | None, out: Path, entries: Sequence[Mapping[str, Any]], wh
     if log:
         log_opened(out, public, log)
     return page
+
+
+def seed_asked(published: Path, arguments: Sequence[str] | None = None) -> int:
+    """The seed of what the command line asks for: a small set for development, or that which `published` is of.
+
+    Raises:
+        InputError: as `sealed_seed`.
+    """
+    asked = sys.argv[1:] if arguments is None else arguments
+    return QUICK[0] if "--quick" in asked else sealed_seed(published)
 
 
 def sealed_seed(published: Path) -> int:

@@ -105,7 +105,7 @@ class Runner:
         code = self._process(case, again)
         if code == 2 and again:  # nothing to resume from
             code = self._process(case, ("--force",))
-        if not self.stopped.is_set() and code != -signal.SIGTERM:  # nobody but a person ends a case so
+        if not self.stopped.is_set() and code != -signal.SIGTERM:  # that comes from outside only
             told = {"code": code, "wall_s": time.monotonic() - begin, "resumed": bool(again)}
             part = result.with_suffix(".part")
             part.write_text(json.dumps(told), encoding="utf-8")
