@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+
+import mujoco
 
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.selection import Explanation, Selection, worth
-from estexp_jax.discovery.verdict import QUIET, verdict
+from estexp_jax.discovery.selection import NOISE, Explanation, Selection, worth
+from estexp_jax.discovery.verdict import verdict
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
 
+_LEFT = 1.5
+"""Deviations that names may leave; more, and laws are asked."""
 _PLAINLY = 0.3
-"""Names that leave something of the mismatch give way only to what brings the squared error under this share."""
+"""Names that leave something of the mismatch give way only to what brings the squared error under this share, or to
+near the noise."""
 _WHOLE = 0.85
 """Share of the excess error that a law, or names piled up at a joint, must remove where they leave more than `FAR`:
 another law, bent to what was recorded, loses its way on other motions. In development true ones left up to 6
@@ -35,16 +41,40 @@ def needed(robot: Robot, selection: Selection) -> bool:
     judged = verdict(robot, selection, selection.chosen.claims)
     if selection.seen:
         return False
-    return judged == "unexplained" or (judged == "missing_physics" and selection.chosen.error > QUIET)
+    return judged == "unexplained" or (judged == "missing_physics" and selection.chosen.error > _LEFT)
 
 
 def crowded(robot: Robot, selection: Selection) -> str | None:
     """The joint where an explanation claims several forces, if any: what no name says may be put together of them."""
-    if verdict(robot, selection, selection.chosen.claims) != "missing_physics" or selection.seen:
+    return _shared(robot, selection, [pushed(robot, place) for place in selection.chosen.places])
+
+
+def doubled(robot: Robot, selection: Selection) -> str | None:
+    """The joint where it claims a force and something else, if any, another force or a fault of the joint's sensor.
+
+    A spring that grows stiffer holds a joint back as a sensor seems to do that shows too little.
+    """
+    sites = [about_joint(robot, place) for place in selection.chosen.places]
+    forced = {pushed(robot, place) for place in selection.chosen.places}
+    return _shared(robot, selection, [site for site in sites if site in forced])
+
+
+def _shared(robot: Robot, selection: Selection, sites: Sequence[str | None]) -> str | None:
+    """The joint that several claims of an explanation are at, if any."""
+    if selection.seen or verdict(robot, selection, selection.chosen.claims) != "missing_physics":
         return None
-    sites = [pushed(robot, place) for place in selection.chosen.places]
     joint = max((s for s in sites if s in robot.names("joint")), key=sites.count, default=None)
     return joint if joint is not None and sites.count(joint) > 1 else None
+
+
+def about_joint(robot: Robot, place: Place) -> str | None:
+    """The joint whose force a claim changes or whose sensor it is about; None for what acts elsewhere."""
+    kind, name = element(robot, place)
+    if kind != "sensor" or name not in robot.names("sensor"):
+        return pushed(robot, place)
+    sensor = robot.index("sensor", name)
+    of_joint = int(robot.model.sensor_objtype[sensor]) == int(mujoco.mjtObj.mjOBJ_JOINT)
+    return robot.names("joint")[int(robot.model.sensor_objid[sensor])] if of_joint else None
 
 
 def pushed(robot: Robot, place: Place) -> str | None:
@@ -74,11 +104,8 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
         problem: the comparison about what is chosen with laws.
     """
     chosen, best = found.chosen, min((named.parameters, *named.tried), key=lambda e: e.error)
-    if verdict(robot, named, named.chosen.claims) != "unexplained":
-        better = chosen.held_out.sum() < _PLAINLY * best.held_out.sum()
-    else:
-        better = worth(chosen, best)
-    if not better:
+    plainly = chosen.held_out.sum() < _PLAINLY * best.held_out.sum() or chosen.error <= NOISE < _LEFT < best.error
+    if not worth(chosen, best) or not (plainly or verdict(robot, named, named.chosen.claims) == "unexplained"):
         return False
     if not whole(found) or verdict(robot, found, chosen.claims) != "missing_physics":
         return False

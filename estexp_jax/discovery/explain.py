@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
-from estexp_jax.discovery.believing import crowded, needed, without_piles
+from estexp_jax.discovery.believing import doubled, needed, without_piles
 from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of, shortened, shown_of, to_fit
 from estexp_jax.discovery.dating import sharpened
@@ -158,7 +158,7 @@ def _unnamed(
     selection, problem, began, nearer = named
     if nearer is not None and _suffices(case, selection, nearer):
         return selection, problem
-    lacking, joint = needed(case.robot, selection), crowded(case.robot, selection)
+    lacking, joint = needed(case.robot, selection), doubled(case.robot, selection)
     if not lacking and joint is None:
         return selection, problem
     fresh = to_fit(case, config, whole)
@@ -171,9 +171,9 @@ def _unnamed(
     if nearer is not None and needed(case.robot, nearer):
         shorter = replace(unnamed, problem=shortened(case, config, whole), selection=nearer)
         found = yield from unknown_law_nearer(unnamed, shorter, simulator)
-    elif lacking or joint is None:
-        found = yield from unknown_law(unnamed, simulator)
     else:
+        found = (yield from unknown_law(unnamed, simulator)) if lacking else None
+    if found is None and joint is not None:
         found = yield from single_term(replace(unnamed, problem=problem), joint, simulator)
     return found or (without_piles(case.robot, selection, nearer), problem)
 
@@ -181,7 +181,7 @@ def _unnamed(
 def _suffices(case: Case, selection: Selection, nearer: Selection) -> bool:
     """Whether shorter windows chose names that are the whole of what is wrong, and the usual ones took them over."""
     taken = selection.chosen.places == nearer.chosen.places != ()
-    return taken and not needed(case.robot, nearer) and crowded(case.robot, nearer) is None
+    return taken and not needed(case.robot, nearer) and doubled(case.robot, nearer) is None
 
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:

@@ -21,6 +21,8 @@ _JOLT = 0.995
 """Quantile of the force beyond which it is cut off: jolts are smeared by smoothing."""
 _FAST = 0.98
 """Quantile of the speed that counts as fast, and of the motor torque that counts as hard."""
+_RESTS, _OFTEN = 0.05, 0.1
+"""Share of the fast speed below which a joint rests, and share of the samples from which on it does so often."""
 
 
 class Samples(NamedTuple):
@@ -37,6 +39,18 @@ class Samples(NamedTuple):
     runs: tuple[Course, ...]  # of each recording, unthinned
     thin: tuple[np.ndarray, ...]  # which rows of each recording count
     reach: Reach
+    counts: np.ndarray  # whether a sample does
+
+    def moving(self) -> Samples | None:
+        """The same while the joint moves; None where it rarely rests.
+
+        Dry friction holds a joint at rest with whatever it takes, of which a friction law says nothing.
+        """
+        moves = np.abs(self.w) > _RESTS * self.reach.speed
+        if not 0.0 < moves.mean() < 1.0 - _OFTEN:
+            return None
+        bent, _ = np.linalg.qr(self.bent * moves[:, None] + 0.0)
+        return self._replace(force=self.force * moves, bent=bent, counts=moves)
 
 
 class LawForces(NamedTuple):
@@ -105,11 +119,12 @@ def samples_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> Sampl
     runs = tuple(
         Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof], r.told[:, dof]) for r in seen
     )
-    return Samples(np.clip(force, -far, far), q, w, motor, told, asked, bent, others, runs, thin, reach)
+    counts = np.ones(len(q), bool)
+    return Samples(np.clip(force, -far, far), q, w, motor, told, asked, bent, others, runs, thin, reach, counts)
 
 
 def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.ndarray:
-    """The force (samples, shapes) of a term at values (shapes,) of each parameter, where the joint was seen."""
+    """The force (samples, shapes) of a term at values (shapes,) of each parameter, 0 in samples that do not count."""
     q, w, motor = (x[:, None] for x in (samples.q, samples.w, samples.motor))
     one = np.ones_like(q)
 
@@ -142,7 +157,7 @@ def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.n
     does, _ = law.act(tuple(jnp.asarray(x) for x in p), moment, state)
     sign = np.tanh(w / (0.01 * max(samples.reach.speed, 1e-9)))
     total = does.force - does.damping * w - does.friction * sign + (does.motor - 1.0) * motor + does.command
-    return np.asarray(jnp.broadcast_to(total, (len(samples.q), len(p[0]))), float)
+    return np.asarray(jnp.broadcast_to(total, (len(samples.q), len(p[0]))), float) * samples.counts[:, None]
 
 
 def _states(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> tuple[np.ndarray, ...]:

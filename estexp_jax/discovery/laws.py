@@ -16,7 +16,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
-from estexp_jax.discovery.believing import believed, fewest_terms, pushed
+from estexp_jax.discovery.believing import about_joint, believed, fewest_terms, pushed
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import one_more
@@ -37,7 +37,7 @@ from estexp_jax.physics.engines.replaying import Replayer
 from estexp_jax.physics.registry import every
 from estexp_jax.physics.robot import Robot
 
-_MEMORY, _INSTEAD = "unknown laws", "in place of names"
+_MEMORY, _INSTEAD, _SINGLE = "unknown laws", "in place of names", "a single term"
 _JOINTS, _TERMS, _MOST = 2, 8, 3
 """Joints that laws are looked for at, terms that are looked at there, most claims in all."""
 _BESIDE = ("viscous_friction", "coulomb_friction", "quadratic_drag", "joint_stiffness", "cogging", "torque_offset")
@@ -137,9 +137,9 @@ def unknown_law_nearer(
 def _promising(unnamed: Unnamed, problem: Problem, joints: Sequence[str]) -> Generator[Progress, None, bool]:
     """Whether one term of a law, in the place of named forces at these joints or beside them, explains much more."""
     chosen = unnamed.selection.chosen
-    forced = {pushed(unnamed.robot, p) for p in chosen.places} & set(joints)
-    if forced:
-        before, after = yield from _instead(unnamed, problem, forced)
+    forces = [p for p in chosen.places if pushed(unnamed.robot, p) in joints]
+    if forces:
+        before, after = yield from _instead(unnamed, problem, forces)
         if after.held_out.sum() <= _PROMISE * before.held_out.sum():
             return True
     before, after = yield from _told(one_more(problem, unnamed.parameters, chosen.fitted))
@@ -147,14 +147,14 @@ def _promising(unnamed: Unnamed, problem: Problem, joints: Sequence[str]) -> Gen
 
 
 def _instead(
-    unnamed: Unnamed, problem: Problem, joints: Collection[str | None]
+    unnamed: Unnamed, problem: Problem, names: Collection[Place]
 ) -> Generator[Progress, None, tuple[Explanation, Explanation]]:
-    """What is chosen, and the best explanation by one term in the place of its forces at some joints, judged alike."""
+    """What is chosen, and the best explanation by one term in the place of some of its names, judged alike."""
     chosen, parameters = unnamed.selection.chosen.fitted, unnamed.parameters
     problem = replace(problem, memory=problem.memory.setdefault(_INSTEAD, {}))
-    rest = [p for p in chosen.hypothesis.places if pushed(unnamed.robot, p) not in joints]
-    at = " and ".join(sorted(filter(None, joints)))
-    task, stage = keeping(problem, parameters, chosen, rest), f"without forces at {at}"
+    rest = [p for p in chosen.hypothesis.places if p not in names]
+    without = " and ".join("@".join(filter(None, p)) for p in names)
+    task, stage = keeping(problem, parameters, chosen, rest), f"without {without}"
     [base] = yield from _told(at_first(about(problem, chosen), [task], stage))
     return (yield from _told(one_more(problem, parameters, base, chosen, _TERMS)))
 
@@ -162,7 +162,7 @@ def _instead(
 def single_term(
     unnamed: Unnamed, joint: str, replayer: Callable[[Sequence[str]], Replayer]
 ) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
-    """One term of a law in the place of several named forces at a joint, if that predicts as well with less.
+    """One term of a law in the place of all that is named at a joint, if that predicts as well with less.
 
     Yields:
         Progress.
@@ -177,7 +177,9 @@ def single_term(
         return None
     kept = _kept(robot, named)
     problem = _among(unnamed.problem, replayer(_names(kept, tuple(starts))), tuple(starts), starts)
-    before, best = yield from _instead(unnamed, problem, {joint})
+    problem = replace(problem, memory=problem.memory.setdefault(_SINGLE, {}))
+    names = [p for p in chosen.places if about_joint(robot, p) == joint]
+    before, best = yield from _instead(unnamed, problem, names)
     kept = [before if e is chosen else e for e in kept]
     found = replace(named, tried=(*kept, best), chosen=best)
     if simplest([before, best]) is before or verdict(robot, found, best.claims) != "missing_physics":

@@ -1,12 +1,13 @@
 """Which terms of an unknown law the forces that a joint lacks suggest, and with which values.
 
 Each term of the library is laid beside the missing force, at many values of its shape; compared is what is left of both
-without what wrong values of the model would explain. A look only: what the terms do is found in the simulation.
+without what wrong values of the model would explain. Where the joint often rests, that is done for its motion alone,
+too. A look only: what the terms do is found in the simulation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -63,10 +64,17 @@ def likely(
         named: effects of the catalogue that may be claimed: terms that say the same do not count.
     """
     samples = samples_of(robot, seen, robot.index("joint", joint))
+    moving = samples.moving()
+    looks = [samples] if moving is None else [samples, moving]
     laws = [_Law(law, np.array(law.bounds(robot, joint)), law.tried(samples.reach)) for law in LAWS]
-    found = {law.law.name: _beside(law, samples) for law in laws if law.law.stands_for not in named and law.tried}
+    asked = [law for law in laws if law.law.stands_for not in named and law.tried]
+    found = {law.law.name: _best(b for look in looks for b in _beside(law, look)) for law in asked}
     ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
     return {(name, joint): [b.values for b in found[name]] for name in ranked[:n]}
+
+
+def _best(found: Iterable[_Beside]) -> list[_Beside]:
+    return sorted(found, key=lambda b: b.share, reverse=True)[:_STARTS]
 
 
 def _beside(law: _Law, samples: Samples) -> list[_Beside]:
@@ -76,7 +84,7 @@ def _beside(law: _Law, samples: Samples) -> list[_Beside]:
     moved = sorted((_moved(law, b, samples) for b in best), key=lambda b: b.share, reverse=True)
     scale = np.maximum(np.ptp(law.bounds, axis=1), 1e-30) * _SAME
     distinct = {tuple(np.round(b.values / scale)): b for b in reversed([*moved, *best]) if b.values[0] != 0.0}
-    return sorted(distinct.values(), key=lambda b: b.share, reverse=True)[:_STARTS]
+    return _best(distinct.values())
 
 
 def _moved(law: _Law, best: _Beside, samples: Samples) -> _Beside:

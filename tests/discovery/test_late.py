@@ -103,7 +103,7 @@ def test_laws_are_looked_for_in_the_windows_of_the_selection_not_those_of_refine
         yield from ()
 
     monkeypatch.setattr(module, "needed", lambda *_: True)
-    monkeypatch.setattr(module, "crowded", lambda *_: None)
+    monkeypatch.setattr(module, "doubled", lambda *_: None)
     monkeypatch.setattr(module, "unknown_law", looked)
     nothing = Explanation(Fit(own, own.start(), 0.0), np.ones(len(late.fitted)))
     selection = Selection(nothing, nothing, nothing, (), nothing)

@@ -12,14 +12,16 @@ import pytest
 
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.simulator import load_explained
+from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import laws
-from estexp_jax.discovery.believing import believed, crowded, fewest_terms, needed, whole, without_piles
+from estexp_jax.discovery.believing import believed, crowded, doubled, fewest_terms, needed, whole, without_piles
 from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.laws import suspects
 from estexp_jax.discovery.likely_laws import likely
+from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
@@ -232,6 +234,31 @@ def test_what_a_servo_does_not_answer_to_is_told_from_what_it_is_asked_for():
     assert first == ("law_deaf_motor", "elbow") and best == pytest.approx((1.0, 0.4), rel=0.1)
 
 
+def sticking(level: float, share: float, n: float, seed: int) -> ForceResidual:
+    """A joint whose dry friction varies along its way, and that rests wherever it holds the motor."""
+    time, rng, dt = 0.005 * np.arange(4000), np.random.default_rng(seed), 0.005
+    pushes = rng.uniform(0.5, 2.5, (6, 2)) * [2.0, np.pi]
+    drive = 0.22 * np.sum([a * np.sin(f * time + a) for a, f in pushes], axis=0)
+    q, w, lacks = np.zeros((4000, 2)), np.zeros((4000, 2)), np.zeros((4000, 2))
+    for k in range(1, 4000):
+        dry = level * (1.0 + share * np.sin(n * q[k - 1, 1]))
+        free = w[k - 1, 1] + dt * (drive[k] - 2.0 * q[k - 1, 1])
+        w[k, 1] = np.sign(free) * max(abs(free) - dt * dry, 0.0)
+        lacks[k, 1] = (w[k, 1] - free) / dt
+        q[k, 1] = q[k - 1, 1] + dt * w[k, 1]
+    motor = np.stack([np.zeros(4000), drive], axis=1)
+    return ForceResidual(time, q, w, motor, motor, lacks, motor, motor)
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+def test_where_dry_friction_holds_a_joint_its_law_is_looked_for_in_the_motion(seed):
+    there = sticking(1.0, 0.9, 7.3, seed)
+    resting = np.mean(np.abs(there.qvel[:, 1]) < 1e-3)
+    assert 0.3 < resting < 0.9
+    found = likely(nominal("two"), [there], "elbow", 8)
+    assert any(n == pytest.approx(7.3, rel=0.05) for _, _, n, _ in found["law_friction_wave", "elbow"])
+
+
 def test_joints_that_lack_most_force_are_suspects():
     there = moving(lambda t, q, w: 0.2 * q[:, 1])
     nothing = selection({(): 4.0})
@@ -259,7 +286,7 @@ def test_only_what_is_left_without_a_name_needs_a_law():
     assert needed(nominal("two"), selection({(): 20.0, (("viscous_friction", "elbow"),): 15.0}))
     assert not needed(nominal("two"), selection({(): 1.0}))
     friction = (("coulomb_friction", "elbow"),)
-    assert not needed(nominal("two"), selection({(): 20.0, friction: 2.0}, friction))
+    assert not needed(nominal("two"), selection({(): 20.0, friction: 1.4}, friction))
     assert needed(nominal("two"), selection({(): 20.0, friction: 4.0}, friction))
 
 
@@ -273,6 +300,20 @@ def test_several_forces_at_one_joint_make_a_law_likely():
     assert crowded(robot, selection({(): 20.0, motor: 1.2}, motor)) == "elbow"
     late = (("command_delay", "knee"), spring)
     assert crowded(robot, selection({(): 20.0, late: 1.2}, late)) is None, "a late command is no force"
+
+
+@pytest.mark.parametrize(
+    ("names", "joint"),
+    [
+        ((("sensor_gain", "lower_angle"), ("cogging", "elbow")), "elbow"),
+        ((("sensor_gain", "upper_angle"), ("cogging", "elbow")), None),
+        ((("sensor_gain", "lower_angle"), ("sensor_bias", "lower_angle")), None),
+        ((("joint_stiffness", "elbow"), ("cogging", "elbow")), "elbow"),
+        ((("cogging", "elbow"),), None),
+    ],
+)
+def test_a_force_at_a_joint_and_a_fault_of_its_sensor_may_be_one_law(names, joint):
+    assert doubled(nominal("two"), selection({(): 20.0, names: 1.2}, names)) == joint
 
 
 def test_names_piled_up_at_a_joint_that_leave_much_explain_nothing():
@@ -300,7 +341,12 @@ def test_a_sensor_that_drifts_is_told_as_a_law_of_its_own():
     assert any(line.startswith("The law found at angle") for line in findings["advice"])
 
 
-def test_a_law_takes_the_place_of_names_that_are_put_together_for_it():
+@pytest.mark.parametrize("in_vain", [False, True])
+def test_a_law_takes_the_place_of_names_that_are_put_together_for_it(monkeypatch, in_vain):
+    """Also where laws of several terms were asked before, and none was believed."""
+    if in_vain:
+        monkeypatch.setattr(explain_module, "needed", lambda *_: True)
+        monkeypatch.setattr(laws, "believed", lambda *_: False)
     config = replace(CONFIG, effects=("joint_stiffness", "cogging"))
     findings = explained(case_of("two", Plant(law=hardening), 27), config).findings
     [law] = findings["what"]
@@ -328,6 +374,18 @@ def test_a_law_is_not_believed_for_little_more_than_names_explain():
         assert not believed(robot, selection({(): 20.0, (WAVE,): error}, (WAVE,)), named, there)
     # As good as noise, but in the simulation it predicts no better than the nominal robot does: it is at its neutral.
     assert not believed(robot, selection({(): 20.0, (WAVE,): 0.9}, (WAVE,)), nothing, there)
+
+
+@pytest.mark.parametrize(
+    ("named", "law", "enough"), [(1.8, 1.1, True), (1.8, 1.3, False), (1.4, 1.1, False), (4.0, 2.1, True)]
+)
+def test_a_law_that_leaves_only_noise_is_believed_where_names_leave_more(monkeypatch, named, law, enough):
+    """Seen: friction that varies along the path, told as Coulomb friction, which left 1.9 deviations."""
+    robot, there = nominal("two"), problem_of(case_of("two", Plant(), 26, trains=2))
+    monkeypatch.setattr(Problem, "error", lambda _, member, __: 1.0 if member[0].places else 2.0)
+    friction = (("coulomb_friction", "elbow"),)
+    names, found = selection({(): 20.0, friction: named}, friction), selection({(): 20.0, (WAVE,): law}, (WAVE,))
+    assert believed(robot, found, names, there) is enough
 
 
 @pytest.mark.parametrize(("left", "enough"), [(9.0, True), (12.0, True), (20.0, False), (31.0, False)])

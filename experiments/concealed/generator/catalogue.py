@@ -90,8 +90,8 @@ def parameters(name: str, strength: float, robot: str, joint: int, rng: np.rando
     z, place = scales(robot), layout(robot)
     found = {k: float(v) for k, v in CATALOGUE[name].draw(strength, max(joint, 0), z, rng).items()}
     if "source" in found:
-        others = [j for j in sorted(set(place.drives)) if j != joint] or [joint]
-        found["source"] = float(rng.choice(others))
+        pushing = range(len(place.joints)) if name == "speed_coupling" else sorted(set(place.drives))
+        found["source"] = float(rng.choice([j for j in pushing if j != joint]))
     if "dm" in found:
         model = ROBOTS[robot].model
         found["dm"] = strength * float(model.body_mass[model.body(body_of(place, joint)).id])

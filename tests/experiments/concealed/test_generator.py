@@ -152,6 +152,15 @@ def test_what_couples_two_speeds_takes_power_and_gives_none(w):
     assert np.dot(moment.force, w) == pytest.approx(-0.1 * 2.0**2 * 3.0)
 
 
+@pytest.mark.parametrize("robot", list(ROBOTS))
+@pytest.mark.parametrize("name", ["speed_coupling", "crosstalk", "tied_outputs"])
+def test_what_ties_one_joint_to_another_never_ties_it_to_itself(name, robot):
+    """A cart's rail that was braked by its own speed had quadratic drag, which has a name."""
+    rng = np.random.default_rng(5)
+    for joint in places(name, robot):
+        assert parameters(name, 0.1, robot, joint, rng)["source"] != joint
+
+
 def test_equal_plans_give_equal_files_without_a_label(tmp_path):
     plan = Plan("single", "planar", (Planted("coulomb_friction", 1, 0.5),), 17)
     for folder in ("a", "b"):
