@@ -346,6 +346,7 @@ def test_a_law_takes_the_place_of_names_that_are_put_together_for_it(monkeypatch
     """Also where laws of several terms were asked before, and none was believed."""
     if in_vain:
         monkeypatch.setattr(explain_module, "needed", lambda *_: True)
+        monkeypatch.setattr(explain_module, "hangs_on_hairs", lambda *_: False)
         monkeypatch.setattr(laws, "believed", lambda *_: False)
     config = replace(CONFIG, effects=("joint_stiffness", "cogging"))
     findings = explained(case_of("two", Plant(law=hardening), 27), config).findings
