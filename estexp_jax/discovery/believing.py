@@ -50,9 +50,9 @@ def crowded(robot: Robot, selection: Selection) -> str | None:
 
 
 def doubled(robot: Robot, selection: Selection) -> str | None:
-    """The joint where it claims a force and something else, if any, another force or a fault of the joint's sensor.
+    """The joint where it claims a force beside another one or beside a fault of the joint's sensor, if any.
 
-    A spring that grows stiffer holds a joint back as a sensor seems to do that shows too little.
+    One law may look like both: where a spring that stiffens holds a joint back, its sensor seems to show too little.
     """
     sites = [about_joint(robot, place) for place in selection.chosen.places]
     forced = {pushed(robot, place) for place in selection.chosen.places}
@@ -104,7 +104,8 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
         problem: the comparison about what is chosen with laws.
     """
     chosen, best = found.chosen, min((named.parameters, *named.tried), key=lambda e: e.error)
-    plainly = chosen.held_out.sum() < _PLAINLY * best.held_out.sum() or chosen.error <= NOISE < _LEFT < best.error
+    quiet = chosen.error <= NOISE and best.error > _LEFT
+    plainly = quiet or chosen.held_out.sum() < _PLAINLY * best.held_out.sum()
     if not worth(chosen, best) or not (plainly or verdict(robot, named, named.chosen.claims) == "unexplained"):
         return False
     if not whole(found) or verdict(robot, found, chosen.claims) != "missing_physics":

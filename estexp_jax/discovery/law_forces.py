@@ -39,7 +39,7 @@ class Samples(NamedTuple):
     runs: tuple[Course, ...]  # of each recording, unthinned
     thin: tuple[np.ndarray, ...]  # which rows of each recording count
     reach: Reach
-    counts: np.ndarray  # whether a sample does
+    counts: np.ndarray  # whether a sample counts: forces are 0 where it does not
 
     def moving(self) -> Samples | None:
         """The same while the joint moves; None where it rarely rests.

@@ -74,6 +74,7 @@ def likely(
 
 
 def _best(found: Iterable[_Beside]) -> list[_Beside]:
+    """The few that take out most, the best one first."""
     return sorted(found, key=lambda b: b.share, reverse=True)[:_STARTS]
 
 

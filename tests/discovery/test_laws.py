@@ -287,7 +287,7 @@ def test_only_what_is_left_without_a_name_needs_a_law():
     assert not needed(nominal("two"), selection({(): 1.0}))
     friction = (("coulomb_friction", "elbow"),)
     assert not needed(nominal("two"), selection({(): 20.0, friction: 1.4}, friction))
-    assert needed(nominal("two"), selection({(): 20.0, friction: 4.0}, friction))
+    assert needed(nominal("two"), selection({(): 20.0, friction: 1.6}, friction))
 
 
 def test_several_forces_at_one_joint_make_a_law_likely():
