@@ -23,6 +23,8 @@ _LARGEST_STEP = 0.05
 DAMPINGS = (1e-7, 1e-4, 1e-2, 1.0)
 _STRETCHED = 0.8
 """Share of its bound from which on a value of the model is farther off than wrong values should be."""
+_UNFELT = 1e-8
+"""Of the squared residuals, what a parameter's whole range must change for the slope to be more than rounding."""
 _SMALL = 0.7
 """Steps up to this share of a value are taken by factors."""
 _MOST_MEMBERS = 4096
@@ -70,6 +72,12 @@ def prior_cost(hypothesis: Hypothesis, vector: np.ndarray, price: float) -> floa
 def movable(hypothesis: Hypothesis) -> np.ndarray:
     """Which parameters (n_free,) are amounts."""
     return np.array([not f.chosen for f in hypothesis.free], dtype=bool)
+
+
+def unfelt(fitted: Fit, curvature: np.ndarray) -> np.ndarray:
+    """Which parameters (n_free,) change nothing, of the diagonal (n_free,) of a Gauss-Newton matrix at a fit."""
+    size = np.array([f.size for f in fitted.hypothesis.free])
+    return curvature * size**2 < _UNFELT * max(1.0, fitted.cost)
 
 
 def jacobian(problem: Problem, fitted: Fit, windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -135,10 +143,18 @@ def _steps(hypothesis: Hypothesis, vector: np.ndarray) -> np.ndarray:
 
 
 def candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: np.ndarray) -> list[np.ndarray]:
-    """Damped steps of the moving parameters, within bounds; those that a bound already holds back stay there."""
+    """Damped steps of the moving parameters, within bounds.
+
+    Those that a bound already holds back stay there, and so do those that change nothing.
+    """
     free, vector = fitted.hypothesis.free, fitted.vector
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
-    held = ~moving | ((vector <= low) & (gradient > 0)) | ((vector >= high) & (gradient < 0))
+    held = (
+        ~moving
+        | unfelt(fitted, np.diag(matrix))
+        | ((vector <= low) & (gradient > 0))
+        | ((vector >= high) & (gradient < 0))
+    )
     scale = np.sqrt(np.maximum(np.diag(matrix), 1e-30))
     unit = np.where(held, 0.0, 1.0) / scale
     normal = matrix * unit[:, None] * unit[None, :]

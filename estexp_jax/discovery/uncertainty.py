@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.slopes import Fit, jacobian
+from estexp_jax.discovery.slopes import Fit, jacobian, movable, unfelt
 from estexp_jax.discovery.walks import counting, heeded
 from estexp_jax.inference.accuracy import gain
 
@@ -25,7 +25,8 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     is left out in turn (the jackknife, by one Gauss-Newton step; with few windows it is on the safe side, where the
     cluster-robust covariance is too small). Values of the model that the data do not settle stay near nominal, and may
     be off as much as such values usually are. And of the error of the step, which is reckoned out, a part is doubtful:
-    it acts like a delay. Where motions hang on hairs, windows count as in the fit.
+    it acts like a delay. Where motions hang on hairs, windows count as in the fit. What changes nothing may have
+    any value within its bounds.
 
     Source: Liang and Zeger, Biometrika 73 (1986); Bell and McCaffrey, Survey Methodology 28 (2002).
     """
@@ -51,6 +52,7 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     late = bread @ np.einsum("wsp,ws->p", slopes, coarser.astype(np.float64) - residual)
     variance = (n - 1) / n * np.sum(moved**2, axis=0) + np.diag(bread @ pulled @ bread) + late**2
     reach = float(student.ppf(_UPPER, max(n - 1, 1))) * np.sqrt(np.maximum(variance, 0.0)) * scale
+    reach[unfelt(fitted, np.diag(grams.sum(axis=0) + ridge) / scale**2) & movable(fitted.hypothesis)] = np.inf
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
     return np.clip(np.stack([fitted.vector - reach, fitted.vector + reach], axis=1), low[:, None], high[:, None])
 

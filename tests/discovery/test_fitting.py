@@ -193,3 +193,15 @@ def test_windows_in_which_robots_part_neither_rule_slopes_nor_costs():
     ruled, free = (Walk(at, np.array([True]), residual, derivative, 1e-9, weights=w) for w in (None, weights))
     first = [walk.candidates()[0][0] for walk in (ruled, free)]
     assert first[0] > 0.0 > first[1], "four windows of five say less"
+
+
+def test_a_parameter_that_changes_nothing_stays_where_it_is():
+    axes = [Free("external_force", "cart", a, 0, i, -14.0, 14.0, 0.0, np.inf) for i, a in enumerate("xz")]
+    rng = np.random.default_rng(74)
+    for rounding in (0.0, 1e-9):
+        derivative = rng.standard_normal((5, 40, 2)) * [1.0, rounding]
+        residual = derivative @ [0.5, 0.0] + 0.01 * rng.standard_normal((5, 40))
+        at = Fit(Hypothesis((), tuple(axes)), np.array([0.1, 2.0]), float(np.sum(residual**2)))
+        found = np.array(Walk(at, np.array([True, True]), residual, derivative, 0.0).candidates())
+        assert found[0, 0] == pytest.approx(-0.4, abs=0.01)
+        assert (found[:, 1] == 2.0).all()

@@ -12,7 +12,7 @@ from estexp_jax.discovery.uncertainty import parameter_intervals
 
 WINDOWS, SAMPLES = 12, 40
 TRUE = np.array([0.7, -1.2, 0.4])
-FREE = [SimpleNamespace(size=s, spread=1e3, low=-9.0, high=9.0) for s in (1.0, 0.1, 3.0)]
+FREE = [SimpleNamespace(size=s, spread=1e3, low=-9.0, high=9.0, chosen=False) for s in (1.0, 0.1, 3.0)]
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,20 @@ def test_nine_of_ten_intervals_hold_the_truth() -> None:
         low, high = parameter_intervals(*drawn(rng)).T  # pyright: ignore[reportArgumentType]
         held.append((low <= TRUE) & (high >= TRUE))
     assert 0.86 < np.mean(held) < 0.97
+
+
+def test_what_changes_nothing_may_have_any_value() -> None:
+    problem, fitted = drawn(np.random.default_rng(35))
+    plain = parameter_intervals(problem, fitted)  # pyright: ignore[reportArgumentType]
+    for rounding in (0.0, 1e-8):
+        slopes = problem.slopes.copy()
+        slopes[..., 2] *= rounding
+        blind = Linear(slopes, problem.seen - 0.4 * problem.slopes[..., 2])
+        free = [SimpleNamespace(**{**vars(f), "spread": np.inf}) for f in FREE]
+        found = Fit(SimpleNamespace(free=free), fitted.vector, 1.0)  # pyright: ignore[reportArgumentType]
+        told = parameter_intervals(blind, found)  # pyright: ignore[reportArgumentType]
+        assert told[2].tolist() == [-9.0, 9.0]
+        assert (np.diff(told[:2]) < 3.0 * np.diff(plain[:2])).all()
 
 
 def test_what_the_step_does_like_a_parameter_makes_it_uncertain() -> None:

@@ -9,6 +9,9 @@ from estexp_jax.physics.effects.base import Array, Arrays, BodyPull, Parameter
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.robot import Robot
 
+_REACH, _CONSTANT = 1.0, 0.05
+"""Over so many metres (m) a spring that changes by this share of its pull is told as a constant force."""
+
 
 @final
 class ExternalForce(BodyPull):
@@ -35,7 +38,7 @@ class ExternalForce(BodyPull):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         x, y, z, k = (values[name] for name in ("x", "y", "z", "k"))
-        if k > 0.0:
+        if k * _REACH > _CONSTANT * float(np.linalg.norm((x, y, z))):
             point = f"({x / k:.3g}, {y / k:.3g}, {z / k:.3g}) m"
             return f"a spring of {k:.3g} N/m pulls the body {site} towards {point}"
         return f"a force of ({x:.3g}, {y:.3g}, {z:.3g}) N acts on the body {site}"

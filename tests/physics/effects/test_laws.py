@@ -117,3 +117,10 @@ def test_a_command_delay_is_never_negative() -> None:
     assert isinstance(e, CommandShift)
     shift = e.shift(subject, np.array([[[0.03]], [[-0.1]]]))
     np.testing.assert_allclose(shift, [[0.03], [0.0]], rtol=1e-6)
+
+
+def test_a_spring_to_a_far_point_is_told_as_a_constant_force() -> None:
+    pull = effect("external_force")
+    spring = {"x": 0.39, "y": 0.0, "z": 0.0, "k": 2.0}
+    assert pull.sentence("cart", spring) == "a spring of 2 N/m pulls the body cart towards (0.195, 0, 0) m"
+    assert pull.sentence("cart", spring | {"k": 0.002}) == "a force of (0.39, 0, 0) N acts on the body cart"
