@@ -74,10 +74,9 @@ def movable(hypothesis: Hypothesis) -> np.ndarray:
     return np.array([not f.chosen for f in hypothesis.free], dtype=bool)
 
 
-def unfelt(fitted: Fit, curvature: np.ndarray) -> np.ndarray:
-    """Which parameters (n_free,) change nothing, of the diagonal (n_free,) of a Gauss-Newton matrix at a fit."""
-    size = np.array([f.size for f in fitted.hypothesis.free])
-    return curvature * size**2 < _UNFELT * max(1.0, fitted.cost)
+def unfelt(fitted: Fit, changed: np.ndarray) -> np.ndarray:
+    """Which parameters (n_free,) change nothing, of what each, by its slope, does to the squared residuals in all."""
+    return changed < _UNFELT * max(1.0, fitted.cost)
 
 
 def jacobian(problem: Problem, fitted: Fit, windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -149,9 +148,10 @@ def candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: np
     """
     free, vector = fitted.hypothesis.free, fitted.vector
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
+    size = np.array([f.size for f in free])
     held = (
         ~moving
-        | unfelt(fitted, np.diag(matrix))
+        | unfelt(fitted, np.diag(matrix) * size**2)
         | ((vector <= low) & (gradient > 0))
         | ((vector >= high) & (gradient < 0))
     )

@@ -41,7 +41,8 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     scale, spread = np.array([f.size for f in free]), np.array([f.spread for f in free])
     n, slopes = len(windows), derivative * scale
     grams, ridge = np.einsum("wsp,wsq->wpq", slopes, slopes), np.diag(price * (scale / spread) ** 2)
-    bread = np.linalg.pinv(grams.sum(axis=0) + ridge, hermitian=True)
+    whole = grams.sum(axis=0) + ridge
+    bread = np.linalg.pinv(whole, hermitian=True)
     scores = np.einsum("wsp,ws->wp", slopes, residual)
     left_out = [
         np.linalg.lstsq(np.eye(len(free)) - gram @ bread, s, rcond=None)[0]
@@ -52,7 +53,7 @@ def parameter_intervals(problem: Problem, fitted: Fit) -> np.ndarray:
     late = bread @ np.einsum("wsp,ws->p", slopes, coarser.astype(np.float64) - residual)
     variance = (n - 1) / n * np.sum(moved**2, axis=0) + np.diag(bread @ pulled @ bread) + late**2
     reach = float(student.ppf(_UPPER, max(n - 1, 1))) * np.sqrt(np.maximum(variance, 0.0)) * scale
-    reach[unfelt(fitted, np.diag(grams.sum(axis=0) + ridge) / scale**2) & movable(fitted.hypothesis)] = np.inf
+    reach[unfelt(fitted, np.diag(whole)) & movable(fitted.hypothesis)] = np.inf
     low, high = np.array([f.low for f in free]), np.array([f.high for f in free])
     return np.clip(np.stack([fitted.vector - reach, fitted.vector + reach], axis=1), low[:, None], high[:, None])
 
