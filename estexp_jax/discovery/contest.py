@@ -11,6 +11,7 @@ import numpy as np
 from estexp_jax.discovery.findings import TOLD, others, told_change
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, tied
+from estexp_jax.inference.noise import median
 from estexp_jax.physics.changes import Change
 
 _FEWEST, _MOST = 2, 6
@@ -144,7 +145,7 @@ def contest_of(problem: Problem, selection: Selection, shares: np.ndarray, chang
     return Contest(
         _left([chosen, *rest]),
         problem.channels.names,
-        np.array([_median(column) for column in problem.noise[trained].T]),
+        np.array([median(column) for column in problem.noise[trained].T]),
         float(np.median([problem.recordings[i].rate for i in trained])),
         np.stack([ctrl.min(axis=0), ctrl.max(axis=0)], axis=1),
         np.max([np.abs(speeds).max(axis=0) for speeds in paths], axis=0),
@@ -175,8 +176,3 @@ def _left(rivals: Sequence[Rival]) -> tuple[Rival, ...]:
             found[key] = replace(first, probability=first.probability + rival.probability)
     open_ones = [rival for n, rival in enumerate(found.values()) if n <= _FEWEST or rival.open]
     return tuple(open_ones[:_MOST])
-
-
-def _median(column: np.ndarray) -> float:
-    finite = column[np.isfinite(column)]
-    return float(np.median(finite)) if len(finite) else float("nan")

@@ -10,22 +10,27 @@ import numpy as np
 
 from estexp_jax.inference.accuracy import nrmse
 from estexp_jax.inference.channels import Channels, spans
-from estexp_jax.inference.noise import noise_deviation
+from estexp_jax.inference.noise import median, noise_deviation
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.segment import Segment
 
 _LEAST_SHARE = 5e-4
-"""Of a channel's range: no simulator is right to more."""
+"""Of a channel's range in a recording, or in the usual training recording: no simulator is right to more."""
 
 
 def deviations(channels: Channels, recordings: Sequence[Recording]) -> np.ndarray:
-    """`Recorded.noise` of recordings: what sensors add, and what no simulator gets right."""
-    found = []
-    for recording in recordings:
-        table, span = channels.recorded(recording), spans(channels, recording)
-        noise = np.array([noise_deviation(recording.time, table[:, c]) for c in range(table.shape[1])])
-        found.append(np.sqrt(np.nan_to_num(noise) ** 2 + (_LEAST_SHARE * span) ** 2))
-    return np.array(found)
+    """`Recorded.noise` of recordings: what sensors add, and what no simulator gets right.
+
+    A small motion is simulated no more exactly than a large one of the same robot, and must not outweigh all of these.
+    """
+    span = np.array([spans(channels, recording) for recording in recordings])
+    train = span[[recording.role == "train" for recording in recordings]]
+    usual = np.array([median(column) for column in train.T])
+    noise = [
+        [noise_deviation(recording.time, column) for column in channels.recorded(recording).T]
+        for recording in recordings
+    ]
+    return np.hypot(np.nan_to_num(noise), _LEAST_SHARE * np.fmax(span, usual))
 
 
 @final

@@ -103,6 +103,12 @@ def noise_floor(channels: Channels, recordings: Sequence[Recording]) -> float:
     return float(np.sqrt(np.mean(found**2))) if found.size else 0.0
 
 
+def median(values: np.ndarray) -> float:
+    """Median of the values (n,) that are known; NaN where none is."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else float("nan")
+
+
 def _quantum(y: np.ndarray) -> float:
     """The smallest step between neighbouring values, where few distinct values recur; else 0."""
     values = np.unique(y)

@@ -7,6 +7,7 @@ import pytest
 
 from estexp_jax.discovery.doubt import directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import parameters_only
+from estexp_jax.discovery.recorded import deviations
 from estexp_jax.inference.windows import segments_of
 from tests.discovery.planted import CASES, case_of, problem_of
 
@@ -36,6 +37,19 @@ def test_residuals_are_differences_in_deviations_of_noise(setting):
     found = problem.residuals([member], windows)[0].reshape(difference.shape)
     expected = difference / problem.noise[owner][:, None] / np.sqrt(np.isfinite(difference).sum())
     np.testing.assert_allclose(found, np.nan_to_num(expected), rtol=1e-3, atol=1e-6)
+
+
+def test_a_small_motion_does_not_outweigh_all_large_ones(setting):
+    """No noise, and one recording of four moves a hundredth as far: it counts as if it moved as far as is usual."""
+    case, problem, _ = setting
+    wave = np.sin(np.arange(251) / 40.0)[:, None]
+    sizes, roles = (1.0, 0.01, 1.5, 2.0, 0.01), ("train", "train", "train", "train", "test")
+    recordings = [replace(case.recordings[0], sensor=s * wave, role=r) for s, r in zip(sizes, roles, strict=True)]
+    found = deviations(problem.channels, recordings)[:, 0] / np.ptp(wave)
+    np.testing.assert_allclose(found / 5e-4, [1.25, 1.25, 1.5, 2.0, 1.25], rtol=0.01)
+    unseen = [replace(r, sensor=np.full_like(r.sensor, np.nan)) if r.role == "train" else r for r in recordings]
+    assert np.isnan(deviations(problem.channels, unseen)[:-1]).all(), "a channel that only the test recording has"
+    assert deviations(problem.channels, unseen)[-1, 0] > 0.0
 
 
 def test_the_error_is_the_root_of_mean_squared_shares(setting):
