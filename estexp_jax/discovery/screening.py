@@ -10,7 +10,7 @@ from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming, told_of
 from estexp_jax.discovery.marginal import slackened
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.slopes import Fit, stretched, unbent
 from estexp_jax.discovery.starts import RUNGS, climbed, lowered, starts
 from estexp_jax.physics.registry import effect
 
@@ -20,6 +20,8 @@ _FIRST, _LATER = 2, 3
 """Of so many hypotheses one goes on after the first look, which has had only few windows, and after each later one."""
 _BEST = 4
 """Of so many best hypotheses, richer relatives are looked at longer than they seem worth."""
+_BENT = 2
+"""So many values of the model that are bent far are claimed, whatever else seems worth more."""
 
 
 def extended(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place) -> Task:
@@ -63,12 +65,18 @@ def simpler(problem: Problem, parameters: Hypothesis, chosen: Fit) -> list[Task]
 def _lowered(problem: Problem, parameters: Hypothesis, chosen: Fit, i: int) -> Task:
     """A fit with the simpler relative of its i-th claim instead, started from where the richer one is, too."""
     name, site = chosen.hypothesis.places[i]
-    relative = RUNGS[name], site
-    rest, [vector] = without(problem, parameters, chosen, (name, site))
-    hypothesis, vectors = extended(problem, parameters, Fit(rest, vector, chosen.cost), relative)
-    is_new = np.array([(f.effect, f.site) == relative for f in hypothesis.free])
     known = chosen.hypothesis.changes(chosen.vector, claimed=True)[i].parameters
-    own = [hypothesis.with_values(relative, values) for values in lowered(name, known)]
+    return instead(problem, parameters, chosen, (name, site), (RUNGS[name], site), lowered(name, known))
+
+
+def instead(
+    problem: Problem, parameters: Hypothesis, chosen: Fit, old: Place, new: Place, values: Sequence[Sequence[float]]
+) -> Task:
+    """A fit with another claim instead of one of its own, started from values of it, too, beside what else is known."""
+    rest, [vector] = without(problem, parameters, chosen, old)
+    hypothesis, vectors = extended(problem, parameters, Fit(rest, vector, chosen.cost), new)
+    is_new = np.array([(f.effect, f.site) == new for f in hypothesis.free])
+    own = [hypothesis.with_values(new, each) for each in values]
     return hypothesis, [*(np.where(is_new, v, vectors[0]) for v in own), *vectors]
 
 
@@ -94,7 +102,8 @@ def looked_at(
     All their starts are tried on a quarter of the windows, of many on an eighth, half of these being those that are off
     most. The better half, what is simpler than one of these, and what is richer than the best, goes on to twice as many
     windows, with starts from the simpler one's solution; and so on, down to `n`. Forms of one effect take one place
-    among them. All the time, everything that `base` fits is taken as fitted beside them.
+    among them. All the time, everything that `base` fits is taken as fitted beside them. Beside a value of the model
+    that `base` has bent far, claiming that value gains little so; the best such claims go on to the end besides.
 
     Args:
         problem: the comparison.
@@ -108,6 +117,7 @@ def looked_at(
         The hypotheses with the vectors to fit them from.
     """
     looked, again, share = [Fit(h, vectors[0], np.inf) for h, vectors in tasks], list(tasks), _FIRST
+    bent = [(f.effect, f.site) for f in stretched(base)]
     for every in (4, 2, 1) if len(problem.fitted) < _MANY else (8, 4, 2, 1):
         windows = _telling(problem, base, every)
         free = slackened(problem, base, windows, cost)
@@ -116,8 +126,16 @@ def looked_at(
         ranked = sorted(looked, key=lambda f: f.cost)
         left = len({slot(_last(f)) for f in looked}) // share
         best, share = _with_richer(with_rungs(ranked, max(n, left)), ranked), _LATER
+        best += [f for f in ranked if f not in best and _last(f) in bent]
         again = [(f.hypothesis, [f.vector, *_from_below(f, best)]) for f in best]
-    return _settled(problem, free, base, with_rungs(sorted(looked, key=lambda f: f.cost), n))
+    ranked = sorted(looked, key=lambda f: f.cost)
+    found = with_rungs(ranked, n)
+    found += [f for f in ranked if f not in found and _last(f) in bent][:_BENT]
+    settled = _settled(problem, free, base, found)
+    return [
+        (h, [*vectors, unbent(f).vector] if _last(f) in bent else vectors)
+        for f, (h, vectors) in zip(found, settled, strict=True)
+    ]
 
 
 def _telling(problem: Problem, base: Fit, every: int) -> np.ndarray:
