@@ -14,7 +14,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import fitted
-from estexp_jax.discovery.screening import extended, simpler, slot, without
+from estexp_jax.discovery.screening import extended, instead, simpler, slot, without
 from estexp_jax.discovery.selection import (
     NOISE,
     Explanation,
@@ -23,6 +23,7 @@ from estexp_jax.discovery.selection import (
     plainest,
     simplest,
     steadiest,
+    tied,
     worth,
 )
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
@@ -35,6 +36,8 @@ _MUCH, _BASES = 3.0, 3
 """Where the best single effect leaves more than so many deviations, up to so many of its rivals are all added to."""
 _FEW, _BUDGET = 3, 800_000_000
 """More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
+_TWINS = 3
+"""So many explanations as good as the one that was made simpler are made simpler, too."""
 
 
 def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Progress, None, tuple[Selection, Problem]]:
@@ -196,7 +199,32 @@ def _simplified(search: Setting, found: Standing) -> Generator[Progress, None, S
         best = min(fewer, key=lambda e: (len(stretched(e.fitted)) > bent, e.error))
         tried = (*found.tried, *fewer)
         if len(stretched(best.fitted)) > bent or any(worth(one, best) for one in richer):
-            return replace(found, tried=tried)
+            found = replace(found, tried=tried)
+            break
         found = Standing(about(found.problem, best.fitted), best, tried)
         richer.append(best)
-    return found
+    return (yield from _twins_simplified(search, found, richer[0]))
+
+
+def _twins_simplified(search: Setting, found: Standing, richest: Explanation) -> Generator[Progress, None, Standing]:
+    """With the explanations that windows could not tell from the richest one, made simpler as that one was.
+
+    With numbers that the chosen one does not need any more they would seem less probable than they are.
+    """
+    chosen, tasks = found.chosen, list[Task]()
+    asked = [set(e.places) for e in (*found.tried, richest)]
+    for twin in sorted((e for e in found.tried if tied(e, richest)), key=lambda e: e.error):
+        old, new = (set(a.places) - set(b.places) for a, b in ((richest, twin), (twin, richest)))
+        if len(old) != 1 or len(new) != 1 or not old <= set(chosen.places):
+            continue
+        [gone], [come] = old, new
+        places = set(chosen.places) - old | new
+        if places not in asked and len(tasks) < _TWINS:
+            asked.append(places)
+            values = twin.claims[twin.places.index(come)].parameters.values()
+            tasks.append(instead(found.problem, search.parameters, chosen.fitted, gone, come, [list(values)]))
+    if not tasks:
+        return found
+    stage = f"what could be instead, beside {chosen.fitted.hypothesis.label}"
+    judged = yield from judged_apart(search, found.problem, tasks, stage)
+    return replace(found, tried=(*found.tried, *judged))

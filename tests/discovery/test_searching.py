@@ -201,3 +201,40 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
         while True:
             next(steps)
     assert end.value.value.chosen is found, "to bend a value far is not simpler than to claim it"
+
+
+def test_what_could_be_instead_is_made_simpler_like_what_was_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A joint's offset and its encoder's bias say the same; Stribeck friction beside them turns out to be plain."""
+    rich, plain, third = ("stribeck_friction", "hip"), ("coulomb_friction", "hip"), ("armature", "knee")
+    offset, bias = ("joint_offset", "knee"), ("sensor_bias", "angle")
+    names = {rich: ("T", "S"), plain: ("T",), offset: ("x",), bias: ("bias",), third: ("I",)}
+
+    def fitted(places: Any, squared: float, value: float = 0.1) -> Explanation:
+        free = tuple(Free(p[0], p[1], n, 0, 0, -1.0, 1.0, 0.0, np.inf) for p in places for n in names[p])
+        return Explanation(Fit(Hypothesis(places, free), np.full(len(free), value), squared), np.full(4, squared / 4.0))
+
+    chosen, twin, worse = fitted((rich, offset), 4.0), fitted((rich, bias), 4.02, 0.7), fitted((rich, third), 4.4)
+    simple, asked = fitted((plain, offset), 4.1), list[Any]()
+
+    def instead(_: Any, __: Any, base: Fit, old: Any, new: Any, values: Any) -> Any:
+        asked.append((base, old, new, values))
+        return fitted((plain, bias), 4.1).fitted.hypothesis, []
+
+    def judged(_: Any, __: Any, tasks: Any, stage: str) -> Any:
+        yield
+        return [fitted((plain, bias), 4.12)] if "instead" in stage else [simple]
+
+    monkeypatch.setattr(searching, "instead", instead)
+    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
+    monkeypatch.setattr(searching, "judged_apart", judged)
+    for helps in (True, False):
+        left = iter([[simple.fitted], []] if helps else [[]])
+        monkeypatch.setattr(searching, "simpler", lambda *_, left=left: next(left))
+        steps = _simplified(Setting(Hypothesis((), ()), []), Standing(problem(0), chosen, (chosen, twin, worse)))
+        with pytest.raises(StopIteration) as end:
+            while True:
+                next(steps)
+        found = end.value.value
+        assert found.chosen is (simple if helps else chosen)
+        assert [set(e.places) for e in found.tried[3:]] == ([{plain, offset}, {plain, bias}] if helps else [])
+    assert asked == [(simple.fitted, offset, bias, [[0.7]])]
