@@ -114,7 +114,13 @@ WITHHELD = (
         ("motor_weakness", "elbow", "loss", 0.7),
         scaled("tau_meas2", 1.0 / 0.3),
     ),
-    Withheld("pendulum-biased-sensor", *_PENDULUM, ("sensor_bias", "q2", "bias", 0.1), scaled("pos_meas2", 1.0, 0.1)),
+    Withheld(
+        "pendulum-biased-sensor",
+        *_PENDULUM,
+        ("sensor_bias", "q2", "bias", 0.1),
+        scaled("pos_meas2", 1.0, 0.1),
+        same=("joint_offset", "elbow", "offset", 0.1),  # torques drive the last joint: no motion tells them apart
+    ),
     Withheld("pendulum-late-command", *_PENDULUM, ("command_delay", "elbow", "delay", 0.04), late("tau_meas2", -0.04)),
     Withheld("so101-late-command", *_SO101, ("command_delay", "Elbow", "delay", 0.06), late("command_Elbow", -0.06)),
     Withheld(
