@@ -30,6 +30,9 @@ deviations, wrong ones 10 to 50."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
 
+_ZERO = "joint_offset"
+"""What moves a joint's zero is no force: it is to its sensor as a bias is."""
+
 
 def is_law(place: Place) -> bool:
     """Whether a claim is a term of an unknown law."""
@@ -68,8 +71,10 @@ def _shared(robot: Robot, selection: Selection, sites: Sequence[str | None]) -> 
 
 
 def about_joint(robot: Robot, place: Place) -> str | None:
-    """The joint whose force a claim changes or whose sensor it is about; None for what acts elsewhere."""
+    """The joint whose force a claim changes, or whose sensor or zero it is about; None for what acts elsewhere."""
     kind, name = element(robot, place)
+    if place[0] == _ZERO:
+        return name
     if kind != "sensor" or name not in robot.names("sensor"):
         return pushed(robot, place)
     sensor = robot.index("sensor", name)
@@ -80,7 +85,7 @@ def about_joint(robot: Robot, place: Place) -> str | None:
 def pushed(robot: Robot, place: Place) -> str | None:
     """The joint whose force a claim changes, itself or by its motor; None for what acts elsewhere."""
     kind, name = element(robot, place)
-    return name if kind == "joint" and effect(place[0]).side == "plant" else None
+    return name if kind == "joint" and effect(place[0]).side == "plant" and place[0] != _ZERO else None
 
 
 def fewest_terms(found: Selection) -> Explanation:

@@ -300,6 +300,8 @@ def test_several_forces_at_one_joint_make_a_law_likely():
     assert crowded(robot, selection({(): 20.0, motor: 1.2}, motor)) == "elbow"
     late = (("command_delay", "knee"), spring)
     assert crowded(robot, selection({(): 20.0, late: 1.2}, late)) is None, "a late command is no force"
+    moved = (("joint_offset", "elbow"), ("coulomb_friction", "elbow"))
+    assert crowded(robot, selection({(): 20.0, moved: 1.2}, moved)) is None, "a zero that lies elsewhere is none either"
 
 
 @pytest.mark.parametrize(
@@ -308,6 +310,8 @@ def test_several_forces_at_one_joint_make_a_law_likely():
         ((("sensor_gain", "lower_angle"), ("cogging", "elbow")), "elbow"),
         ((("sensor_gain", "upper_angle"), ("cogging", "elbow")), None),
         ((("sensor_gain", "lower_angle"), ("sensor_bias", "lower_angle")), None),
+        ((("joint_offset", "elbow"), ("cogging", "elbow")), "elbow"),
+        ((("joint_offset", "elbow"), ("sensor_bias", "lower_angle")), None),
         ((("joint_stiffness", "elbow"), ("cogging", "elbow")), "elbow"),
         ((("cogging", "elbow"),), None),
     ],
