@@ -123,12 +123,16 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
 def without_piles(robot: Robot, named: Selection, nearer: Selection | None = None) -> Selection:
     """The same, but several names at one joint that leave much of the mismatch are no explanation: they make up one.
 
+    Of a robot's only joint that says nothing: whatever acts on it acts there.
+
     Args:
         robot: the nominal robot.
         named: what was chosen among names.
         nearer: the same by shorter windows, if they were asked: what is whole there is.
     """
-    return named if crowded(robot, named) is None or whole(nearer or named) else replace(named, piled=True)
+    if robot.model.njnt == 1 or crowded(robot, named) is None or whole(nearer or named):
+        return named
+    return replace(named, piled=True)
 
 
 def whole(found: Selection) -> bool:

@@ -265,16 +265,16 @@ def test_joints_that_lack_most_force_are_suspects():
     assert suspects(nominal("two"), nothing, [there])[0] == "elbow"
 
 
-def explanation(places: tuple, error: float) -> Explanation:
-    robot = nominal("two")
+def explanation(places: tuple, error: float, robot: str = "two") -> Explanation:
+    robot = nominal(robot)
     own = parameters_only(robot, catalogue(["viscous_friction"]))
     hypothesis = claiming(robot, own, places) if places else Hypothesis((), own.free)
     return Explanation(Fit(hypothesis, hypothesis.start(), error**2), np.full(9, error**2 / 9.0))
 
 
-def selection(errors: dict[tuple, float], chosen: tuple = ()) -> Selection:
-    tried = {places: explanation(places, error) for places, error in errors.items() if places}
-    own = explanation((), errors.get((), 20.0))
+def selection(errors: dict[tuple, float], chosen: tuple = (), robot: str = "two") -> Selection:
+    tried = {places: explanation(places, error, robot) for places, error in errors.items() if places}
+    own = explanation((), errors.get((), 20.0), robot)
     worst = replace(own, held_out=own.held_out * 1.2)
     return Selection(worst, worst, own, tuple(tried.values()), tried.get(chosen, own))
 
@@ -333,6 +333,12 @@ def test_names_piled_up_at_a_joint_that_leave_much_explain_nothing():
     assert judged(both, 40.0, 8.0) == "missing_physics", "near the noise"
     assert judged(both, 400.0, 14.0) == "missing_physics", "nearly all of it"
     assert judged(apart, 40.0, 14.0) == "missing_physics", "each of them stands for itself"
+
+
+def test_all_that_acts_on_the_only_joint_may_be_told_there():
+    claims = (("viscous_friction", "shaft"), ("cogging", "shaft"))
+    told = without_piles(nominal("one"), selection({(): 40.0, claims: 14.0}, claims, "one"))
+    assert verdict(nominal("one"), told, told.chosen.claims) == "missing_physics"
 
 
 def test_a_sensor_that_drifts_is_told_as_a_law_of_its_own():
