@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from estexp_jax.discovery.selection import (
     worth,
 )
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
-from estexp_jax.discovery.verdict import ENOUGH
+from estexp_jax.discovery.verdict import ENOUGH, verdict
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.robot import Robot
@@ -80,7 +80,12 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     found = yield from _all_exchanged(search, found, as_it_is)
     if found.chosen.places and found.chosen.error <= NOISE:
         found = yield from _unbound(search, found)
-    found = yield from _simplified(search, found)
+
+    def said(e: Explanation) -> bool:
+        judged = Selection(nominal, corrected, own, (), e)
+        return verdict(problem.replayer.robot, judged, e.claims) != "unexplained"
+
+    found = yield from _simplified(search, found, said)
     return Selection(nominal, corrected, own, found.tried, found.chosen), found.problem
 
 
@@ -185,11 +190,19 @@ def _all_exchanged(search: Setting, found: Standing, as_it_is: Explanation) -> G
     return found
 
 
-def _simplified(search: Setting, found: Standing) -> Generator[Progress, None, Standing]:
+def _simplified(
+    search: Setting, found: Standing, said: Callable[[Explanation], bool]
+) -> Generator[Progress, None, Standing]:
     """The simplest explanation that neither the chosen one nor any on the way to it is worth more than.
 
-    Of several small steps each may seem to cost nothing; together they must not cost what one would not be let. Nor is
-    it simpler to bend a value of the model far, where nothing but noise is left, than to claim it.
+    Of several small steps each may seem to cost nothing; together they must not cost what one would not be let, nor the
+    last bit that makes it an explanation at all. Nor is it simpler to bend a value of the model far, where nothing but
+    noise is left, than to claim it.
+
+    Args:
+        search: what does not change.
+        found: the comparison, and the best explanation.
+        said: whether an explanation removes enough to be called one.
     """
     richer = [found.chosen]
     while tasks := simpler(found.problem, search.parameters, found.chosen.fitted):
@@ -198,7 +211,8 @@ def _simplified(search: Setting, found: Standing) -> Generator[Progress, None, S
         bent = len(stretched(found.chosen.fitted)) if found.chosen.error <= NOISE else np.inf
         best = min(fewer, key=lambda e: (len(stretched(e.fitted)) > bent, e.error))
         tried = (*found.tried, *fewer)
-        if len(stretched(best.fitted)) > bent or any(worth(one, best) for one in richer):
+        lost = said(found.chosen) and not said(best)
+        if lost or len(stretched(best.fitted)) > bent or any(worth(one, best) for one in richer):
             found = replace(found, tried=tried)
             break
         found = Standing(about(found.problem, best.fitted), best, tried)

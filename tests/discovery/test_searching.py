@@ -25,6 +25,12 @@ def explanation(error: float) -> Explanation:
     return Explanation(Fit(Hypothesis((), ()), np.zeros(0), error**2), np.full(4, error**2 / 4.0))
 
 
+def steps(result: Any) -> Any:
+    """A search that comes to a result at once."""
+    yield from ()
+    return result
+
+
 def test_more_effects_are_looked_for_where_some_explain_and_it_is_not_too_long() -> None:
     much, little = explanation(8.0), explanation(15.0)
     nominal = explanation(30.0)
@@ -94,10 +100,6 @@ def test_what_shows_no_effect_from_values_as_modelled_is_looked_at_once_more(
 ) -> None:
     own, better, seen = explanation(8.0), explanation(4.0), list[tuple[int, bool]]()
 
-    def steps(result: Any) -> Any:
-        yield from ()
-        return result
-
     def added(_: Any, found: Standing, __: Any, n: int, *, as_bent: bool = False) -> Any:
         seen.append((n, as_bent))
         return steps(replace(found, chosen=better) if (n, as_bent) == helps else found)
@@ -109,7 +111,7 @@ def test_what_shows_no_effect_from_values_as_modelled_is_looked_at_once_more(
     monkeypatch.setattr(searching, "as_fitted", lambda *_: [explanation(30.0)])
     monkeypatch.setattr(searching, "compared", lambda *_: steps(([own], there)))
     monkeypatch.setattr(searching, "_added", added)
-    monkeypatch.setattr(searching, "_simplified", lambda _, found: steps(found))
+    monkeypatch.setattr(searching, "_simplified", lambda _, found, __: steps(found))
     monkeypatch.setattr(searching, "_all_exchanged", lambda _, found, __: steps(found))
     with pytest.raises(StopIteration) as end:
         next(select(there, Hypothesis((), ()), 2))
@@ -196,7 +198,7 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
 
     monkeypatch.setattr(searching, "simpler", lambda *_: [bent.fitted])
     monkeypatch.setattr(searching, "judged_apart", fewer)
-    steps = _simplified(search, Standing(there, found, ()))
+    steps = _simplified(search, Standing(there, found, ()), lambda _: True)
     with pytest.raises(StopIteration) as end:
         while True:
             next(steps)
@@ -230,7 +232,8 @@ def test_what_could_be_instead_is_made_simpler_like_what_was_chosen(monkeypatch:
     for helps in (True, False):
         left = iter([[simple.fitted], []] if helps else [[]])
         monkeypatch.setattr(searching, "simpler", lambda *_, left=left: next(left))
-        steps = _simplified(Setting(Hypothesis((), ()), []), Standing(problem(0), chosen, (chosen, twin, worse)))
+        there = Standing(problem(0), chosen, (chosen, twin, worse))
+        steps = _simplified(Setting(Hypothesis((), ()), []), there, lambda _: True)
         with pytest.raises(StopIteration) as end:
             while True:
                 next(steps)
@@ -238,3 +241,20 @@ def test_what_could_be_instead_is_made_simpler_like_what_was_chosen(monkeypatch:
         assert found.chosen is (simple if helps else chosen)
         assert [set(e.places) for e in found.tried[3:]] == ([{plain, offset}, {plain, bias}] if helps else [])
     assert asked == [(simple.fitted, offset, bias, [[0.7]])]
+
+
+@pytest.mark.parametrize(("enough", "simpler"), [(4.2, True), (4.05, False), (3.0, True)])
+def test_what_explains_is_not_made_so_simple_that_it_explains_nothing(
+    monkeypatch: pytest.MonkeyPatch, enough: float, simpler: bool
+) -> None:
+    """Where nothing explains enough, the simplest of what is as good stands."""
+    rich, poor = explanation(4.0), explanation(4.1)
+    left = iter([[poor.fitted], []])
+    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
+    monkeypatch.setattr(searching, "judged_apart", lambda *_: steps([poor]))
+    monkeypatch.setattr(searching, "simpler", lambda *_: next(left))
+    found = _simplified(Setting(Hypothesis((), ()), []), Standing(problem(0), rich, ()), lambda e: e.error <= enough)
+    with pytest.raises(StopIteration) as end:
+        while True:
+            next(found)
+    assert end.value.value.chosen is (poor if simpler else rich)
