@@ -265,16 +265,16 @@ def test_joints_that_lack_most_force_are_suspects():
     assert suspects(nominal("two"), nothing, [there])[0] == "elbow"
 
 
-def explanation(places: tuple, error: float, robot: str = "two") -> Explanation:
-    robot = nominal(robot)
+def explanation(places: tuple, error: float, name: str = "two") -> Explanation:
+    robot = nominal(name)
     own = parameters_only(robot, catalogue(["viscous_friction"]))
     hypothesis = claiming(robot, own, places) if places else Hypothesis((), own.free)
     return Explanation(Fit(hypothesis, hypothesis.start(), error**2), np.full(9, error**2 / 9.0))
 
 
-def selection(errors: dict[tuple, float], chosen: tuple = (), robot: str = "two") -> Selection:
-    tried = {places: explanation(places, error, robot) for places, error in errors.items() if places}
-    own = explanation((), errors.get((), 20.0), robot)
+def selection(errors: dict[tuple, float], chosen: tuple = (), name: str = "two") -> Selection:
+    tried = {places: explanation(places, error, name) for places, error in errors.items() if places}
+    own = explanation((), errors.get((), 20.0), name)
     worst = replace(own, held_out=own.held_out * 1.2)
     return Selection(worst, worst, own, tuple(tried.values()), tried.get(chosen, own))
 
