@@ -89,6 +89,7 @@ def fit(
 def _remember(problem: Problem, stage: str, fits: list[Fit], moving: list[int], iteration: int) -> None:
     """Note a stage's state, from which an interrupted explanation goes on."""
     problem.memory[stage] = {
+        "claims": [f.hypothesis.label for f in fits],
         "iteration": iteration,
         "vectors": [f.vector for f in fits],
         "costs": [f.cost for f in fits],
@@ -98,9 +99,12 @@ def _remember(problem: Problem, stage: str, fits: list[Fit], moving: list[int], 
 
 
 def _remembered(problem: Problem, tasks: Sequence[Task], stage: str) -> tuple[list[Fit], list[int], int] | None:
-    """What an earlier attempt at this stage came to, if there was one."""
+    """What an earlier attempt at this stage came to, if there was one that fitted the same hypotheses.
+
+    Another version of the program may have come to a stage of the same name by another way.
+    """
     noted = problem.memory.get(stage)
-    if noted is None:
+    if noted is None or noted.get("claims") != [h.label for h, _ in tasks]:
         return None
     problem.counted[0] = max(problem.counted[0], noted["robot_steps"])
     found = zip(tasks, noted["vectors"], noted["costs"], strict=True)

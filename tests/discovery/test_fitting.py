@@ -130,6 +130,15 @@ def test_the_true_effect_is_fitted_to_its_value(setting):
     assert again.vector[-1] == pytest.approx(0.15, rel=0.1)
 
 
+def test_what_a_stage_of_the_same_name_found_for_other_hypotheses_is_not_taken(setting):
+    """A checkpoint may be of another version of the program, whose search went another way."""
+    problem, windows, hypotheses = setting
+    run(problem, random_starts(hypotheses[:2], 73), windows, 1, "one name")
+    other = random_starts(hypotheses[2:3], 74)
+    [found], [fresh] = (run(problem, other, windows, 1, stage) for stage in ("one name", "another name"))
+    assert found.cost == fresh.cost and np.array_equal(found.vector, fresh.vector)
+
+
 def test_a_first_look_moves_only_what_was_claimed_last(setting):
     problem, windows, hypotheses = setting
     tasks = [(h, spread(problem, h)) for h in hypotheses[1:]]
