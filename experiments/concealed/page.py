@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments.concealed.absorbed import is_absorbed
 from experiments.concealed.rivals.logs import gain
 from experiments.concealed.runner import ending_of, findings_of
 from experiments.concealed.scoring.board import board
@@ -103,13 +104,8 @@ def log_opened(out: Path, public: Mapping[str, Any], log: Path) -> None:
 
 def absorbed(rows: Sequence[Row], answers: Mapping[str, Any], rivals: Mapping[str, Any]) -> dict[str, Any]:
     """Cases whose training recordings a refit of all parameters explains, though held-out ones show the effect."""
-    inside = []
-    for r in rows:
-        if r.case not in answers:  # the program failed
-            continue
-        refit = answers[r.case]["visibility"]["refit"]
-        if answers[r.case]["effects"] and refit["train"] <= 1.2 and refit["test"] >= 3.0:
-            inside.append(r)
+    answered = [r for r in rows if r.case in answers]  # the others failed
+    inside = [r for r in answered if is_absorbed(answers[r.case])]
     noticed = [rivals[r.case]["sysid"]["noticed"] for r in inside if "sysid" in rivals.get(r.case, {})]
     return {
         "cases": len(inside),
