@@ -154,6 +154,7 @@ class CaseSet:
     def _score(self, options: argparse.Namespace) -> None:
         wanted = self.numbered(options.seed, options.part)
         entries = [e for case, e in self.entries(options.out, options.seed).items() if case in wanted]
+        options.out.mkdir(parents=True, exist_ok=True)
         print(f"scores: {self.write_scores(options.out, entries, len(wanted))}")
 
 

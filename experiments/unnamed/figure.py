@@ -34,12 +34,15 @@ def draw_laws(entries: Sequence[Mapping[str, Any]], path: Path) -> None:
         x = np.array(force[name])
         axes.plot(x, true, ".", ms=2.5, color=_TRUE, label="true")
         axes.plot(x, found, ".", ms=1.5, color=_FOUND, label="found")
+        if np.ptp(axes.get_ylim()) < 0.2 * np.abs(true).max():  # a constant, of which only its rounding would show
+            axes.set_ylim(*sorted((0.0, 1.2 * float(true[0]))))
         axes.set_title(f"{law.replace('_', ' ')}, {entry['robot']}, {100 * force['error']:.0f} % off", fontsize=8)
         axes.set_xlabel("q (rad)" if name == "q" else "w (rad/s)", fontsize=8)
         axes.tick_params(labelsize=7)
         axes.spines[["top", "right"]].set_visible(False)
     panels[0].set_ylabel("force (N m)", fontsize=8)
-    panels[0].legend(frameon=False, fontsize=7, markerscale=3)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper left", ncols=2, frameon=False, fontsize=8, markerscale=3)
     figure.savefig(path, dpi=130)
 
 

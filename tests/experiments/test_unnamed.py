@@ -88,11 +88,14 @@ def test_scores_count_what_they_say(tmp_path) -> None:
         "case": "c001", "claimed": ["cogging@knee"], "name_equivalent": False, "force": None,
         "errors": {"nominal": 0.1, "explained": 0.2},
     }  # fmt: skip
+    lost = wrong | {"case": "c002", "errors": {"nominal": 0.1}}
     told = {what: found for what, _, found in measured([entry, wrong])}
     assert told["a wrong name given"].startswith("1 of 2 ")
     assert told["gain inside the range, of the true law's, median (static)"] == "90 % (2)"
     assert told["gain overall, of the true law's, median (static)"] == "70 % (2)"
     assert told["error of the force, median"] == "8 % (1)"
     assert told["predicts the tests worse than the nominal simulator"] == "1 of 2"
+    ran_away = {what: found for what, _, found in measured([entry, lost])}
+    assert ran_away["predicts the tests worse than the nominal simulator"] == "1 of 2"
     page = write_scores(tmp_path, json.loads(json.dumps([entry, wrong])), 285)
     assert page.read_text().startswith("2 of 285") and (tmp_path / "laws.png").stat().st_size > 5000
