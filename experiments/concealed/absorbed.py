@@ -5,11 +5,13 @@ The cases are drawn again by the code that sealed them; each one's recordings mu
 git worktree add FOLDER 454bd59 && cp experiments/concealed/absorbed.py FOLDER/experiments/concealed/
 python FOLDER/experiments/concealed/absorbed.py experiments/concealed/opened/454bd59/cases.json
 
-Result: `absorbed.json` beside the cases. What it holds is not run again.
+Result: `absorbed.json` beside the cases. What it holds is not run again. All that is new stands in this one file, so that
+it can be copied to a commit that knew nothing of it.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 import tempfile
@@ -31,10 +33,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from experiments.concealed.rivals import sysid
     from experiments.concealed.sets import SEALED
 
+    parser = argparse.ArgumentParser("absorbed", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("opened", type=Path, metavar="CASES", help="cases.json of an opened set of 420 cases")
+    opened = parser.parse_args(arguments).opened
+    if not opened.is_file():
+        parser.error(f"{opened} is no file; opened sets are in experiments/concealed/opened")
     if not sysid.available():
         print("absorbed: mujoco.sysid needs pip install 'mujoco[sysid]'", file=sys.stderr)
         return 2
-    [opened] = map(Path, sys.argv[1:] if arguments is None else arguments)
     known, path = json.loads(opened.read_text(encoding="utf-8")), opened.with_name("absorbed.json")
     done = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     drawn = {f"c{i:03d}": plan for i, plan in enumerate(plans(known["seed"], CASES, SEALED))}

@@ -57,3 +57,9 @@ def test_without_sysid_it_says_what_is_needed(opened, monkeypatch, capsys):
     monkeypatch.setattr(sysid, "available", lambda: False)
     assert absorbed.main([str(opened)]) == 2
     assert "pip install" in capsys.readouterr().err
+
+
+def test_a_file_that_is_not_there_is_told(tmp_path, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        absorbed.main([str(tmp_path / "none.json")])
+    assert "none.json is no file" in capsys.readouterr().err
