@@ -5,8 +5,8 @@ The cases are drawn again by the code that sealed them; each one's recordings mu
 git worktree add FOLDER 454bd59 && cp experiments/concealed/absorbed.py FOLDER/experiments/concealed/
 python FOLDER/experiments/concealed/absorbed.py experiments/concealed/opened/454bd59/cases.json
 
-Result: `absorbed.json` beside the cases. What it holds is not run again. All that is new stands in this one file, so that
-it can be copied to a commit that knew nothing of it.
+Result: `absorbed.json` beside the cases. What it holds is not run again. All that is new stands in this one file, so
+that it can be copied to a commit that knew nothing of it.
 """
 
 from __future__ import annotations
