@@ -44,6 +44,7 @@ class ForceResidual:
         force: (intervals, nv) what is missing, N m or N.
         told: (intervals, nv) torque that the motors' commands ask for in all, without limits, N m or N.
         asked: (intervals, nv) the same beyond rest: of a position servo, of the way left to go.
+        on: (intervals, nv) 1 where a motor of the joint is on, else 0.
     """
 
     time: np.ndarray
@@ -54,6 +55,7 @@ class ForceResidual:
     force: np.ndarray
     told: np.ndarray
     asked: np.ndarray
+    on: np.ndarray
 
 
 def force_residual(model: mujoco.MjModel, recording: Recording, path: Path) -> ForceResidual:
@@ -86,20 +88,21 @@ def force_residual(model: mujoco.MjModel, recording: Recording, path: Path) -> F
     return ForceResidual(time, qpos, qvel, ctrl, motor, steady, *_asked(model, recording, qpos, qvel))
 
 
-def _asked(
-    model: mujoco.MjModel, recording: Recording, qpos: np.ndarray, qvel: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """What the commands ask for of the motors of hinges and slides, (intervals, nv), in all and beyond rest."""
+def _asked(model: mujoco.MjModel, recording: Recording, qpos: np.ndarray, qvel: np.ndarray) -> tuple[np.ndarray, ...]:
+    """What commands ask of motors of hinges and slides, in all and beyond rest, and if one is on, (intervals, nv)."""
     on_joint = np.flatnonzero(model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT))
     a = np.array([i for i in on_joint if int(model.jnt_type[model.actuator_trnid[i, 0]]) in _SCALAR], int)
     joint = model.actuator_trnid[a, 0]
     dof, command = model.jnt_dofadr[joint], np.asarray(limited_commands(model, recording.ctrl[:-1]))[:, a]
     each = asked_torques(model, a, qpos[:, model.jnt_qposadr[joint]], qvel[:, dof], command)
-    told, asked = np.zeros_like(qvel), np.zeros_like(qvel)
+    told, asked, on = (np.zeros_like(qvel) for _ in range(3))
+    enable = recording.enable[:-1, a]
     for total, torques in zip((told, asked), each, strict=True):
-        for d, torque in zip(dof, (recording.enable[:-1, a] * np.asarray(torques)).T, strict=True):
+        for d, torque in zip(dof, (enable * np.asarray(torques)).T, strict=True):
             total[:, d] += torque
-    return told, asked
+    for d, switch in zip(dof, enable.T, strict=True):
+        on[:, d] = np.maximum(on[:, d], switch)
+    return told, asked, on
 
 
 def force_residuals(problem: Problem, models: Sequence[mujoco.MjModel], which: Sequence[int]) -> list[ForceResidual]:

@@ -26,14 +26,19 @@ _RESTS, _OFTEN = 0.05, 0.1
 
 
 class Samples(NamedTuple):
-    """What was seen of a joint, (samples,), as in `ForceResidual`; q, w and motor torque of the others by index."""
+    """What was seen of a joint, (samples,), as in `ForceResidual`; q, w and motor torque of the others by index.
+
+    `faster` is its acceleration.
+    """
 
     force: np.ndarray
     q: np.ndarray
     w: np.ndarray
+    faster: np.ndarray
     motor: np.ndarray
     told: np.ndarray
     asked: np.ndarray
+    on: np.ndarray
     bent: np.ndarray  # (samples, n) orthonormal: what wrong values of the model would look like
     others: Mapping[int, tuple[np.ndarray, np.ndarray, np.ndarray]]
     runs: tuple[Course, ...]  # of each recording, unthinned
@@ -114,13 +119,16 @@ def samples_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> Sampl
     length = max(float(np.ptp(r.time)) for r in seen)
     others = {j: motion(j) for j in moved if j != joint}
     fast, hard = (float(np.quantile(np.abs(x), _FAST)) for x in (w, motor))
-    told, asked = joined([r.told[:, dof] for r in seen]), joined([r.asked[:, dof] for r in seen])
+    motors = [[r.told for r in seen], [r.asked for r in seen], [r.on for r in seen]]
+    told, asked, on = (joined([x[:, dof] for x in each]) for each in motors)
     reach = Reach(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
     runs = tuple(
         Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof], r.told[:, dof]) for r in seen
     )
     counts = np.ones(len(q), bool)
-    return Samples(np.clip(force, -far, far), q, w, motor, told, asked, bent, others, runs, thin, reach, counts)
+    return Samples(
+        np.clip(force, -far, far), q, w, faster, motor, told, asked, on, bent, others, runs, thin, reach, counts
+    )
 
 
 def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.ndarray:
@@ -144,7 +152,7 @@ def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.n
         q=q,
         w=w,
         torque=motor,
-        on=one,
+        on=samples.on[:, None],
         dt=np.zeros(1),
         limit=one,
         armature=one,
@@ -156,7 +164,8 @@ def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.n
     state = _states(law, p, samples)
     does, _ = law.act(tuple(jnp.asarray(x) for x in p), moment, state)
     sign = np.tanh(w / (0.01 * max(samples.reach.speed, 1e-9)))
-    total = does.force - does.damping * w - does.friction * sign + (does.motor - 1.0) * motor + does.command
+    total = does.force - does.damping * w - does.friction * sign - does.inertia * samples.faster[:, None]
+    total = total + (does.motor - 1.0) * motor + does.command
     return np.asarray(jnp.broadcast_to(total, (len(samples.q), len(p[0]))), float) * samples.counts[:, None]
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
-from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.hypotheses import BENT, Place
 from estexp_jax.discovery.law_forces import Samples, force_of, samples_of
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.physics.effects.laws.base import JointLaw
@@ -24,6 +24,8 @@ _COLUMNS, _STARTS = 64, 4
 """Values of a term that are laid beside the missing force at once, and those that are kept."""
 _ROUNDS, _NARROWER = 4, 0.4
 """Each of these is moved so often to the best of as many values around it, drawn from a range that narrows so."""
+_BENDING = (*BENT, "back_emf")
+"""Effects that wrong values of a model do, or may look like: a motor that brakes looks like damping while it is on."""
 _SAME = 1e-3
 """Values that differ by less, as a share of their bounds, are one."""
 _LITTLE = 1e-3
@@ -56,6 +58,8 @@ def likely(
 ) -> dict[Place, Vectors]:
     """The terms at a joint that take out most of the force that it lacks, with values to start from.
 
+    With them are those that say what values of a model say, where these values may not be claimed: a look cannot tell.
+
     Args:
         robot: the nominal robot.
         seen: what its joints lack, in each training recording.
@@ -70,7 +74,9 @@ def likely(
     asked = [law for law in laws if law.law.stands_for not in named and law.tried]
     found = {law.law.name: _best(b for look in looks for b in _beside(law, look)) for law in asked}
     ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
-    return {(name, joint): [b.values for b in found[name]] for name in ranked[:n]}
+    bending = {law.law.name for law in asked if law.law.stands_for in _BENDING}
+    wanted = [name for i, name in enumerate(ranked) if i < n or name in bending]
+    return {(name, joint): [b.values for b in found[name]] for name in wanted}
 
 
 def _best(found: Iterable[_Beside]) -> list[_Beside]:

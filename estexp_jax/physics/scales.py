@@ -88,3 +88,8 @@ def joint_torque(robot: Robot, joint: int) -> float:
     limits = [motor_limit(robot, a) for a in range(robot.model.nu) if robot.joint_of_actuator(a) == joint]
     torque = max([*limits, gravity_torque(robot, joint)])
     return torque if torque > 0.0 else 10.0 * joint_inertia(robot, joint)
+
+
+def rotor_inertia(robot: Robot, joint: int) -> float:
+    """Largest plausible inertia of a motor's rotor at its joint, kg m2 (or kg): a geared servo's outweighs a link."""
+    return max(5.0 * joint_inertia(robot, joint), 0.02 * joint_torque(robot, joint))

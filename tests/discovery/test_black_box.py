@@ -71,7 +71,9 @@ def law(rng: np.random.Generator, n: int) -> ForceResidual:
     """A force that depends on position and speed of the second joint, seen with noise."""
     q, v, u = (rng.uniform(-1.0, 1.0, (n, 2)) for _ in range(3))
     force = np.stack([np.zeros(n), np.sin(3.0 * q[:, 1]) - v[:, 1]], axis=1)
-    return ForceResidual(np.arange(n) / 100.0, q, v, u, u, force + 0.2 * rng.standard_normal((n, 2)), u, u)
+    return ForceResidual(
+        np.arange(n) / 100.0, q, v, u, u, force + 0.2 * rng.standard_normal((n, 2)), u, u, np.ones_like(u)
+    )
 
 
 def test_a_law_is_learned_and_noise_is_not():

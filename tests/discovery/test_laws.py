@@ -173,7 +173,7 @@ def moving(force) -> ForceResidual:
     motor = np.stack([np.sin(4.0 * time), np.cos(6.5 * time)], axis=1)
     lacks = np.zeros((800, 2))
     lacks[:, 1] = force(time, q, w)
-    return ForceResidual(time, q, w, motor, motor, lacks, motor, motor)
+    return ForceResidual(time, q, w, motor, motor, lacks, motor, motor, np.ones_like(w))
 
 
 @pytest.mark.parametrize(
@@ -225,6 +225,25 @@ def test_without_its_name_what_a_motor_or_friction_does_is_a_term(force, name, v
     assert (name, "elbow") not in likely(nominal("two"), [there], "elbow", 60, [law.stands_for])
 
 
+@pytest.mark.parametrize(
+    ("force", "name"),
+    [
+        (lambda w, m, faster: -0.2 * w, "law_damping"),
+        (lambda w, m, faster: -0.2 * w, "law_motor_brake"),
+        (lambda w, m, faster: -0.3 * m, "law_weak_motor"),
+        (lambda w, m, faster: -0.01 * faster, "law_inertia"),
+    ],
+)
+def test_what_looks_like_a_wrong_value_of_the_model_is_asked_where_that_may_not_be_claimed(force, name):
+    there = moving(lambda t, q, w: force(w[:, 1], np.cos(6.5 * t), np.gradient(w[:, 1], t)))
+    found = likely(nominal("two"), [there], "elbow", 1)
+    values = {"law_damping": 0.2, "law_motor_brake": 0.2, "law_weak_motor": 0.3, "law_inertia": 0.01}
+    assert found[name, "elbow"][0] == pytest.approx((values[name],), rel=0.02)
+    law = effect(name)
+    assert isinstance(law, JointLaw)
+    assert (name, "elbow") not in likely(nominal("two"), [there], "elbow", 60, [law.stands_for])
+
+
 def test_what_a_servo_does_not_answer_to_is_told_from_what_it_is_asked_for():
     there = moving(lambda t, q, w: -np.clip(8.0 * (np.cos(6.5 * t) - q[:, 1]), -0.4, 0.4))
     told = 8.0 * there.ctrl
@@ -247,7 +266,7 @@ def sticking(level: float, share: float, n: float, seed: int) -> ForceResidual:
         lacks[k, 1] = (w[k, 1] - free) / dt
         q[k, 1] = q[k - 1, 1] + dt * w[k, 1]
     motor = np.stack([np.zeros(4000), drive], axis=1)
-    return ForceResidual(time, q, w, motor, motor, lacks, motor, motor)
+    return ForceResidual(time, q, w, motor, motor, lacks, motor, motor, np.ones_like(w))
 
 
 @pytest.mark.parametrize("seed", [3, 4, 5])

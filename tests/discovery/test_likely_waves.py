@@ -18,7 +18,9 @@ def seen(robot: Robot, force, rows: int = 1600) -> ForceResidual:
     w = np.gradient(q, time)
     qpos, qvel, ctrl, motor = (x[:, None] for x in (q, w, np.zeros(rows), 0.3 * np.cos(3.0 * time)))
     noise = rng.normal(scale=0.05, size=rows)
-    return ForceResidual(time, qpos, qvel, ctrl, motor, (force(q, w) + noise)[:, None], motor, motor)
+    return ForceResidual(
+        time, qpos, qvel, ctrl, motor, (force(q, w) + noise)[:, None], motor, motor, np.ones_like(motor)
+    )
 
 
 @pytest.mark.parametrize("n", [5.3, 21.0, 44.0])

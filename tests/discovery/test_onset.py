@@ -21,7 +21,7 @@ def lacking(seed: int, began: float, size: float = 0.5) -> ForceResidual:
     other = 0.1 * w + 0.05 * rng.standard_normal(800)
     force = np.stack([other, other - size * np.sign(w) * (time >= began)], axis=1)
     table = np.stack([w, w], axis=1)
-    return ForceResidual(time, table, table, table, table, force, table, table)
+    return ForceResidual(time, table, table, table, table, force, table, table, np.ones_like(table))
 
 
 def test_an_onset_is_dated_in_each_recording():

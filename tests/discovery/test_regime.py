@@ -19,7 +19,7 @@ def moved(seed: int, force) -> ForceResidual:
     load = np.sin(2.0 * np.pi * 0.23 * time + phase[0]) + 0.5 * np.sin(2.0 * np.pi * 0.71 * time + phase[1])
     both = [np.stack([np.zeros(800), x], axis=1) for x in (q, w, load, force(q, w, load))]
     both[3] = both[3] + 0.05 * rng.standard_normal((800, 2))
-    return ForceResidual(time, both[0], both[1], both[2], both[2], both[3], both[2], both[2])
+    return ForceResidual(time, both[0], both[1], both[2], both[2], both[3], both[2], both[2], np.ones((800, 2)))
 
 
 LAWS = {

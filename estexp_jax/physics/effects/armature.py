@@ -29,9 +29,7 @@ class Armature(Edit):
         return scalar_joint_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        joint = robot.index("joint", site)
-        geared = 0.02 * scales.joint_torque(robot, joint)  # the rotor of a geared servo outweighs a light link
-        return ((0.0, max(5.0 * scales.joint_inertia(robot, joint), geared)),)
+        return ((0.0, scales.rotor_inertia(robot, robot.index("joint", site))),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} carries {values['I']:.3g} kg m2 of rotor inertia that the model lacks"

@@ -20,6 +20,8 @@ from tests.physics.robots import ROBOTS, robot
 
 every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 Q, W, M = np.linspace(-1.2, 1.4, 27), np.linspace(-3.0, 3.1, 27), np.linspace(2.0, -2.5, 27)
+FASTER = np.cos(2.0 * Q)
+"""Acceleration."""
 Q2, W2, M2 = np.cos(Q), np.sin(3.0 * W), np.cos(2.0 * W)
 ASKED = M + 0.2 * W
 """A servo's demand, of which damping takes some away."""
@@ -46,7 +48,8 @@ def force(name: str, *p: float, state: tuple = ()) -> np.ndarray:
     law = effect(name)
     assert isinstance(law, JointLaw)
     does, _ = law.act(tuple(jnp.full(len(Q), x) for x in p), moment(), tuple(jnp.full(len(Q), x) for x in state))
-    total = does.force - does.damping * W - does.friction * np.sign(W) + (does.motor - 1.0) * M + does.command
+    total = does.force - does.damping * W - does.friction * np.sign(W) - does.inertia * FASTER
+    total = total + (does.motor - 1.0) * M + does.command
     return np.asarray(total, float) + np.zeros(len(Q))
 
 
@@ -77,10 +80,12 @@ EXPECTED = {
     "law_damping": ((0.2,), -0.2 * W),
     "law_drag": ((0.2,), -0.2 * np.abs(W) * W),
     "law_dry_friction": ((0.2,), -0.2 * np.sign(W)),
+    "law_inertia": ((0.2,), -0.2 * FASTER),
     "law_push": ((0.2,), 0.2 + 0.0 * W),
     "law_spring": ((0.7, 0.3), -0.7 * (Q - 0.3)),
     "law_falling_friction": ((0.5, 0.8), -0.5 * np.sign(W) / (1.0 + (W / 0.8) ** 2)),
     "law_load_friction": ((0.3,), -0.3 * np.abs(M) * np.sign(W)),
+    "law_motor_brake": ((0.2,), -0.2 * W),
     "law_weak_motor": ((0.3,), -0.3 * M),
     "law_clipped_motor": ((0.6, 1.1), -0.6 * np.sign(M) * np.maximum(np.abs(M) - 1.1, 0.0)),
     "law_deaf_motor": ((0.6, 1.1), -0.6 * np.clip(ASKED, -1.1, 1.1)),
@@ -282,6 +287,8 @@ def test_a_joint_that_ran_away_does_not_ask_for_endless_starts(law: JointLaw) ->
         ("law_late_command", (0.8, 0.05)),
         ("law_deaf_motor", (0.9, 0.1)),
         ("law_bristles", (0.2, 0.02)),
+        ("law_inertia", (0.02,)),
+        ("law_motor_brake", (0.1,)),
     ],
 )
 def test_engines_agree_on_laws(name: str, p: tuple[float, ...]) -> None:

@@ -93,6 +93,23 @@ class LawWeakMotor(_MotorLaw):
 
 
 @final
+class LawMotorBrake(Shapeless):
+    """tau = -k w while the motor is on."""
+
+    name: ClassVar[str] = "law_motor_brake"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m s/rad", signed=False),)
+    equation: ClassVar[str] = "tau = -k w while the motor is on"
+    resembles: ClassVar[str] = "a motor that brakes in proportion to speed"
+    stands_for: ClassVar[str] = "back_emf"
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["k"], "w while the motor is on")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(damping=p[0] * moment.on), state
+
+
+@final
 class LawClippedMotor(Threshold):
     """tau = -a max(1 - m_0 / |m|, 0) m of motor torque m: of what is asked beyond m_0 a share is lost."""
 

@@ -98,6 +98,30 @@ class LawDryFriction(Shapeless):
 
 
 @final
+class LawInertia(Shapeless):
+    """tau = -I dw/dt."""
+
+    name: ClassVar[str] = "law_inertia"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("I", "kg m2", signed=False),)
+    equation: ClassVar[str] = "tau = -I dw/dt"
+    in_mjcf: ClassVar[bool] = True
+    resembles: ClassVar[str] = "a resistance to changes of speed, as of an inertia"
+    stands_for: ClassVar[str] = "armature"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return scales.rotor_inertia(robot, joint)
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["I"], "dw/dt")
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(inertia=p[0]), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        spec_element(spec, robot, "joint", site).armature += values["I"]
+
+
+@final
 class LawPush(Shapeless):
     """tau = T."""
 
