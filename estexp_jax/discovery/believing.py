@@ -11,7 +11,7 @@ from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.selection import NOISE, Explanation, Selection, worth
+from estexp_jax.discovery.selection import NOISE, Explanation, Selection, simplest, tied, worth
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.inference.accuracy import gain
 from estexp_jax.physics.effects.laws.base import JointLaw
@@ -29,6 +29,9 @@ another law, bent to what was recorded, loses its way on other motions. In devel
 deviations, wrong ones 10 to 50."""
 _HALF = 0.5
 """Share of the squared error to which each term of a law must bring it: what is flexible must pay more."""
+
+_MANY = 3
+"""Numbers of a claim that are many for one: a term of a law with fewer may say the same."""
 
 _ZERO = "joint_offset"
 """What moves a joint's zero is no force: it is to its sensor as a bias is."""
@@ -53,30 +56,40 @@ def crowded(robot: Robot, selection: Selection) -> str | None:
 
 
 def doubled(robot: Robot, selection: Selection) -> str | None:
-    """The joint where it claims a force beside another one or beside a fault of the joint's sensor, if any.
+    """The joint where it claims a force, or something of the body there, beside another one or a fault of its sensor.
 
-    One law may look like both: where a spring that stiffens holds a joint back, its sensor seems to show too little.
+    Or faults of several of its sensors. One law may look like all that: where a spring that stiffens holds a joint
+    back, its sensor seems to show too little; where a motor is late, all that shows its joint seems to be.
     """
-    sites = [about_joint(robot, place) for place in selection.chosen.places]
-    forced = {pushed(robot, place) for place in selection.chosen.places}
-    return _shared(robot, selection, [site for site in sites if site in forced])
+    places = selection.chosen.places
+    acting = {_acts(robot, place) for place in places}
+    sensors = {(about_joint(robot, (name, site)), site) for name, site in places if effect(name).kind == "sensor"}
+    sensed = [joint for joint, _ in sensors]
+    sites = [about_joint(robot, place) for place in places]
+    return _shared(robot, selection, [site for site in sites if site in acting or sensed.count(site) > 1])
 
 
-def _shared(robot: Robot, selection: Selection, sites: Sequence[str | None]) -> str | None:
-    """The joint that several claims of an explanation are at, if any."""
+def manifold(robot: Robot, selection: Selection) -> str | None:
+    """The joint where it claims something of many numbers, if any: what has many bends to much."""
+    many = [p for p in selection.chosen.places if len(effect(p[0]).parameters) >= _MANY]
+    return _shared(robot, selection, [_acts(robot, place) for place in many], 1)
+
+
+def _shared(robot: Robot, selection: Selection, sites: Sequence[str | None], least: int = 2) -> str | None:
+    """The joint that most claims of an explanation are at, if they are several."""
     if selection.seen or verdict(robot, selection, selection.chosen.claims) != "missing_physics":
         return None
     joint = max((s for s in sites if s in robot.names("joint")), key=sites.count, default=None)
-    return joint if joint is not None and sites.count(joint) > 1 else None
+    return joint if joint is not None and sites.count(joint) >= least else None
 
 
 def about_joint(robot: Robot, place: Place) -> str | None:
-    """The joint whose force a claim changes, or whose sensor or zero it is about; None for what acts elsewhere."""
+    """The joint whose force a claim changes, or whose sensor, body or zero it is about; None if there is none."""
     kind, name = element(robot, place)
     if place[0] == _ZERO:
         return name
     if kind != "sensor" or name not in robot.names("sensor"):
-        return pushed(robot, place)
+        return _acts(robot, place)
     sensor = robot.index("sensor", name)
     of_joint = int(robot.model.sensor_objtype[sensor]) == int(mujoco.mjtObj.mjOBJ_JOINT)
     return robot.names("joint")[int(robot.model.sensor_objid[sensor])] if of_joint else None
@@ -86,6 +99,15 @@ def pushed(robot: Robot, place: Place) -> str | None:
     """The joint whose force a claim changes, itself or by its motor; None for what acts elsewhere."""
     kind, name = element(robot, place)
     return name if kind == "joint" and effect(place[0]).side == "plant" and place[0] != _ZERO else None
+
+
+def _acts(robot: Robot, place: Place) -> str | None:
+    """The joint whose force a claim changes, or that alone moves the body that it is about; None if there is none."""
+    kind, name = element(robot, place)
+    if kind not in ("body", "environment") or name not in robot.names("body"):  # a force from outside pulls at a body
+        return pushed(robot, place)
+    model, body = robot.model, robot.index("body", name)
+    return robot.names("joint")[int(model.body_jntadr[body])] if model.body_jntnum[body] == 1 else None
 
 
 def fewest_terms(found: Selection) -> Explanation:
@@ -118,6 +140,17 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
     plain = replace(problem, step=None, own={})
     windows = problem.fitted
     return plain.error(chosen.fitted.member, windows) < plain.error(found.nominal.fitted.member, windows)
+
+
+def outdoes(term: Explanation, names: Explanation, n: int) -> bool:
+    """Whether a term in the place of n names about a joint is to be believed rather than they.
+
+    Several say no more than a term of fewer numbers that predicts as well, or leaves nothing to explain. A name that
+    stands alone says more: it gives way only to what predicts better and leaves nothing but noise.
+    """
+    if n > 1 and term.error <= 1.0 and len(term.fitted.hypothesis.free) < len(names.fitted.hypothesis.free):
+        return True
+    return simplest([names, term]) is term and (n > 1 or (term.error <= NOISE and not tied(names, term)))
 
 
 def without_piles(robot: Robot, named: Selection, nearer: Selection | None = None) -> Selection:

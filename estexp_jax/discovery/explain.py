@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
-from estexp_jax.discovery.believing import doubled, needed, without_piles
+from estexp_jax.discovery.believing import doubled, manifold, needed, without_piles
 from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of, shortened, shown_of, to_fit
 from estexp_jax.discovery.dating import sharpened
@@ -27,7 +27,7 @@ from estexp_jax.discovery.hypotheses import (
     parameters_only,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
-from estexp_jax.discovery.laws import Unnamed, single_term, unknown_law, unknown_law_nearer
+from estexp_jax.discovery.laws import Unnamed, lacks_force, single_term, unknown_law, unknown_law_nearer
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
@@ -154,17 +154,20 @@ class _Named(NamedTuple):
 def _unnamed(
     case: Case, config: ExplainConfig, whole: Problem, named: _Named, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
-    """What no name explains, or several at one joint, as an unknown law if there is one: with its comparison."""
+    """What no name explains, or only many numbers at a joint, as an unknown law if there is one: and its comparison."""
     selection, problem, began, nearer = named
     if nearer is not None and _suffices(case, selection, nearer):
         return selection, problem
     lacking, joint = needed(case.robot, selection), doubled(case.robot, selection)
-    if not lacking and joint is None:
+    rich = manifold(case.robot, selection)
+    if not lacking and joint is None and rich is None:
         return selection, problem
+    seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
+    if joint is None and rich is not None and lacks_force(case.robot, seen, rich):
+        joint = rich
     fresh = to_fit(case, config, whole)
     if began:  # the dates that the selection was made with, not those refined by it: its windows are kept
         fresh = starting_late(case, config, fresh, problem.replays.began)
-    seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
     apart = apart_in(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
     simulator = partial(replayer_of, case, config, apart=apart)

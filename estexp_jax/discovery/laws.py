@@ -16,7 +16,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
-from estexp_jax.discovery.believing import about_joint, believed, fewest_terms, pushed
+from estexp_jax.discovery.believing import about_joint, believed, fewest_terms, outdoes, pushed
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import one_more
@@ -29,7 +29,7 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first
 from estexp_jax.discovery.screening import keeping
 from estexp_jax.discovery.searching import select
-from estexp_jax.discovery.selection import Explanation, Selection, simplest
+from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.physics import scales
@@ -182,7 +182,7 @@ def single_term(
     before, best = yield from _instead(unnamed, problem, names)
     kept = [before if e is chosen else e for e in kept]
     found = replace(named, tried=(*kept, best), chosen=best)
-    if simplest([before, best]) is before or verdict(robot, found, best.claims) != "missing_physics":
+    if not outdoes(best, before, len(names)) or verdict(robot, found, best.claims) != "missing_physics":
         return None
     return found, about(problem, best.fitted)
 
@@ -199,14 +199,23 @@ def _told(steps: Generator[Progress, None, _T]) -> Generator[Progress, None, _T]
 
 def suspects(robot: Robot, selection: Selection, seen: Sequence[ForceResidual]) -> list[str]:
     """Joints where a law may act: where named effects remove most of the error, then those that lack most force."""
-    names, model = robot.names("joint"), robot.model
     ranked = [str(entry["name"]) for entry in where(robot, selection) if entry["kind"] == "joint"]
+    forced = _forced(robot, seen)
+    return [j for j in dict.fromkeys((*ranked[:1], *forced[:1], *ranked, *forced)) if j in forced][:_JOINTS]
+
+
+def lacks_force(robot: Robot, seen: Sequence[ForceResidual], joint: str) -> bool:
+    """Whether a joint is among the few that lack most: else no force there alone can be what is missing."""
+    return joint in _forced(robot, seen)[:_JOINTS]
+
+
+def _forced(robot: Robot, seen: Sequence[ForceResidual]) -> list[str]:
+    """Joints that moved, those first that lack most force as a share of what matters there."""
+    model = robot.model
     power = np.sum([np.square(r.force).sum(axis=0) for r in seen], axis=0)
     moved = [j for j in robot.scalar_joints if any(np.ptp(r.qvel[:, model.jnt_dofadr[j]]) > 0.0 for r in seen)]
     lacks = {j: power[model.jnt_dofadr[j]] / scales.joint_torque(robot, j) ** 2 for j in moved}
-    forced = [names[j] for j in sorted(lacks, key=lambda j: lacks[j], reverse=True)]
-    movable = {names[j] for j in moved}
-    return [j for j in dict.fromkeys((*ranked[:1], *forced[:1], *ranked, *forced)) if j in movable][:_JOINTS]
+    return [robot.names("joint")[j] for j in sorted(lacks, key=lambda j: lacks[j], reverse=True)]
 
 
 def _names(kept: Sequence[Explanation], places: Sequence[Place]) -> list[str]:

@@ -104,6 +104,7 @@ def test_laws_are_looked_for_in_the_windows_of_the_selection_not_those_of_refine
 
     monkeypatch.setattr(module, "needed", lambda *_: True)
     monkeypatch.setattr(module, "doubled", lambda *_: None)
+    monkeypatch.setattr(module, "manifold", lambda *_: None)
     monkeypatch.setattr(module, "unknown_law", looked)
     nothing = Explanation(Fit(own, own.start(), 0.0), np.ones(len(late.fitted)))
     selection = Selection(nothing, nothing, nothing, (), nothing)

@@ -14,7 +14,17 @@ from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.simulator import load_explained
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import laws
-from estexp_jax.discovery.believing import believed, crowded, doubled, fewest_terms, needed, whole, without_piles
+from estexp_jax.discovery.believing import (
+    believed,
+    crowded,
+    doubled,
+    fewest_terms,
+    manifold,
+    needed,
+    outdoes,
+    whole,
+    without_piles,
+)
 from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
@@ -30,8 +40,9 @@ from estexp_jax.package_data import schema_path
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.registry import catalogue, effect
+from estexp_jax.physics.robot import Robot
 from estexp_jax.report.explain_text import claim
-from tests.discovery.planted import CONFIG, XML, Plant, case_of, explained, nominal, problem_of, shared_replayer
+from tests.discovery.planted import CASES, CONFIG, XML, Plant, case_of, explained, nominal, problem_of, shared_replayer
 
 
 def detent(_: float, q: np.ndarray, __: np.ndarray) -> np.ndarray:
@@ -140,6 +151,21 @@ def test_a_term_may_take_the_place_of_a_name_that_half_explains(monkeypatch, pla
     with pytest.raises(StopIteration) as end:
         next(steps)
     assert end.value.value == promising
+
+
+@pytest.mark.parametrize(
+    ("planted", "effects", "name", "value"),
+    [
+        ("armature@shaft", ("viscous_friction", "body_mass", "com_shift"), "I", 0.02),
+        ("motor_weakness@servo", ("joint_compliance", "viscous_friction"), "a", 0.5),
+    ],
+)
+def test_what_names_of_many_numbers_would_make_up_is_told_as_a_term_of_one(planted, effects, name, value):
+    config = replace(CONFIG, effects=effects)
+    findings = explained(case_of(*CASES[planted][:2], 41), config).findings
+    [law] = findings["what"]
+    assert law["effect"] == "unknown_law"
+    assert {n: p["value"] for n, p in law["parameters"].items()} == pytest.approx({name: value}, rel=0.05)
 
 
 @pytest.mark.slow
@@ -284,16 +310,16 @@ def test_joints_that_lack_most_force_are_suspects():
     assert suspects(nominal("two"), nothing, [there])[0] == "elbow"
 
 
-def explanation(places: tuple, error: float, name: str = "two") -> Explanation:
-    robot = nominal(name)
+def explanation(places: tuple, error: float, robot: Robot | None = None) -> Explanation:
+    robot = robot or nominal("two")
     own = parameters_only(robot, catalogue(["viscous_friction"]))
     hypothesis = claiming(robot, own, places) if places else Hypothesis((), own.free)
     return Explanation(Fit(hypothesis, hypothesis.start(), error**2), np.full(9, error**2 / 9.0))
 
 
-def selection(errors: dict[tuple, float], chosen: tuple = (), name: str = "two") -> Selection:
-    tried = {places: explanation(places, error, name) for places, error in errors.items() if places}
-    own = explanation((), errors.get((), 20.0), name)
+def selection(errors: dict[tuple, float], chosen: tuple = (), robot: Robot | None = None) -> Selection:
+    tried = {places: explanation(places, error, robot) for places, error in errors.items() if places}
+    own = explanation((), errors.get((), 20.0), robot)
     worst = replace(own, held_out=own.held_out * 1.2)
     return Selection(worst, worst, own, tuple(tried.values()), tried.get(chosen, own))
 
@@ -333,10 +359,58 @@ def test_several_forces_at_one_joint_make_a_law_likely():
         ((("joint_offset", "elbow"), ("sensor_bias", "lower_angle")), None),
         ((("joint_stiffness", "elbow"), ("cogging", "elbow")), "elbow"),
         ((("cogging", "elbow"),), None),
+        ((("com_shift", "lower"), ("body_mass", "lower")), "elbow"),
+        ((("com_shift", "lower"), ("sensor_gain", "lower_angle")), "elbow"),
+        ((("com_shift", "lower"), ("body_mass", "upper")), None),
     ],
 )
-def test_a_force_at_a_joint_and_a_fault_of_its_sensor_may_be_one_law(names, joint):
+def test_what_acts_at_a_joint_and_a_fault_of_its_sensor_may_be_one_law(names, joint):
     assert doubled(nominal("two"), selection({(): 20.0, names: 1.2}, names)) == joint
+
+
+def test_faults_of_several_sensors_of_a_joint_may_be_one_law():
+    angle = '<jointpos name="angle" joint="shaft"/>'
+    robot = Robot.from_string(XML["one"].replace(angle, f'{angle}<jointactuatorfrc name="torque" joint="shaft"/>'))
+
+    def joint(*names: tuple[str, str]) -> str | None:
+        return doubled(robot, selection({(): 20.0, names: 1.2}, names, robot))
+
+    assert joint(("sensor_delay", "angle"), ("sensor_delay", "torque")) == "shaft"
+    assert joint(("sensor_delay", "angle"), ("sensor_gain", "angle")) is None
+
+
+@pytest.mark.parametrize(
+    ("names", "joint"),
+    [
+        ((("cogging", "elbow"),), "elbow"),
+        ((("com_shift", "lower"),), "elbow"),
+        ((("external_force", "upper"),), "shoulder"),
+        ((("coulomb_friction", "shoulder"), ("joint_compliance", "elbow")), "elbow"),
+        ((("coulomb_friction", "elbow"),), None),
+        ((("sensor_gain", "lower_angle"),), None),
+        ((("gravity_tilt", ""),), None),
+    ],
+)
+def test_what_has_many_numbers_at_a_joint_may_be_a_term_of_few(names, joint):
+    assert manifold(nominal("two"), selection({(): 20.0, names: 1.2}, names)) == joint
+
+
+def test_names_give_way_to_a_term_the_less_easily_the_more_they_say():
+    soft, heap = (("joint_compliance", "elbow"),), (("joint_stiffness", "elbow"), ("cogging", "elbow"))
+
+    def leaving(places: tuple, left: float) -> Explanation:
+        return explanation(places, left)
+
+    def told(left: float, names: tuple, by_names: float) -> bool:
+        term = leaving((("law_weak_motor", "elbow"),), left)
+        return outdoes(term, leaving(names, by_names), len(names))
+
+    assert told(1.0, soft, 1.2)
+    assert not told(1.0, soft, 1.0), "as good, and says less"
+    assert not told(2.0, soft, 4.0), "better, and yet not the whole"
+    assert told(1.0, heap, 1.0), "as good, and simpler than two names"
+    assert told(2.0, heap, 4.0) and not told(1.2, heap, 1.0)
+    assert told(0.9, heap, 0.5), "nothing is left to explain"
 
 
 def test_names_piled_up_at_a_joint_that_leave_much_explain_nothing():
@@ -356,7 +430,7 @@ def test_names_piled_up_at_a_joint_that_leave_much_explain_nothing():
 
 def test_all_that_acts_on_the_only_joint_may_be_told_there():
     claims = (("viscous_friction", "shaft"), ("cogging", "shaft"))
-    told = without_piles(nominal("one"), selection({(): 40.0, claims: 14.0}, claims, "one"))
+    told = without_piles(nominal("one"), selection({(): 40.0, claims: 14.0}, claims, nominal("one")))
     assert verdict(nominal("one"), told, told.chosen.claims) == "missing_physics"
 
 
