@@ -13,6 +13,8 @@ from experiments.concealed.generator.catalogue import CATALOGUE, OTHERS, SINGLE,
 ROBOTS, SEEDS = ("leg", "planar"), 5
 LEFT = tuple(name for name in SINGLE if CATALOGUE[name].kind in ("joint", "actuator"))
 """Effects that are left out one by one."""
+_DAMPING = {"viscous_friction", "joint_jam", "back_emf"}
+"""One law, tau = -c w: in little, in much, and while a motor is on."""
 _WEAKEST, _PLAINEST = 0.15, 0.7
 _TESTS = (0.6, 0.9)
 """Amplitudes of the test recordings: the training recordings' own, and beyond."""
@@ -36,7 +38,8 @@ def planned(seed: int, part: str = "all") -> list[Plan]:
 def left_out(plan: Plan) -> tuple[str, ...]:
     """What the catalogue lacks for a case: the effect with its whole ladder, whatever contains or nearly equals it.
 
-    With Stribeck friction go Coulomb friction, which it contains, and hysteresis, whose bristles do the same.
+    With Stribeck friction go Coulomb friction, which it contains, and hysteresis, whose bristles do the same; with a
+    joint that jams goes viscous friction, which it is, in little.
     """
     [planted] = plan.planted
     if planted.effect in OTHERS:
@@ -45,7 +48,7 @@ def left_out(plan: Plan) -> tuple[str, ...]:
     while ladder != before:
         before = set(ladder)
         ladder |= {end for rung in RUNGS.items() if ladder.intersection(rung) for end in rung}
-    return tuple(sorted(ladder))
+    return tuple(sorted(ladder | _DAMPING if planted.effect in _DAMPING else ladder))
 
 
 def _drawn(part: str, laws: tuple[str, ...], rng: np.random.Generator) -> Iterator[Plan]:

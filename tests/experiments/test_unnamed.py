@@ -21,6 +21,8 @@ def test_with_an_effect_goes_its_whole_ladder() -> None:
     friction = ("coulomb_friction", "hysteresis", "stribeck_bristles", "stribeck_friction")
     assert by_name["coulomb_friction"] == by_name["stribeck_friction"] == by_name["hysteresis"] == friction
     assert by_name["joint_stiffness"] == ("joint_stiffness", "torque_offset") and by_name["cogging"] == ("cogging",)
+    assert by_name["joint_jam"] == by_name["back_emf"] == ("back_emf", "joint_jam", "viscous_friction")
+    assert by_name["viscous_friction"] == ("back_emf", "joint_jam", "quadratic_drag", "viscous_friction")
     assert all(by_name[law] == () for law in OTHERS)
     for names in by_name.values():
         assert all(effect(name) for name in names)
