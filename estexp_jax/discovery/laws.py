@@ -162,7 +162,7 @@ def _instead(
 def single_term(
     unnamed: Unnamed, joint: str, replayer: Callable[[Sequence[str]], Replayer]
 ) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
-    """One term of a law in the place of all that is named at a joint, if that predicts as well with less.
+    """One term of a law in the place of all that is named about a joint, where that is to be believed: see `outdoes`.
 
     Yields:
         Progress.

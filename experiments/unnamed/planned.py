@@ -38,8 +38,8 @@ def planned(seed: int, part: str = "all") -> list[Plan]:
 def left_out(plan: Plan) -> tuple[str, ...]:
     """What the catalogue lacks for a case: the effect with its whole ladder, whatever contains or nearly equals it.
 
-    With Stribeck friction go Coulomb friction, which it contains, and hysteresis, whose bristles do the same; with a
-    joint that jams goes viscous friction, which it is, in little.
+    With Stribeck friction go Coulomb friction, which it contains, and hysteresis, whose bristles do the same; with one
+    of the dampings go the others.
     """
     [planted] = plan.planted
     if planted.effect in OTHERS:

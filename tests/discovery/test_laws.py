@@ -29,7 +29,7 @@ from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.laws import suspects
+from estexp_jax.discovery.laws import lacks_force, suspects
 from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection
@@ -308,6 +308,13 @@ def test_joints_that_lack_most_force_are_suspects():
     there = moving(lambda t, q, w: 0.2 * q[:, 1])
     nothing = selection({(): 4.0})
     assert suspects(nominal("two"), nothing, [there])[0] == "elbow"
+
+
+def test_a_force_at_a_joint_that_lacks_little_is_not_looked_for(monkeypatch):
+    monkeypatch.setattr(laws, "_JOINTS", 1)
+    there = moving(lambda t, q, w: -0.3 * np.sin(5.0 * q[:, 1]))
+    found = {joint: lacks_force(nominal("two"), [there], joint) for joint in ("shoulder", "elbow")}
+    assert found == {"shoulder": False, "elbow": True}
 
 
 def explanation(places: tuple, error: float, robot: Robot | None = None) -> Explanation:

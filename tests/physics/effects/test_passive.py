@@ -71,3 +71,10 @@ def test_a_law_of_dry_friction_is_a_friction_loss():
     robot = Robot.from_string(XML.format(angle="radian", own='frictionloss="0.1"'))
     model = explained_spec(robot, [parse_change("law_dry_friction@j T=0.3", robot)]).compile()
     assert model.dof_frictionloss[0] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("text", ["armature@j I=0.03", "law_inertia@j I=0.03"])
+def test_what_is_slow_to_start_adds_to_the_armature(text):
+    robot = Robot.from_string(XML.format(angle="radian", own='armature="0.01"'))
+    model = explained_spec(robot, [parse_change(text, robot)]).compile()
+    assert model.dof_armature == pytest.approx([0.04])
