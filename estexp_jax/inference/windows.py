@@ -47,7 +47,7 @@ class Cut(NamedTuple):
 
 
 def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> list[tuple[int, int]]:
-    """First and last row of each window of a clock; a lone last row joins the window before.
+    """First and last row of each window of a clock; a lone row joins the one before, or the one after.
 
     Args:
         time: (rows,) s.
@@ -61,10 +61,10 @@ def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> li
     lasts = [f - 1 for f in firsts[1:]] + [len(time) - 1]
     windows: list[tuple[int, int]] = []
     for first, last in zip(firsts, lasts, strict=True):
-        if last > first or not windows:
-            windows.append((first, last))
-        else:
+        if windows and (first == last or windows[-1][0] == windows[-1][1]):
             windows[-1] = (windows[-1][0], last)
+        else:
+            windows.append((first, last))
     return windows
 
 

@@ -26,6 +26,16 @@ def test_a_lone_last_row_joins_the_window_before():
     assert window_rows(np.arange(201) / 100.0, 1.0) == [(0, 99), (100, 200)]
 
 
+def test_a_lone_first_row_joins_the_window_after():
+    time = np.arange(201) / 100.0
+    assert window_rows(time, 1.0, cut=0.005) == [(0, 99), (100, 200)]
+    assert window_rows(np.array([0.0, 1.5, 3.0, 3.1]), 1.0) == [(0, 1), (2, 3)]
+
+
+def test_a_clock_of_one_row_is_one_window():
+    assert window_rows(np.array([4.0]), 1.0) == [(0, 0)]
+
+
 def test_an_infinite_window_is_the_whole_recording():
     assert window_rows(np.arange(50) / 10.0, np.inf) == [(0, 49)]
 
