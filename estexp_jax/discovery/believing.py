@@ -32,6 +32,8 @@ _HALF = 0.5
 
 _MANY = 3
 """Numbers of a claim that are many for one: a term of a law with fewer may say the same."""
+_HEAP = 5
+"""Numbers more than a term's that names have only where they make up for it: more than a spring and cogging."""
 
 _ZERO = "joint_offset"
 """What moves a joint's zero is no force: it is to its sensor as a bias is."""
@@ -73,6 +75,17 @@ def manifold(robot: Robot, selection: Selection) -> str | None:
     """The joint where it claims something of many numbers, if any: what has many bends to much."""
     many = [p for p in selection.chosen.places if len(effect(p[0]).parameters) >= _MANY]
     return _shared(robot, selection, [_acts(robot, place) for place in many], 1)
+
+
+def nearly(robot: Robot, selection: Selection) -> str | None:
+    """The joint that its only claim is about, if that leaves a little more than noise and too little to ask laws for.
+
+    So does what is almost the right thing: a torque that is told late looks much like one that is braked.
+    """
+    chosen = selection.chosen
+    if len(chosen.places) != 1 or not NOISE < chosen.error <= _LEFT:
+        return None
+    return _shared(robot, selection, [about_joint(robot, chosen.places[0])], 1)
 
 
 def _shared(robot: Robot, selection: Selection, sites: Sequence[str | None], least: int = 2) -> str | None:
@@ -145,10 +158,12 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
 def outdoes(term: Explanation, names: Explanation, n: int) -> bool:
     """Whether a term in the place of n names about a joint is to be believed rather than they.
 
-    Several say no more than a term of fewer numbers that predicts as well, or leaves nothing to explain. A name that
-    stands alone says more: it gives way only to what predicts better and leaves nothing but noise.
+    Several say no more than a term of fewer numbers that predicts as well, or leaves nothing to explain; where it
+    spares many numbers, nothing but noise. A name that stands alone says more: it gives way only to what predicts
+    better and leaves nothing but noise.
     """
-    if n > 1 and term.error <= 1.0 and len(term.fitted.hypothesis.free) < len(names.fitted.hypothesis.free):
+    spared = len(names.fitted.hypothesis.free) - len(term.fitted.hypothesis.free)
+    if n > 1 and spared > 0 and term.error <= (NOISE if spared >= _HEAP else 1.0):
         return True
     return simplest([names, term]) is term and (n > 1 or (term.error <= NOISE and not tied(names, term)))
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
-from estexp_jax.discovery.believing import doubled, manifold, needed, without_piles
+from estexp_jax.discovery.believing import doubled, manifold, nearly, needed, without_piles
 from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of, shortened, shown_of, to_fit
 from estexp_jax.discovery.dating import sharpened
@@ -159,7 +159,7 @@ def _unnamed(
     if nearer is not None and _suffices(case, selection, nearer):
         return selection, problem
     lacking, joint = needed(case.robot, selection), doubled(case.robot, selection)
-    rich = manifold(case.robot, selection)
+    rich = manifold(case.robot, selection) or nearly(case.robot, selection)
     if not lacking and joint is None and rich is None:
         return selection, problem
     seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))

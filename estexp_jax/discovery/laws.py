@@ -19,7 +19,7 @@ import numpy as np
 from estexp_jax.discovery.believing import about_joint, believed, fewest_terms, outdoes, pushed
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import ForceResidual
-from estexp_jax.discovery.growing import one_more
+from estexp_jax.discovery.growing import Setting, judged_apart, one_more
 from estexp_jax.discovery.horizon import as_nearer
 from estexp_jax.discovery.hypotheses import BENT, Hypothesis, Place
 from estexp_jax.discovery.likely_laws import likely
@@ -29,7 +29,7 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first
 from estexp_jax.discovery.screening import keeping
 from estexp_jax.discovery.searching import select
-from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.selection import Explanation, Selection, folds_of
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.physics import scales
@@ -181,10 +181,21 @@ def single_term(
     names = [p for p in chosen.places if about_joint(robot, p) == joint]
     before, best = yield from _instead(unnamed, problem, names)
     kept = [before if e is chosen else e for e in kept]
-    found = replace(named, tried=(*kept, best), chosen=best)
-    if not outdoes(best, before, len(names)) or verdict(robot, found, best.claims) != "missing_physics":
+    if not outdoes(best, before, len(names)):
         return None
-    return found, about(problem, best.fitted)
+    if len(best.places) > 1:
+        bare = yield from _bare(unnamed, problem, best)
+        kept, best = [*kept, best], bare if outdoes(bare, best, len(best.places)) else best
+    found = replace(named, tried=(*kept, best), chosen=best)
+    return (found, about(problem, best.fitted)) if verdict(robot, found, best.claims) == "missing_physics" else None
+
+
+def _bare(unnamed: Unnamed, problem: Problem, best: Explanation) -> Generator[Progress, None, Explanation]:
+    """A term that took the place of some names, without the others: they may have made up for what it does."""
+    alone = keeping(problem, unnamed.parameters, best.fitted, best.places[-1:])
+    setting = Setting(unnamed.parameters, folds_of(problem))
+    [bare] = yield from _told(judged_apart(setting, about(problem, best.fitted), [alone], "the term alone"))
+    return bare
 
 
 def _told(steps: Generator[Progress, None, _T]) -> Generator[Progress, None, _T]:

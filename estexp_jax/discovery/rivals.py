@@ -26,7 +26,10 @@ RIVALS = ("nominal", "parameters_only", "black_box", "placebo", "explained")
 
 
 _WORSE = 1.2
-"""Squared error over the nominal simulator's from which an explanation counts as refuted."""
+"""Squared error over the nominal simulator's from which an explanation counts as refuted ..."""
+_BETTER = 0.5
+"""... and up to which values that explain nothing by themselves are kept: what they gain less on the motions they were
+fitted to, others may take back."""
 
 Base = tuple[Sequence[mujoco.MjModel], Sequence[ForceResidual]]
 """Each recording's robot in the C engine, and what its joints lack in the training recordings."""
@@ -83,6 +86,13 @@ def refuted(case: Case, config: ExplainConfig, shown: Shown, role: str) -> bool:
         return np.isfinite(shown.error("nominal", windows))
     nominal, explained = (shown.costs(name, windows) for name in ("nominal", "explained"))
     return ratio_interval(explained, nominal, config.seed)[0] > _WORSE
+
+
+def better(case: Case, config: ExplainConfig, shown: Shown) -> bool:
+    """Whether training recordings are predicted so much better than by the nominal simulator that others will be."""
+    windows = shown.problem.windows_of(case.indices("train"))
+    nominal, explained = (shown.costs(name, windows) for name in ("nominal", "explained"))
+    return bool(ratio_interval(explained, nominal, config.seed)[1] < _BETTER)
 
 
 def fit_entry(

@@ -19,7 +19,7 @@ from estexp_jax.discovery.law_forces import LawForces, law_forces
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.numerics import Step, step_of, to_blame
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.rivals import RIVALS, fit_entry, refuted
+from estexp_jax.discovery.rivals import RIVALS, better, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
 from estexp_jax.discovery.shown import Shown, shown_by
 from estexp_jax.discovery.slopes import Fit
@@ -69,7 +69,8 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     judged, found, step = judged_by(case, found)
     shown = _shown(found)
     # Shorter windows may have chosen what those that are shown refute. Training recordings alone decide.
-    if found.claimed and not found.selection.seen and refuted(case, config, shown, "train"):
+    refused = found.claimed and not found.selection.seen and refuted(case, config, shown, "train")
+    if refused or (judged == "unexplained" and not better(case, config, shown)):
         judged, found = "unexplained", _unchanged(found)
         shown = _shown(found)
     final, claimed = found.fits["explained"], found.claimed

@@ -15,6 +15,9 @@ LEFT = tuple(name for name in SINGLE if CATALOGUE[name].kind in ("joint", "actua
 """Effects that are left out one by one."""
 _DAMPING = {"viscous_friction", "joint_jam", "back_emf"}
 """One law, tau = -c w: in little, in much, and while a motor is on."""
+_TURNED = {"com_shift", "gravity_tilt"}
+"""What a joint's zero is as well: a last link that is turned has its mass elsewhere, and a robot that is turned at its
+first joint feels gravity from elsewhere."""
 _WEAKEST, _PLAINEST = 0.15, 0.7
 _TESTS = (0.6, 0.9)
 """Amplitudes of the test recordings: the training recordings' own, and beyond."""
@@ -39,7 +42,7 @@ def left_out(plan: Plan) -> tuple[str, ...]:
     """What the catalogue lacks for a case: the effect with its whole ladder, whatever contains or nearly equals it.
 
     With Stribeck friction go Coulomb friction, which it contains, and hysteresis, whose bristles do the same; with one
-    of the dampings go the others.
+    of the dampings go the others; with a joint's zero go moved centres of mass and a tilt.
     """
     [planted] = plan.planted
     if planted.effect in OTHERS:
@@ -48,7 +51,8 @@ def left_out(plan: Plan) -> tuple[str, ...]:
     while ladder != before:
         before = set(ladder)
         ladder |= {end for rung in RUNGS.items() if ladder.intersection(rung) for end in rung}
-    return tuple(sorted(ladder | _DAMPING if planted.effect in _DAMPING else ladder))
+    ladder |= _DAMPING if planted.effect in _DAMPING else set()
+    return tuple(sorted(ladder | _TURNED if planted.effect == "joint_offset" else ladder))
 
 
 def _drawn(part: str, laws: tuple[str, ...], rng: np.random.Generator) -> Iterator[Plan]:

@@ -128,25 +128,35 @@ def test_what_test_recordings_belie_is_said_and_changes_nothing(diagnosed):
     assert not any("worse with this explanation" in line for line in before.findings["advice"])
 
 
+def told_with(before, times: float, **changed) -> dict:
+    """The findings where the friction that was found is so many times as large."""
+    case, config, selection = before.case, before.config, replace(before.selection, **changed)
+    problem, fitted = problem_of(case), selection.chosen.fitted
+    nominal_fit, own = selection.nominal.fitted, selection.parameters.fitted
+    claimed = [times if (f.effect, f.site) in fitted.hypothesis.places else 1.0 for f in fitted.hypothesis.free]
+    other = replace(fitted, vector=fitted.vector * claimed)
+    fits = {"nominal": nominal_fit, "parameters_only": own, "explained": other, "sayable": other}
+    seen = base_of(case, problem, own)[1]
+    return diagnosis(case, config, Found(problem, problem, selection, fits, {}, seen)).findings
+
+
 def test_what_spoils_the_recordings_it_was_fitted_to_is_no_explanation(diagnosed):
     """As where short windows choose what long ones cannot follow."""
     before = diagnosed("coulomb_friction@shaft")
-    case, config, selection = before.case, before.config, before.selection
-    problem, fitted = problem_of(case), selection.chosen.fitted
-    nominal_fit, own = selection.nominal.fitted, selection.parameters.fitted
-
-    def told(times: float):
-        claimed = [times if (f.effect, f.site) in fitted.hypothesis.places else 1.0 for f in fitted.hypothesis.free]
-        other = replace(fitted, vector=fitted.vector * claimed)
-        fits = {"nominal": nominal_fit, "parameters_only": own, "explained": other, "sayable": other}
-        seen = base_of(case, problem, own)[1]
-        return diagnosis(case, config, Found(problem, problem, selection, fits, {}, seen)).findings
-
-    assert told(1.0)["verdict"] == "missing_physics"
-    spoilt = told(30.0)
+    assert told_with(before, 1.0)["verdict"] == "missing_physics"
+    spoilt = told_with(before, 30.0)
     assert spoilt["verdict"] == "unexplained" and spoilt["what"] == []
     assert spoilt["where"][0] == before.findings["where"][0]
     assert spoilt["fit"]["explained"]["train"] == pytest.approx(spoilt["fit"]["nominal"]["train"], rel=0.2)
+
+
+@pytest.mark.parametrize(("times", "kept"), [(1.0, True), (0.1, False)])
+def test_what_explains_nothing_changes_the_simulator_only_where_that_halves_the_training_error(diagnosed, times, kept):
+    before = diagnosed("coulomb_friction@shaft")
+    told, spoilt = told_with(before, times, piled=True), told_with(before, 30.0)
+    assert told["verdict"] == "unexplained" and told["what"] == []
+    bent, as_it_is = (t["fit"]["explained"]["train"] for t in (told, spoilt))
+    assert bent < 0.7 * as_it_is if kept else bent == as_it_is
 
 
 def test_recordings_differ_and_the_plant_is_no_effect_of_ours():

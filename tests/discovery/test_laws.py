@@ -20,6 +20,7 @@ from estexp_jax.discovery.believing import (
     doubled,
     fewest_terms,
     manifold,
+    nearly,
     needed,
     outdoes,
     whole,
@@ -42,7 +43,18 @@ from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.registry import catalogue, effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.report.explain_text import claim
-from tests.discovery.planted import CASES, CONFIG, XML, Plant, case_of, explained, nominal, problem_of, shared_replayer
+from tests.discovery.planted import (
+    CASES,
+    CONFIG,
+    XML,
+    Plant,
+    case_of,
+    explained,
+    finished,
+    nominal,
+    problem_of,
+    shared_replayer,
+)
 
 
 def detent(_: float, q: np.ndarray, __: np.ndarray) -> np.ndarray:
@@ -166,6 +178,21 @@ def test_what_names_of_many_numbers_would_make_up_is_told_as_a_term_of_one(plant
     [law] = findings["what"]
     assert law["effect"] == "unknown_law"
     assert {n: p["value"] for n, p in law["parameters"].items()} == pytest.approx({name: value}, rel=0.05)
+
+
+def test_a_term_stands_alone_where_it_does_without_the_names_beside_it():
+    names = (("sensor_gain", "angle"), ("law_inertia", "shaft"))
+    problem, robot = problem_of(case_of(*CASES["armature@shaft"][:2], 43)), nominal("one")
+    knowing = shared_replayer("one", ("viscous_friction", "sensor_gain", "law_inertia"))
+    problem = replace(problem, replays=replace(problem.replays, replayer=knowing), places=names)
+    parameters = parameters_only(robot, knowing.catalogue)
+    hypothesis = claiming(robot, parameters, names)
+    term = Explanation(Fit(hypothesis, hypothesis.with_values(names[1], [0.02]), 1.0), np.ones(4))
+    unnamed: Any = SimpleNamespace(parameters=parameters)
+    bare = finished(laws._bare(unnamed, problem, term))
+    assert bare.places == names[1:] and bare.error < 1.2
+    assert bare.claims[0].parameters["I"] == pytest.approx(0.02, rel=0.05)
+    assert outdoes(bare, replace(term, held_out=0.5 * bare.held_out), 2) is (bare.error <= 1.0)
 
 
 @pytest.mark.slow
@@ -402,6 +429,21 @@ def test_what_has_many_numbers_at_a_joint_may_be_a_term_of_few(names, joint):
     assert manifold(nominal("two"), selection({(): 20.0, names: 1.2}, names)) == joint
 
 
+@pytest.mark.parametrize(
+    ("names", "left", "joint"),
+    [
+        ((("sensor_gain", "lower_angle"),), 1.3, "elbow"),
+        ((("coulomb_friction", "elbow"),), 1.5, "elbow"),
+        ((("coulomb_friction", "elbow"),), 1.2, None),
+        ((("coulomb_friction", "elbow"),), 1.6, None),
+        ((("coulomb_friction", "elbow"), ("sensor_gain", "lower_angle")), 1.3, None),
+        ((("gravity_tilt", ""),), 1.3, None),
+    ],
+)
+def test_what_alone_leaves_a_little_may_be_almost_the_right_thing(names, left, joint):
+    assert nearly(nominal("two"), selection({(): 20.0, names: left}, names)) == joint
+
+
 def test_names_give_way_to_a_term_the_less_easily_the_more_they_say():
     soft, heap = (("joint_compliance", "elbow"),), (("joint_stiffness", "elbow"), ("cogging", "elbow"))
 
@@ -418,6 +460,9 @@ def test_names_give_way_to_a_term_the_less_easily_the_more_they_say():
     assert told(1.0, heap, 1.0), "as good, and simpler than two names"
     assert told(2.0, heap, 4.0) and not told(1.2, heap, 1.0)
     assert told(0.9, heap, 0.5), "nothing is left to explain"
+    many = (("external_force", "lower"), ("com_shift", "lower"))
+    assert told(1.1, many, 0.5) and not told(1.1, heap, 0.5), "nothing but noise, and many numbers fewer"
+    assert not told(1.3, many, 0.5)
 
 
 def test_names_piled_up_at_a_joint_that_leave_much_explain_nothing():

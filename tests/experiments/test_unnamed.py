@@ -23,6 +23,7 @@ def test_with_an_effect_goes_its_whole_ladder() -> None:
     assert by_name["joint_stiffness"] == ("joint_stiffness", "torque_offset") and by_name["cogging"] == ("cogging",)
     assert by_name["joint_jam"] == by_name["back_emf"] == ("back_emf", "joint_jam", "viscous_friction")
     assert by_name["viscous_friction"] == ("back_emf", "joint_jam", "quadratic_drag", "viscous_friction")
+    assert by_name["joint_offset"] == ("com_shift", "gravity_tilt", "joint_offset")
     assert all(by_name[law] == () for law in OTHERS)
     for names in by_name.values():
         assert all(effect(name) for name in names)
