@@ -148,7 +148,12 @@ def _iterated(
     slopes = jacobians(problem, fits, windows, moving)
     parting = problem.parting
     walks = [
-        Walk(f, m, *s, price, leaps=parting and newest_only, weights=heeded(f, s[1]) if parting else None)
+        Walk(
+            *(f, m, *s, price),
+            leaps=parting and newest_only,
+            rescales=not newest_only,
+            weights=heeded(f, s[1]) if parting else None,
+        )
         for f, m, s, price in zip(fits, moving, slopes, prices, strict=True)
     ]
     for _ in range(1 if newest_only else _STEPS_EACH):
@@ -158,8 +163,9 @@ def _iterated(
         tried = [w.candidates() for w in going]
         members = [(w.at.hypothesis, v) for w, vectors in zip(going, tried, strict=True) for v in vectors]
         residuals = problem.residuals(members, windows)
-        for i, (w, vectors) in enumerate(zip(going, tried, strict=True)):
-            w.step_to(vectors, residuals[i * len(vectors) : (i + 1) * len(vectors)])
+        own = np.split(residuals, np.cumsum([len(vectors) for vectors in tried])[:-1])
+        for w, vectors, left in zip(going, tried, own, strict=True):
+            w.step_to(vectors, left)
     return [(w.at, w.rests) for w in walks]
 
 

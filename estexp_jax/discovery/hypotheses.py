@@ -7,7 +7,7 @@ motor strengths, dampings, armatures. Otherwise small errors there would pass fo
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -222,10 +222,13 @@ def _own(robot: Robot, place: Place) -> list[Free]:
     name, site = place
     e = effect(name)
     row = e.sites(robot).index(site)
-    return [
+    own = [
         Free(name, site, p.name, row, column, low, high, p.neutral, np.inf, chosen=bool(p.refers) or low == high)
         for column, (p, (low, high)) in enumerate(zip(e.parameters, _bounds(robot, e, site), strict=True))
     ]
+    bent = {(f.site, f.parameter): f for f in _nuisance(robot, name)}
+    known = [(f, bent.get((f.site, f.parameter), f)) for f in own]
+    return [replace(f, present=value.present, loss=value.loss) for f, value in known]
 
 
 def _bounds(robot: Robot, e: Effect, site: str) -> tuple[tuple[float, float], ...]:

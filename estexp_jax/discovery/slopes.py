@@ -13,6 +13,7 @@ import numpy as np
 
 from estexp_jax.discovery.hypotheses import Free, Hypothesis
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.physics.registry import effect
 
 _STEP = 0.01
 """Finite-difference step, as a share of a parameter's present size ..."""
@@ -20,6 +21,8 @@ _LEAST_STEP = 1e-3
 """... and at least this share of its largest, ..."""
 _LARGEST_STEP = 0.05
 """... but of what is always positive, at most this share: some of these span orders of magnitude."""
+_FACTOR = 0.03
+"""A common factor that is nearer to 1 is let be."""
 DAMPINGS = (1e-7, 1e-4, 1e-2, 1.0)
 _STRETCHED = 0.8
 """Share of its bound from which on a value of the model is farther off than wrong values should be."""
@@ -163,6 +166,31 @@ def candidates(fitted: Fit, moving: np.ndarray, gradient: np.ndarray, matrix: np
         regular = normal + np.diag(np.where(held, 1.0, damping + 1e-12))
         found.append(np.clip(_moved(fitted, -unit * np.linalg.solve(regular, unit * gradient)), low, high))
     return found
+
+
+def rescaled(fitted: Fit) -> list[np.ndarray]:
+    """The vector with all masses, motors, dampings and frictions by one factor, if values of the model are nearer then.
+
+    Along that valley slopes by differences seem steep where it is flat, and no step follows it far.
+    """
+    free = fitted.hypothesis.free
+    base, ordinary = np.array([f.present for f in free]), np.array([np.isfinite(f.spread) for f in free])
+    grows = (base > 0.0) | np.array([_is_force(f) for f in free])
+    sign = np.array([-1.0 if f.loss else 1.0 for f in free])
+    total = base + sign * fitted.vector
+    weight = np.where(ordinary & grows, 1.0 / np.array([f.spread for f in free]) ** 2, 0.0)
+    if not weight.any():
+        return []
+    factor = float(np.sum(weight * base * total) / np.sum(weight * total**2))
+    if abs(factor - 1.0) < _FACTOR:
+        return []
+    low, high = np.array([[f.low, f.high] for f in free]).T
+    return [np.where(grows, np.clip(sign * (factor * total - base), low, high), fitted.vector)]
+
+
+def _is_force(f: Free) -> bool:
+    unit = next(p.unit for p in effect(f.effect).parameters if p.name == f.parameter)
+    return unit.startswith(("N", "kg"))
 
 
 def _moved(fitted: Fit, step: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estexp_jax.discovery.slopes import Fit, candidates, normal_equations, prior_cost
+from estexp_jax.discovery.slopes import Fit, candidates, normal_equations, prior_cost, rescaled
 
 CONVERGED = 1e-3
 """Relative fall of the cost under which a fit rests."""
@@ -35,6 +35,7 @@ class Walk:
         goes_on: whether another step with these derivatives may pay.
         rests: whether no step would.
         leaps: whether steps are tried that no slope tells of.
+        rescales: whether it is tried to change all masses, motors and frictions by one factor.
         weights: (windows,) how far to heed what each window's slopes say.
     """
 
@@ -46,6 +47,7 @@ class Walk:
     goes_on: bool = True
     rests: bool = False
     leaps: bool = False
+    rescales: bool = False
     weights: np.ndarray | None = None
 
     def candidates(self) -> list[np.ndarray]:
@@ -53,7 +55,8 @@ class Walk:
         weights = 1.0 if self.weights is None else self.weights[:, None]
         residual, derivative = weights * self.residual, np.expand_dims(weights, -1) * self.derivative
         slopes = normal_equations(self.at, self.price, residual, derivative)
-        return candidates(self.at, self.moving, *slopes) + (self._leaps() if self.leaps else [])
+        steps = candidates(self.at, self.moving, *slopes)
+        return [*steps, *(self._leaps() if self.leaps else ()), *(rescaled(self.at) if self.rescales else ())]
 
     def _leaps(self) -> list[np.ndarray]:
         """Less and more of what the first moving parameter says, whatever the slopes are."""

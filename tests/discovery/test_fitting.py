@@ -8,10 +8,10 @@ import pytest
 
 from estexp_jax.discovery.fitting import fit
 from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.slopes import DAMPINGS, Fit, movable
+from estexp_jax.discovery.slopes import DAMPINGS, Fit, movable, rescaled
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.walks import Walk, data_costs, heeded
-from estexp_jax.physics.registry import effect
+from estexp_jax.physics.registry import catalogue, effect
 from tests.discovery.planted import CASES, case_of, finished, nominal, problem_of
 
 PRICE = 1.0
@@ -202,6 +202,25 @@ def test_windows_in_which_robots_part_neither_rule_slopes_nor_costs():
     ruled, free = (Walk(at, np.array([True]), residual, derivative, 1e-9, weights=w) for w in (None, weights))
     first = [walk.candidates()[0][0] for walk in (ruled, free)]
     assert first[0] > 0.0 > first[1], "four windows of five say less"
+
+
+def test_what_no_motion_tells_is_left_as_the_model_has_it():
+    """All masses, motors and frictions by one factor: a heavier link was told as half as much heavier beside it."""
+    robot = nominal("two")
+    parameters = parameters_only(robot, catalogue(["viscous_friction", "motor_weakness", "body_mass"]))
+    claims = ("body_mass", "lower"), ("coulomb_friction", "elbow"), ("sensor_delay", "lower_angle")
+    hypothesis = claiming(robot, parameters, claims)
+    true = {"body_mass": 0.2, "coulomb_friction": 0.1, "sensor_delay": 0.01}
+    vector = np.array([true[f.effect] if np.isinf(f.spread) else 0.0 for f in hypothesis.free])
+    sign = np.array([-1.0 if f.loss else 1.0 for f in hypothesis.free])
+    present = np.array([f.present for f in hypothesis.free])
+    factors = np.array([1.0 if f.effect == "sensor_delay" else 0.85 for f in hypothesis.free])
+    scaled = sign * (factors * (present + sign * vector) - present)
+    [back] = rescaled(Fit(hypothesis, scaled, 1.0))
+    assert back == pytest.approx(vector, abs=1e-12) and not np.allclose(scaled, vector, atol=1e-3)
+    assert rescaled(Fit(hypothesis, vector, 1.0)) == [], "nothing is nearer"
+    free = [f for f in hypothesis.free if f.effect == "sensor_delay"]
+    assert rescaled(Fit(Hypothesis((claims[2],), tuple(free)), np.array([0.01]), 1.0)) == [], "no scale at all"
 
 
 def test_a_parameter_that_changes_nothing_stays_where_it_is():
