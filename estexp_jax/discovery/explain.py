@@ -154,7 +154,7 @@ class _Named(NamedTuple):
 def _unnamed(
     case: Case, config: ExplainConfig, whole: Problem, named: _Named, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
-    """What no name explains, or only many numbers at a joint, as an unknown law if there is one: and its comparison."""
+    """What no name explains, or only many numbers or nearly, as an unknown law if there is one: and its comparison."""
     selection, problem, began, nearer = named
     if nearer is not None and _suffices(case, selection, nearer):
         return selection, problem
