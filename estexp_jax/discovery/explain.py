@@ -27,7 +27,8 @@ from estexp_jax.discovery.hypotheses import (
     parameters_only,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
-from estexp_jax.discovery.laws import Unnamed, lacks_force, single_term, unknown_law, unknown_law_nearer
+from estexp_jax.discovery.law_search import Unnamed
+from estexp_jax.discovery.laws import lacks_force, unknown_law, unknown_law_nearer
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
@@ -38,6 +39,7 @@ from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.rounds import fitted
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection
+from estexp_jax.discovery.single_term import single_term
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis

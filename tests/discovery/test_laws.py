@@ -13,7 +13,7 @@ import pytest
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.simulator import load_explained
 from estexp_jax.discovery import explain as explain_module
-from estexp_jax.discovery import laws
+from estexp_jax.discovery import laws, single_term
 from estexp_jax.discovery.believing import (
     believed,
     crowded,
@@ -29,11 +29,13 @@ from estexp_jax.discovery.believing import (
 from estexp_jax.discovery.diagnosis import EXPLAINING
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.growing import Setting, judged_apart
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.laws import lacks_force, suspects
 from estexp_jax.discovery.likely_laws import likely
+from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.selection import Explanation, Selection, folds_of
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.discovery.verdict import verdict
@@ -154,7 +156,7 @@ def test_a_term_may_take_the_place_of_a_name_that_half_explains(monkeypatch, pla
 
         return search
 
-    monkeypatch.setattr(laws, "_instead", found(5.0))
+    monkeypatch.setattr(laws, "term_instead", found(5.0))
     monkeypatch.setattr(laws, "one_more", found(7.9))  # beside it, no term pays
     chosen = SimpleNamespace(chosen=leaving(8.0))
     unnamed: Any = SimpleNamespace(robot=nominal("one"), selection=chosen, parameters=None)
@@ -189,10 +191,27 @@ def test_a_term_stands_alone_where_it_does_without_the_names_beside_it():
     hypothesis = claiming(robot, parameters, names)
     term = Explanation(Fit(hypothesis, hypothesis.with_values(names[1], [0.02]), 1.0), np.ones(4))
     unnamed: Any = SimpleNamespace(parameters=parameters)
-    bare = finished(laws._bare(unnamed, problem, term))
+    bare = finished(single_term._bare(unnamed, problem, term))
     assert bare.places == names[1:] and bare.error < 1.2
     assert bare.claims[0].parameters["I"] == pytest.approx(0.02, rel=0.05)
     assert outdoes(bare, replace(term, held_out=0.5 * bare.held_out), 2) is (bare.error <= 1.0)
+
+
+@pytest.mark.parametrize(("true", "told"), [("coulomb_friction", "coulomb_friction"), ("", "law_two_way_friction")])
+def test_a_term_that_says_no_more_than_a_name_gives_way_to_it(true, told):
+    """Seen: the shoulder of a real pendulum, told as friction larger one way than the other by 2 % of itself."""
+    name, term = ("coulomb_friction", "shaft"), ("law_two_way_friction", "shaft")
+    law = None if true else lambda _, __, w: -0.1 * (1.0 + 0.6 * np.tanh(w / 0.02)) * np.tanh(w / 0.02)
+    problem = problem_of(case_of("one", CASES["coulomb_friction@shaft"][1] if true else Plant(law=law), 47))
+    knowing = shared_replayer("one", ("coulomb_friction", "viscous_friction", "law_two_way_friction"))
+    problem = replace(problem, replays=replace(problem.replays, replayer=knowing), places=(term,))
+    parameters = parameters_only(nominal("one"), knowing.catalogue)
+    hypothesis = claiming(nominal("one"), parameters, (term,))
+    start = [(hypothesis, [hypothesis.with_values(term, [0.1, 0.02 if true else 0.6])])]
+    there = about(problem, Fit(*start[0][:1], start[0][1][0], 1.0))
+    [best] = finished(judged_apart(Setting(parameters, folds_of(problem)), there, start, "the term"))
+    unnamed: Any = SimpleNamespace(parameters=parameters)
+    assert finished(single_term._plainest(unnamed, problem, best, [name])).places == ((told, "shaft"),)
 
 
 @pytest.mark.slow
