@@ -36,6 +36,8 @@ _MUCH, _BASES = 3.0, 3
 """Where the best single effect leaves more than so many deviations, up to so many of its rivals are all added to."""
 _FEW, _BUDGET = 3, 800_000_000
 """More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
+_MOST = 0.999
+"""Share of the largest value a number may have from which it is there."""
 _TWINS = 3
 """So many explanations as good as the one that was made simpler are made simpler, too."""
 
@@ -157,10 +159,29 @@ def _added(
     if not grown:
         return found
     (before, *judged), problem = yield from compared(search, found.problem, [found.chosen.fitted, *grown], stage)
-    tried, best = (*found.tried, *judged), simplest(judged)
-    if before.places and before.error > FAR:
-        best = steadiest(judged, before)
+    sound = _sound(judged, before)
+    if not sound:
+        return found
+    tried = (*found.tried, *sound)
+    best = steadiest(sound, before) if before.places and before.error > FAR else simplest(sound)
     return Standing(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
+
+
+def _sound(judged: Sequence[Explanation], before: Explanation) -> list[Explanation]:
+    """Those that can be believed: where much was left, no more than a few effects, or none added `_at_its_most`.
+
+    An effect of many numbers takes up some of what nothing explains, whatever it is, and goes astray on other motions.
+    """
+    far = before.error > FAR
+    return [e for e in judged if not (far and len(e.places) > _FEW and _at_its_most(e.fitted))]
+
+
+def _at_its_most(fitted: Fit) -> bool:
+    """Whether an effect of several numbers that a fit claims last has one of them at the largest that it may be."""
+    free = zip(fitted.hypothesis.free, fitted.vector, strict=True)
+    own = [(f, v) for f, v in free if (f.effect, f.site) == fitted.hypothesis.places[-1]]
+    sizes = [(f, v) for f, v in own if not f.chosen and f.parameter != "phase"]
+    return len(own) > 1 and any(abs(v) >= _MOST * max(f.high, -f.low) for f, v in sizes)
 
 
 def _exchanged(search: Setting, found: Standing, place: Place) -> Generator[Progress, None, Standing]:
@@ -173,7 +194,10 @@ def _exchanged(search: Setting, found: Standing, place: Place) -> Generator[Prog
     if not new:
         return found
     judged, problem = yield from compared(search, found.problem, new, stage)
-    tried, best = (*found.tried, *judged), simplest(judged)
+    sound = _sound(judged, chosen)
+    if not sound:
+        return found
+    tried, best = (*found.tried, *sound), simplest(sound)
     return Standing(problem, best, tried) if best.error < chosen.error else replace(found, tried=tried)
 
 

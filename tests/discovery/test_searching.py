@@ -119,6 +119,36 @@ def test_what_shows_no_effect_from_values_as_modelled_is_looked_at_once_more(
     assert end.value.value[0].chosen is (better if helps else own)
 
 
+@pytest.mark.parametrize(
+    ("left", "n", "k", "added"),
+    [
+        (40.0, 4, 113.0, "armature"),
+        (40.0, 4, 60.0, "external_force"),
+        (40.0, 3, 113.0, "external_force"),
+        (8.0, 4, 113.0, "external_force"),
+    ],
+)
+def test_a_fourth_effect_that_is_as_large_as_it_may_be_is_not_added_where_much_is_left(
+    monkeypatch: pytest.MonkeyPatch, left: float, n: int, k: float, added: str
+) -> None:
+    """Seen: as stiff a spring to the world as there may be, which lost a real pendulum as it swung up."""
+    old = tuple(("coulomb_friction", f"joint{i}") for i in range(n - 1))
+
+    def claiming(share: float, place: tuple[str, str], **values: float) -> Explanation:
+        free = tuple(Free(*place, name, 0, 0, -30.0, 113.0, 0.0, np.inf) for name in values)
+        hypothesis = Hypothesis((*old, place), free)
+        return Explanation(Fit(hypothesis, np.array([*values.values()]), 1.0), np.full(4, share * left**2 / 4.0))
+
+    before = Explanation(Fit(Hypothesis(old, ()), np.zeros(0), 1.0), np.full(4, left**2 / 4.0))
+    judged = [claiming(0.7, ("armature", "joint0"), I=113.0), claiming(0.6, ("external_force", "arm"), x=0.1, k=k)]
+    monkeypatch.setattr(searching, "grown_from", lambda *_, **__: steps([e.fitted for e in judged]))
+    monkeypatch.setattr(searching, "compared", lambda *_: steps(([before, *judged], problem(0))))
+    with pytest.raises(StopIteration) as end:
+        next(_added(Setting(Hypothesis((), ()), []), Standing(problem(0), before, ()), [before.fitted], n))
+    assert end.value.value.chosen.places[-1][0] == added
+    assert end.value.value.tried == (tuple(judged) if added == "external_force" else tuple(judged[:1]))
+
+
 def test_forms_of_one_effect_and_laws_beside_names_of_a_motor_make_no_sense() -> None:
     fade, heat, sag = ((name, "hip") for name in ("motor_fade", "motor_heat", "law_sag"))
     assert at_odds(fade, heat) and at_odds(sag, heat) and at_odds(fade, sag)
