@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import threading
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -13,6 +16,8 @@ from estexp_jax.errors import InputError
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 """A function of a module, and its arguments. Both, and the result, travel to other processes."""
+_LOOK = 1.0
+"""Seconds between a worker's looks at whether it is still wanted."""
 
 
 class Crew(AbstractContextManager["Crew"], ABC):
@@ -55,6 +60,8 @@ class Alone(Crew):
 class Processes(Crew):
     """Processes of this machine, each begun anew: what compiles must not be forked.
 
+    They end with this one, also where it is killed.
+
     Args:
         number: of them.
     """
@@ -64,7 +71,8 @@ class Processes(Crew):
 
     def each(self, calls: Sequence[Call]) -> Iterator[tuple[int, Any]]:
         """Do all calls, as many at a time as there are processes."""
-        with ProcessPoolExecutor(self._number, mp_context=multiprocessing.get_context("spawn")) as pool:
+        spawned = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(self._number, spawned, end_with, (os.getpid(),)) as pool:
             futures = {pool.submit(function, *arguments): i for i, (function, arguments) in enumerate(calls)}
             try:
                 for future in as_completed(futures):
@@ -79,6 +87,17 @@ class Processes(Crew):
 
     def __exit__(self, *_: object) -> None:
         pass
+
+
+def end_with(parent: int) -> None:
+    """In a worker: end when the process that began it has ended, killed, whatever the worker is at."""
+    threading.Thread(target=_watch, args=(parent,), daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_LOOK)
+    os._exit(1)
 
 
 def crew_of(workers: int | None = None, ray: str | None = None, paths: Sequence[str] = ()) -> Crew:

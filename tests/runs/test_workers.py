@@ -5,10 +5,14 @@ import json
 import operator
 import os
 import socket
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
 
+import estexp_jax
 from estexp_jax.errors import InputError
 from estexp_jax.runs import Progress
 from estexp_jax.runs.cluster import gpus_for
@@ -34,6 +38,17 @@ def test_workers_are_other_processes_and_one_alone_is_this():
     with crew_of(2) as crew:
         assert os.getpid() not in dict(crew.each([(os.getpid, ())] * 3)).values()
     assert dict(Alone().each([(os.getpid, ())])) == {0: os.getpid()}
+
+
+def test_workers_end_with_the_process_that_began_them_when_that_is_killed():
+    """Seen: workers of a killed experiment went on with its cases, into a folder that another one had begun."""
+    calls = "[(time.sleep, (60,)), (os.write, (1, b'begun\\n')), (time.sleep, (60,))]"
+    code = f"import os, time; from estexp_jax.runs.workers import Processes; list(Processes(2).each({calls}))"
+    here = Path(estexp_jax.__file__).parents[1]
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, cwd=here) as process:
+        assert process.stdout is not None and process.stdout.readline() == b"begun\n"
+        process.kill()
+        process.communicate(timeout=30)  # the end of what all of them may write to
 
 
 def test_a_message_for_the_user_survives_the_way_from_a_worker():
