@@ -177,7 +177,7 @@ def _sound(judged: Sequence[Explanation], before: Explanation) -> list[Explanati
 
 
 def _at_its_most(fitted: Fit) -> bool:
-    """Whether an effect of several numbers that a fit claims last has one of them at the largest that it may be."""
+    """Whether the effect that a fit claims last has several numbers, and one, no phase, is as large as it may be."""
     free = zip(fitted.hypothesis.free, fitted.vector, strict=True)
     own = [(f, v) for f, v in free if (f.effect, f.site) == fitted.hypothesis.places[-1]]
     sizes = [(f, v) for f, v in own if not f.chosen and f.parameter != "phase"]

@@ -50,7 +50,7 @@ def single_term(
     if not starts:
         return None
     kept = alternatives(robot, named)
-    plain = [p for p in unnamed.problem.places if p in [(name, joint) for name in BESIDE]]
+    plain = [(name, joint) for name in BESIDE if (name, joint) in unnamed.problem.places]
     problem = among(unnamed.problem, replayer(simulated(kept, (*starts, *plain))), tuple(starts), starts)
     problem = replace(problem, memory=problem.memory.setdefault(_MEMORY, {}))
     names = [p for p in chosen.places if about_joint(robot, p) == joint]
@@ -58,14 +58,14 @@ def single_term(
     kept = [before if e is chosen else e for e in kept]
     if best is before or not outdoes(best, before, len(names)):
         return None
+    told = [best]
     if len(best.places) > 1:
         bare = yield from _bare(unnamed, problem, best)
-        kept, best = [*kept, best], bare if outdoes(bare, best, len(best.places)) else best
-    named_so = yield from _plainest(unnamed, problem, best, plain)
-    if named_so is not best:
-        kept, best = [*kept, best], named_so
-    found = replace(named, tried=(*kept, best), chosen=best)
-    return (found, about(problem, best.fitted)) if verdict(robot, found, best.claims) == "missing_physics" else None
+        told += [bare] if outdoes(bare, best, len(best.places)) else []
+    plainest = yield from _plainest(unnamed, problem, told[-1], plain)
+    told += [plainest] if plainest is not told[-1] else []
+    found, there = replace(named, tried=(*kept, *told), chosen=told[-1]), about(problem, told[-1].fitted)
+    return (found, there) if verdict(robot, found, found.chosen.claims) == "missing_physics" else None
 
 
 def _bare(unnamed: Unnamed, problem: Problem, best: Explanation) -> Generator[Progress, None, Explanation]:

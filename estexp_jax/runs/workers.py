@@ -72,7 +72,7 @@ class Processes(Crew):
     def each(self, calls: Sequence[Call]) -> Iterator[tuple[int, Any]]:
         """Do all calls, as many at a time as there are processes."""
         spawned = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(self._number, spawned, end_with, (os.getpid(),)) as pool:
+        with ProcessPoolExecutor(self._number, spawned, _end_with, (os.getpid(),)) as pool:
             futures = {pool.submit(function, *arguments): i for i, (function, arguments) in enumerate(calls)}
             try:
                 for future in as_completed(futures):
@@ -89,8 +89,8 @@ class Processes(Crew):
         pass
 
 
-def end_with(parent: int) -> None:
-    """In a worker: end when the process that began it has ended, killed, whatever the worker is at."""
+def _end_with(parent: int) -> None:
+    """In a worker: end with the process that began it, whatever the worker is at."""
     threading.Thread(target=_watch, args=(parent,), daemon=True).start()
 
 
