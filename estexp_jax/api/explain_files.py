@@ -57,7 +57,7 @@ def write_results(
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}
     write_json(folder.file("effects.json"), effects)
     if diagnosis.contest is not None:
-        head = {"schema": RIVALS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer}
+        head = {"schema": RIVALS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.rivals_finer}
         write_json(folder.file("rivals.json"), {**head, **diagnosis.contest.to_json()})
     for prediction in diagnosis.predictions:
         name = f"predictions/{Path(prediction.recording).stem}.csv"

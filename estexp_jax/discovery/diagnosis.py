@@ -106,6 +106,7 @@ class Diagnosis:
         left_out: the claims that MJCF cannot say.
         predictions: one for each recording.
         finer: part of the model's own step that the explained simulator takes.
+        rivals_finer: the same of its rivals.
         contest: the explanations that remain open; None: not looked at.
         laws: what unknown laws do where the training recordings show their joints.
     """
@@ -119,5 +120,6 @@ class Diagnosis:
     left_out: tuple[Change, ...]
     predictions: tuple[Prediction, ...]
     finer: int
+    rivals_finer: int
     contest: Contest | None = None
     laws: tuple[LawForces, ...] = ()

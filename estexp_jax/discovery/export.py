@@ -42,9 +42,10 @@ def explained_xml(
     robot: Robot, changes: Sequence[Change], left_out: Sequence[Change], finer: int
 ) -> tuple[str, dict[str, Path]]:
     """MJCF text of `explained_spec`, headed by what it contains and what it lacks; and its files, see `portable`."""
-    lines = ["The nominal model with the physics that its recordings show it lacked."]
+    told = " with the physics that its recordings show it lacked" if changes or left_out else ""
+    lines = [f"The nominal model{told}."]
     step = robot.model.opt.timestep
-    lines += [f"Its step is {step / finer:g} s instead of {step:g} s."]
+    lines += [f"Its step is {step / finer:g} s instead of {step:g} s."] if finer > 1 else []
     lines += [f"In it: {c.sentence()}." for c in changes if expressible(c)]
     lines += [f"NOT in it, MJCF has no place for it: {c.sentence()} ({c.place})." for c in left_out]
     spec = explained_spec(robot, changes, finer)

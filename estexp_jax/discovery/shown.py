@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -12,7 +12,7 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit
 
 NOMINAL = "nominal"
-"""It runs at its own step; all others at the finest one."""
+"""It runs at its own step."""
 
 
 @final
@@ -47,15 +47,17 @@ class Shown:
         return np.concatenate([part[: self.problem.segments[w].rows] for part, w in parts])
 
 
-def shown_by(problem: Problem, fits: Mapping[str, Fit]) -> Shown:
+def shown_by(problem: Problem, fits: Mapping[str, Fit], stepped: Collection[str] = (NOMINAL,)) -> Shown:
     """Replay fits in all windows.
 
     Args:
         problem: the comparison as the results show it.
         fits: by name; `nominal` is one.
+        stepped: those that are the nominal simulator at its own step; all others run at the finest one.
     """
     own, exact = replace(problem, step=None), problem.exact()
-    windows, others = np.arange(len(problem.segments)), [name for name in fits if name != NOMINAL]
+    windows, others = np.arange(len(problem.segments)), [name for name in fits if name not in stepped]
     [nominal] = own.simulated([fits[NOMINAL].member], windows)
     found = exact.simulated([fits[name].member for name in others], windows)
-    return Shown(problem, {NOMINAL: nominal, **dict(zip(others, found, strict=True))})
+    names, readings = (*stepped, *others), [*[nominal] * len(stepped), *found]
+    return Shown(problem, dict(zip(names, readings, strict=True)))

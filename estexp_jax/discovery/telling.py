@@ -21,7 +21,7 @@ from estexp_jax.discovery.numerics import Step, step_of, to_blame
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, better, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
-from estexp_jax.discovery.shown import Shown, shown_by
+from estexp_jax.discovery.shown import NOMINAL, Shown, shown_by
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import law_advice, law_entries
 from estexp_jax.discovery.uncertainty import parameter_intervals
@@ -42,6 +42,7 @@ class Found:
         fits: nominal, explained, sayable and rivals, fitted to all training windows.
         learned: errors of the black box.
         seen: what the joints of the robot with refitted parameters lack, in each training recording.
+        own_step: whether the explained simulator is the nominal one, at the nominal step.
     """
 
     problem: Problem
@@ -50,6 +51,7 @@ class Found:
     fits: Mapping[str, Fit]
     learned: Mapping[str, float]
     seen: Sequence[ForceResidual]
+    own_step: bool = False
 
     @property
     def claimed(self) -> tuple[Change, ...]:
@@ -93,7 +95,8 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         mjcf_changes=_at_work(found.fits["sayable"]),
         left_out=tuple(c for c in claimed if not (expressible(c) or expressible(tell.told_change(c)))),
         predictions=_predictions(case, shown),
-        finer=found.shown.replays.cut.parts,
+        finer=1 if found.own_step else found.shown.replays.cut.parts,
+        rivals_finer=found.shown.replays.cut.parts,
         contest=contest_of(found.problem, found.selection, shares, changes),
         laws=_laws(case, found),
     )
@@ -101,13 +104,15 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
 
 def _shown(found: Found) -> Shown:
     """The fits that are compared, in all windows."""
-    return shown_by(found.shown, {name: f for name, f in found.fits.items() if name in RIVALS})
+    stepped = (NOMINAL, "explained") if found.own_step else (NOMINAL,)
+    return shown_by(found.shown, {name: f for name, f in found.fits.items() if name in RIVALS}, stepped)
 
 
 def _unchanged(found: Found) -> Found:
-    """The same with the nominal simulator as it is for an explained one."""
-    fits = dict.fromkeys(("nominal", "explained", "sayable"), found.fits["nominal"])
-    return replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]})
+    """The same with the nominal simulator as it is for an explained one, at a finer step only where that pays."""
+    fits = dict.fromkeys((NOMINAL, "explained", "sayable"), found.fits[NOMINAL])
+    own_step = not worth(found.selection.corrected, found.selection.nominal)
+    return replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]}, own_step=own_step)
 
 
 def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:

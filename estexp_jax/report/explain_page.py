@@ -136,9 +136,11 @@ def _proof(fit: Mapping[str, Any]) -> str:
 def _steps(diagnosis: Diagnosis) -> str:
     """At which steps the simulators ran."""
     own = 1e3 * float(diagnosis.case.robot.model.opt.timestep)
-    finest = {finer: f"{number(own / finer)} ms" for finer in (diagnosis.finer, FINER)}
+    finest = {finer: f"{number(own / finer)} ms" for finer in (diagnosis.rivals_finer, FINER)}
     black_box = f", the black-box correction {finest[FINER]}" if len(finest) > 1 else ""
-    told = f"The nominal simulator takes steps of {number(own)} ms, the others of {finest[diagnosis.finer]}{black_box}"
+    alike = ", and so does the explained one" if diagnosis.finer < diagnosis.rivals_finer else ""
+    nominal, others = f"{number(own)} ms{alike}", f"{finest[diagnosis.rivals_finer]}{black_box}"
+    told = f"The nominal simulator takes steps of {nominal}, the others of {others}"
     return f"{told}: so fine that noise hides what they cost, or as fine as pays."
 
 

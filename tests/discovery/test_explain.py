@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.diagnosis import Case
+from estexp_jax.discovery.diagnosis import Case, Diagnosis
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.discovery.rivals import base_of
 from estexp_jax.discovery.telling import Found, diagnosis
@@ -131,8 +131,8 @@ def test_what_test_recordings_belie_is_said_and_changes_nothing(diagnosed):
     assert not any("worse with this explanation" in line for line in before.findings["advice"])
 
 
-def told_with(before, times: float, **changed) -> dict:
-    """The findings where the friction that was found is so many times as large."""
+def told_with(before, times: float, **changed) -> Diagnosis:
+    """What is told where the friction that was found is so many times as large."""
     case, config, selection = before.case, before.config, replace(before.selection, **changed)
     problem, fitted = problem_of(case), selection.chosen.fitted
     nominal_fit, own = selection.nominal.fitted, selection.parameters.fitted
@@ -140,23 +140,32 @@ def told_with(before, times: float, **changed) -> dict:
     other = replace(fitted, vector=fitted.vector * claimed)
     fits = {"nominal": nominal_fit, "parameters_only": own, "explained": other, "sayable": other}
     seen = base_of(case, problem, own)[1]
-    return diagnosis(case, config, Found(problem, problem, selection, fits, {}, seen)).findings
+    return diagnosis(case, config, Found(problem, problem, selection, fits, {}, seen))
 
 
 def test_what_spoils_the_recordings_it_was_fitted_to_is_no_explanation(diagnosed):
     """As where short windows choose what long ones cannot follow."""
     before = diagnosed("coulomb_friction@shaft")
-    assert told_with(before, 1.0)["verdict"] == "missing_physics"
-    spoilt = told_with(before, 30.0)
+    assert told_with(before, 1.0).findings["verdict"] == "missing_physics"
+    spoilt = told_with(before, 30.0).findings
     assert spoilt["verdict"] == "unexplained" and spoilt["what"] == []
     assert spoilt["where"][0] == before.findings["where"][0]
     assert spoilt["fit"]["explained"]["train"] == pytest.approx(spoilt["fit"]["nominal"]["train"], rel=0.2)
 
 
+def test_a_simulator_that_stays_as_it_is_keeps_its_step_where_a_finer_one_does_not_pay(diagnosed):
+    before = diagnosed("coulomb_friction@shaft")
+    told = told_with(before, 30.0, corrected=before.selection.nominal)
+    assert told.findings["fit"]["explained"] == told.findings["fit"]["nominal"]
+    assert told.findings["fit"]["gain"]["value"] == 0.0 and told.finer == 1 < told.rivals_finer
+    for p in told.predictions:
+        np.testing.assert_array_equal(p.explained, p.nominal)
+
+
 @pytest.mark.parametrize(("times", "kept"), [(1.0, True), (0.1, False)])
 def test_what_explains_nothing_changes_the_simulator_only_where_that_halves_the_training_error(diagnosed, times, kept):
     before = diagnosed("coulomb_friction@shaft")
-    told, spoilt = told_with(before, times, piled=True), told_with(before, 30.0)
+    told, spoilt = told_with(before, times, piled=True).findings, told_with(before, 30.0).findings
     assert told["verdict"] == "unexplained" and told["what"] == []
     bent, as_it_is = (t["fit"]["explained"]["train"] for t in (told, spoilt))
     assert bent < 0.7 * as_it_is if kept else bent == as_it_is

@@ -192,7 +192,7 @@ def test_rivals_of_an_explanation_come_back_and_simulate_as_explained(diagnosed)
     assert len({r.label for r in found.rivals}) == len(found.rivals)
     problem = problem_of(diagnosis.case)
     index = diagnosis.case.indices("test")[0]
-    windows, step = problem.windows_of([index]), nominal("one").model.opt.timestep / diagnosis.finer
+    windows, step = problem.windows_of([index]), nominal("one").model.opt.timestep / diagnosis.rivals_finer
     fine = [s.stepped(step) for s in problem.segments]
     values = encode(nominal("one"), problem.replayer.catalogue, found.rivals[0].changes)
     replay = problem.replayer.replay(stack([values] * len(windows)), fine, windows)

@@ -42,6 +42,15 @@ def test_where_nothing_explains_values_stay_unless_bending_them_pays(before: flo
     assert after.fits["explained"] is fits[shown] and after.fits["sayable"] is fits["sayable" if kept else "nominal"]
 
 
+@pytest.mark.parametrize(("stepless", "own_step"), [(9.9, True), (4.0, False)])
+def test_what_stays_as_it_is_keeps_its_step_unless_a_finer_one_pays(stepless: float, own_step: bool) -> None:
+    nominal_one, own = explanation(10.0), explanation(9.9)
+    selection = Selection(nominal_one, explanation(stepless), own, (), own)
+    fits = {name: fit(float(i)) for i, name in enumerate(("nominal", "explained", "sayable", "parameters_only"))}
+    _, after, _ = judged_by(Case(nominal("one"), (), ()), Found(UNUSED, UNUSED, selection, fits, {}, ()))
+    assert after.fits["explained"] is fits["nominal"] and after.own_step == own_step
+
+
 @pytest.mark.parametrize(("loud", "told"), [(1.0, 1), (0.01, 0)])
 def test_a_reading_that_swings_faster_than_its_rows_is_told(loud: float, told: int) -> None:
     problem = problem_of(case_of("two", Plant(), 12, trains=1))

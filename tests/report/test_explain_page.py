@@ -95,6 +95,11 @@ def test_what_the_user_typed_is_text_and_not_markup():
     assert "b &lt;i&gt;$\\x$.csv" in html and "legs &lt;1&gt;.xml" in html
 
 
+def test_what_stays_as_it_is_keeps_its_step():
+    text = " ".join(read("unexplained")[1].text.split())
+    assert "takes steps of 2 ms, and so does the explained one, the others of 0.125 ms" in text
+
+
 @pytest.mark.parametrize("verdict", [v for v in OTHERS if v != "missing_physics"])
 def test_other_verdicts_read_well(verdict):
     _, reader = read(verdict)
