@@ -38,6 +38,8 @@ _FEW, _BUDGET = 3, 800_000_000
 """More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
 _MOST = 0.999
 """Share of the largest value a number may have from which it is there."""
+_FITS = 0.95
+"""Share of an explanation's squared error on the windows it was fitted to, to which one more effect must bring that."""
 _TWINS = 3
 """So many explanations as good as the one that was made simpler are made simpler, too."""
 
@@ -148,7 +150,9 @@ def _added(
     """The best explanation with one effect more than one of some, if it is worth it.
 
     Values that are bent stand in for the effect, so that it is looked for from where they are as modelled. Where much
-    is off by them, nothing shows from there; then it is looked for beside them, too.
+    is off by them, nothing shows from there; then it is looked for beside them, too. What does nothing to the windows
+    that are fitted is not added to an effect, even if it helps held-out ones: where few windows tell an amount of the
+    effect, these may be predicted anyhow.
     """
     stage, grown = f"explanations with {n} effect{'s' * (n > 1)}{', beside what is fitted' * as_bent}", list[Fit]()
     for base in bases:
@@ -160,10 +164,11 @@ def _added(
         return found
     (before, *judged), problem = yield from compared(search, found.problem, [found.chosen.fitted, *grown], stage)
     sound = _sound(judged, before)
-    if not sound:
-        return found
+    helping = [e for e in sound if not before.places or e.fitted.cost < _FITS * before.fitted.cost]
     tried = (*found.tried, *sound)
-    best = steadiest(sound, before) if before.places and before.error > FAR else simplest(sound)
+    if not helping:
+        return replace(found, tried=tried)
+    best = steadiest(helping, before) if before.places and before.error > FAR else simplest(helping)
     return Standing(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
 
 

@@ -139,7 +139,7 @@ def test_a_fourth_effect_that_is_as_large_as_it_may_be_is_not_added_where_much_i
         hypothesis = Hypothesis((*old, place), free)
         return Explanation(Fit(hypothesis, np.array([*values.values()]), 1.0), np.full(4, share * left**2 / 4.0))
 
-    before = Explanation(Fit(Hypothesis(old, ()), np.zeros(0), 1.0), np.full(4, left**2 / 4.0))
+    before = Explanation(Fit(Hypothesis(old, ()), np.zeros(0), 2.0), np.full(4, left**2 / 4.0))
     judged = [claiming(0.7, ("armature", "joint0"), I=113.0), claiming(0.6, ("external_force", "arm"), x=0.1, k=k)]
     monkeypatch.setattr(searching, "grown_from", lambda *_, **__: steps([e.fitted for e in judged]))
     monkeypatch.setattr(searching, "compared", lambda *_: steps(([before, *judged], problem(0))))
@@ -147,6 +147,25 @@ def test_a_fourth_effect_that_is_as_large_as_it_may_be_is_not_added_where_much_i
         next(_added(Setting(Hypothesis((), ()), []), Standing(problem(0), before, ()), [before.fitted], n))
     assert end.value.value.chosen.places[-1][0] == added
     assert end.value.value.tried == (tuple(judged) if added == "external_force" else tuple(judged[:1]))
+
+
+@pytest.mark.parametrize(("claims", "share", "added"), [(True, 0.99, False), (True, 0.5, True), (False, 0.99, True)])
+def test_one_effect_more_must_help_the_windows_that_it_is_fitted_to(
+    monkeypatch: pytest.MonkeyPatch, claims: bool, share: float, added: bool
+) -> None:
+    """Seen: a torque of 0.0001 N m beside a law that left nothing but noise, for what held-out windows made of it."""
+    old = (("motor_fade", "servo"),) if claims else ()
+
+    def fitted_to(cost: float, held_out: float, *places: tuple[str, str]) -> Explanation:
+        return Explanation(Fit(Hypothesis(places, ()), np.zeros(0), cost), np.full(4, held_out / 4.0))
+
+    before, after = fitted_to(1.0, 600.0, *old), fitted_to(share, 60.0, *old, ("torque_offset", "shaft"))
+    monkeypatch.setattr(searching, "grown_from", lambda *_, **__: steps([after.fitted]))
+    monkeypatch.setattr(searching, "compared", lambda *_: steps(([before, after], problem(0))))
+    with pytest.raises(StopIteration) as end:
+        next(_added(Setting(Hypothesis((), ()), []), Standing(problem(0), before, ()), [before.fitted], 1 + claims))
+    assert end.value.value.chosen is (after if added else before)
+    assert end.value.value.tried == (after,)
 
 
 def test_forms_of_one_effect_and_laws_beside_names_of_a_motor_make_no_sense() -> None:
