@@ -1,7 +1,7 @@
 """`estexp experiment doubts`: what a first motion leaves open, and what one proposed recording settles.
 
 estexp experiment doubts --quick                 two doubts, one seed
-estexp experiment doubts --workers 2             eight doubts, ten seeds: some two minutes a case and core
+estexp experiment doubts --workers 2             eight doubts, ten seeds: an hour and more on one core
 python experiments/doubts/run.py --report        tables and figure of what is finished
 """
 

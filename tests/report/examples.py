@@ -103,18 +103,8 @@ def diagnosis(verdict: str = "missing_physics") -> Diagnosis:
     selection = Selection(nominal, nominal, own, tuple(tried), chosen)
     findings = {**FINDINGS, "verdict": verdict, **OTHERS[verdict]}
     left_out = (Change("load_dependent_friction", LONG, {"mu": 0.4}),) if verdict == "missing_physics" else ()
-    return Diagnosis(
-        case,
-        ExplainConfig(),
-        findings,
-        selection,
-        (),
-        (),
-        left_out,
-        predictions,
-        1 if verdict == "unexplained" else 16,
-        16,
-    )
+    finer = 1 if verdict == "unexplained" else 16
+    return Diagnosis(case, ExplainConfig(), findings, selection, (), (), left_out, predictions, finer, 16)
 
 
 WEAK = Change("motor_weakness", "knee_f", {"loss": 0.48})
