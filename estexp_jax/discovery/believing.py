@@ -184,6 +184,10 @@ def without_piles(robot: Robot, named: Selection, nearer: Selection | None = Non
 
 
 def whole(found: Selection) -> bool:
-    """Whether what is chosen is the whole of what is wrong: near the noise, or nearly all of the mismatch."""
-    as_it_is = min(found.nominal, found.corrected, key=lambda e: e.error)
-    return found.chosen.error <= FAR or gain(found.chosen.error, as_it_is.error, 1.0) >= _WHOLE
+    """Whether what is chosen is the whole of what is wrong: near the noise, or nearly all of the mismatch.
+
+    So is what leaves nothing but noise where it is fitted to all windows, even if some of them do not tell the others.
+    """
+    as_it_is, chosen = min(found.nominal, found.corrected, key=lambda e: e.error), found.chosen
+    near = chosen.error <= FAR or chosen.fitted.cost <= 1.0
+    return near or gain(chosen.error, as_it_is.error, 1.0) >= _WHOLE
