@@ -70,6 +70,9 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     """
     judged, found, step = judged_by(case, found)
     shown = _shown(found)
+    if judged == "unexplained" and needless(case, found, shown):
+        found = _handing_over(found, "parameters_only")
+        shown = _shown(found)
     # Shorter windows may have chosen what those that are shown refute. Training recordings alone decide.
     refused = found.claimed and not found.selection.seen and refuted(case, config, shown, "train")
     if refused or (judged == "unexplained" and not better(case, config, shown)):
@@ -108,11 +111,22 @@ def _shown(found: Found) -> Shown:
     return shown_by(found.shown, {name: f for name, f in found.fits.items() if name in RIVALS}, stepped)
 
 
+def needless(case: Case, found: Found, shown: Shown) -> bool:
+    """Whether there are claims, and refitted values predict the training recordings as well without them."""
+    train = shown.problem.windows_of(case.indices("train"))
+    return bool(found.claimed) and shown.error("parameters_only", train) <= shown.error("explained", train)
+
+
 def _unchanged(found: Found) -> Found:
     """The same with the nominal simulator as it is for an explained one, at a finer step only where that pays."""
-    fits = dict.fromkeys((NOMINAL, "explained", "sayable"), found.fits[NOMINAL])
     own_step = not worth(found.selection.corrected, found.selection.nominal)
-    return replace(found, fits=fits | {"parameters_only": found.fits["parameters_only"]}, own_step=own_step)
+    return replace(_handing_over(found, NOMINAL), own_step=own_step)
+
+
+def _handing_over(found: Found, name: str) -> Found:
+    """The same with the fit of a rival that claims nothing for the explained simulator."""
+    kept = {rival: found.fits[rival] for rival in (NOMINAL, "parameters_only")}
+    return replace(found, fits=kept | dict.fromkeys(("explained", "sayable"), found.fits[name]))
 
 
 def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:

@@ -1,17 +1,19 @@
 """What is told where nothing explains a mismatch."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.findings import noise_advice
-from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.shown import Shown
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.telling import Found, judged_by
+from estexp_jax.discovery.telling import Found, judged_by, needless
+from estexp_jax.physics.registry import catalogue
 from tests.discovery.planted import Plant, case_of, nominal, problem_of
 
 UNUSED: Any = None
@@ -49,6 +51,28 @@ def test_what_stays_as_it_is_keeps_its_step_unless_a_finer_one_pays(stepless: fl
     fits = {name: fit(float(i)) for i, name in enumerate(("nominal", "explained", "sayable", "parameters_only"))}
     _, after, _ = judged_by(Case(nominal("one"), (), ()), Found(UNUSED, UNUSED, selection, fits, {}, ()))
     assert after.fits["explained"] is fits["nominal"] and after.own_step == own_step
+
+
+class Errors:
+    """Of simulators beside recordings, whatever the windows."""
+
+    def __init__(self, **errors: float) -> None:
+        self.error = lambda name, _: errors[name]
+        self.problem = self
+        self.windows_of = lambda _: np.arange(2)
+
+
+@pytest.mark.parametrize(("with_claims", "wanted"), [(0.0143, True), (0.0119, False)])
+def test_claims_beside_which_values_predict_no_better_are_not_handed_over(with_claims: float, wanted: bool) -> None:
+    """Seen: a motor that fades, `unexplained`; an armature had been tried, and test recordings were worse for it."""
+    robot = nominal("one")
+    own = parameters_only(robot, catalogue(["armature"]))
+    claim = claiming(robot, own, [("armature", "shaft")])
+    before, shown = explanation(10.0), cast(Shown, Errors(parameters_only=0.0120, explained=with_claims))
+    for hypothesis, claims in ((claim, True), (own, False)):
+        fits = {"explained": Fit(hypothesis, hypothesis.start(), 1.0)}
+        found = Found(UNUSED, UNUSED, Selection(before, before, before, (), before), fits, {}, ())
+        assert needless(Case(robot, (), ()), found, shown) is (wanted and claims)
 
 
 @pytest.mark.parametrize(("loud", "told"), [(1.0, 1), (0.01, 0)])
