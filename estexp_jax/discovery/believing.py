@@ -137,16 +137,22 @@ def fewest_terms(found: Selection) -> Explanation:
 def believed(robot: Robot, found: Selection, named: Selection, problem: Problem) -> bool:
     """Whether a law explains held-out windows as well as claims must, and clearly better than anything named.
 
+    Of names with more numbers than the law has, it is the simpler one: it need only predict as well.
+
     Args:
         robot: the nominal robot.
         found: with laws.
         named: without.
         problem: the comparison about what is chosen with laws.
     """
-    chosen, best = found.chosen, min((named.parameters, *named.tried), key=lambda e: e.error)
+    chosen, others = found.chosen, sorted((named.parameters, *named.tried), key=lambda e: e.error)
+    best, numbers = others[0], len(chosen.fitted.hypothesis.free)
     quiet = chosen.error <= NOISE and best.error > _LEFT
     plainly = quiet or chosen.held_out.sum() < _PLAINLY * best.held_out.sum()
-    if not worth(chosen, best) or not (plainly or verdict(robot, named, named.chosen.claims) == "unexplained"):
+    if not (plainly or verdict(robot, named, named.chosen.claims) == "unexplained"):
+        return False
+    simpler = next((e for e in others if len(e.fitted.hypothesis.free) <= numbers), best)
+    if not worth(chosen, simpler) or simplest([best, chosen]) is not chosen:
         return False
     if not whole(found) or verdict(robot, found, chosen.claims) != "missing_physics":
         return False

@@ -563,6 +563,22 @@ def test_a_law_that_leaves_only_noise_is_believed_where_names_leave_more(monkeyp
     assert believed(robot, found, names, there) is enough
 
 
+@pytest.mark.parametrize(
+    ("pile", "law", "enough"),
+    [
+        (("cogging", "backlash"), 2.4, True),
+        (("cogging", "backlash"), 2.9, False),
+        (("coulomb_friction", "torque_offset"), 2.4, False),
+    ],
+)
+def test_a_law_need_only_predict_as_well_as_names_of_more_numbers(monkeypatch, pile, law, enough):
+    """Seen: a motor that fades; a soft joint with play came within twice its squared error, in 15 windows."""
+    robot, there = nominal("two"), problem_of(case_of("two", Plant(), 26, trains=2))
+    monkeypatch.setattr(Problem, "error", lambda _, member, __: 1.0 if member[0].places else 2.0)
+    names = selection({(): 20.0, (("coulomb_friction", "elbow"),): 8.0, tuple((n, "elbow") for n in pile): 2.5}, ())
+    assert believed(robot, selection({(): 20.0, (WAVE,): law}, (WAVE,)), names, there) is enough
+
+
 @pytest.mark.parametrize(("left", "enough"), [(9.0, True), (12.0, True), (20.0, False), (31.0, False)])
 def test_a_law_that_leaves_much_is_bent_to_what_was_recorded(left: float, enough: bool):
     """Seen: a motor that saturates told as one that gives way gradually: 31 deviations left, lost on the test."""
