@@ -152,7 +152,7 @@ def believed(robot: Robot, found: Selection, named: Selection, problem: Problem)
     if not (plainly or verdict(robot, named, named.chosen.claims) == "unexplained"):
         return False
     simpler = next((e for e in others if len(e.fitted.hypothesis.free) <= numbers), best)
-    if not worth(chosen, simpler) or simplest([best, chosen]) is not chosen:
+    if not worth(chosen, simpler) or chosen.error > best.error:
         return False
     if not whole(found) or verdict(robot, found, chosen.claims) != "missing_physics":
         return False
