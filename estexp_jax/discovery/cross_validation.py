@@ -18,6 +18,8 @@ _THROWN, _SINGLE = 9.0, 0.1
 """A window's squared error may grow by this factor when it is held out; more is bounded, if so few windows do."""
 _AS_WELL = 0.005
 """A step whose squared error is larger by no more than this share fits as well."""
+_BEST = 8
+"""So many explanations, the best ones, are worth the derivatives when they are judged again."""
 
 
 def cross_validated(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]) -> list[Explanation]:
@@ -85,6 +87,22 @@ def bounded(held_out: np.ndarray, fitted: np.ndarray) -> np.ndarray:
     most = _THROWN * np.maximum(fitted, 1.0 / n)
     far = held_out > most
     return np.where(far, most, held_out) if far.sum() <= _SINGLE * n else held_out
+
+
+def judged_again(problem: Problem, found: Sequence[Explanation], folds: Sequence[Fold]) -> list[Explanation]:
+    """Explanations, in their order, judged by one comparison: the best anew, the others as they stand.
+
+    By comparisons about different fits, with other doubts about steps and starts, they could not be compared.
+    """
+    if not found:
+        return []
+    fits = [e.fitted for e in found]
+    there = problem.corrected([f.member for f in fits])
+    best = sorted(range(len(found)), key=lambda i: found[i].error)[:_BEST]
+    again = as_fitted(there, fits, folds)
+    for i, e in zip(best, cross_validated(there, [fits[i] for i in best], folds), strict=True):
+        again[i] = e
+    return again
 
 
 def as_fitted(problem: Problem, fits: Sequence[Fit], folds: Sequence[Fold]) -> list[Explanation]:

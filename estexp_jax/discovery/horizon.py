@@ -16,14 +16,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from estexp_jax.discovery.cross_validation import cross_validated
+from estexp_jax.discovery.cross_validation import cross_validated, judged_again
 from estexp_jax.discovery.doubt import blinded, other_starts
 from estexp_jax.discovery.fitting import FAR, Progress
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.replays import Member
-from estexp_jax.discovery.rounds import fitted
+from estexp_jax.discovery.rounds import at_first, refitted
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection, folds_of, worth
 from estexp_jax.discovery.slopes import Fit
@@ -98,6 +98,8 @@ def select_nearer(
 def as_nearer(problem: Problem, usual: Selection, found: Fit) -> Generator[Progress, None, tuple[Selection, Problem]]:
     """The selection by the usual windows with what shorter ones chose, if they are predicted enough better by it.
 
+    And fitted better: where motions part, held-out windows may be predicted better by chance.
+
     Args:
         problem: the comparison in the usual windows.
         usual: what was chosen by them.
@@ -107,8 +109,12 @@ def as_nearer(problem: Problem, usual: Selection, found: Fit) -> Generator[Progr
         The selection, and the comparison about what is chosen.
     """
     tasks, hanging = [(found.hypothesis, [found.vector])], replace(problem, hairs=True)
-    fits, there = yield from fitted(about(hanging, found), tasks, "as by shorter windows", 20)
-    [better] = cross_validated(there, fits, folds_of(there))
-    if not worth(better, usual.chosen):
+    at, stage = about(hanging, found), "as by shorter windows"
+    nearer = yield from at_first(at, tasks, stage, 20)
+    fits, there = yield from refitted(at, [usual.chosen.fitted, *nearer], stage, 20)
+    folds = folds_of(there)
+    before, better = cross_validated(there, fits, folds)
+    if not worth(better, before) or better.fitted.cost >= before.fitted.cost:
         return usual, problem
-    return replace(usual, tried=(*usual.tried, better), chosen=better), about(there, better.fitted)
+    others = judged_again(there, [e for e in usual.tried if e is not usual.chosen], folds)
+    return replace(usual, tried=(*others, before, better), chosen=better), about(there, better.fitted)

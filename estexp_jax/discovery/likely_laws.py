@@ -67,16 +67,37 @@ def likely(
         n: how many terms are wanted.
         named: effects of the catalogue that may be claimed: terms that say the same do not count.
     """
+    asked = [law for law in LAWS if law.stands_for not in named]
+    found = _looked_for(robot, seen, joint, asked)
+    ranked = sorted((law for law in asked if found.get(law)), key=lambda law: -found[law][0].share)
+    wanted = [law for i, law in enumerate(ranked) if i < n or law.stands_for in _BENDING]
+    return {(law.name, joint): [b.values for b in found[law]] for law in wanted}
+
+
+def likely_values(
+    robot: Robot, seen: Sequence[ForceResidual], joint: str, names: Collection[str]
+) -> dict[Place, Vectors]:
+    """Values to start effects of the catalogue from at a joint, by the terms that say the same.
+
+    Args:
+        robot: the nominal robot.
+        seen: what its joints lack, in each training recording.
+        joint: the joint's name.
+        names: of the effects.
+    """
+    found = _looked_for(robot, seen, joint, [law for law in LAWS if law.stands_for in names])
+    return {(law.stands_for, joint): [b.values for b in best] for law, best in found.items()}
+
+
+def _looked_for(
+    robot: Robot, seen: Sequence[ForceResidual], joint: str, laws: Iterable[JointLaw]
+) -> dict[JointLaw, list[_Beside]]:
+    """The best values of each term at a joint, of those that have any to begin with."""
     samples = samples_of(robot, seen, robot.index("joint", joint))
     moving = samples.moving()
     looks = [samples] if moving is None else [samples, moving]
-    laws = [_Law(law, np.array(law.bounds(robot, joint)), law.tried(samples.reach)) for law in LAWS]
-    asked = [law for law in laws if law.law.stands_for not in named and law.tried]
-    found = {law.law.name: _best(b for look in looks for b in _beside(law, look)) for law in asked}
-    ranked = sorted((name for name in found if found[name]), key=lambda name: -found[name][0].share)
-    bending = {law.law.name for law in asked if law.law.stands_for in _BENDING}
-    wanted = [name for i, name in enumerate(ranked) if i < n or name in bending]
-    return {(name, joint): [b.values for b in found[name]] for name in wanted}
+    tried = [_Law(law, np.array(law.bounds(robot, joint)), law.tried(samples.reach)) for law in laws]
+    return {law.law: _best(b for look in looks for b in _beside(law, look)) for law in tried if law.tried}
 
 
 def _best(found: Iterable[_Beside]) -> list[_Beside]:

@@ -5,12 +5,13 @@ Where a name of the catalogue says as much as the term, the name is told.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import replace
 
 from estexp_jax.discovery.believing import about_joint, outdoes
-from estexp_jax.discovery.fitting import Progress
-from estexp_jax.discovery.growing import Setting, judged_apart
+from estexp_jax.discovery.cross_validation import judged_again
+from estexp_jax.discovery.fitting import Progress, Task
+from estexp_jax.discovery.growing import Setting, compared
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.law_search import (
     BESIDE,
@@ -22,11 +23,13 @@ from estexp_jax.discovery.law_search import (
     simulated,
     term_instead,
 )
-from estexp_jax.discovery.likely_laws import likely
+from estexp_jax.discovery.likely_laws import likely, likely_values
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.rounds import at_first
 from estexp_jax.discovery.screening import instead, keeping
-from estexp_jax.discovery.selection import Explanation, Selection, folds_of, simplest
+from estexp_jax.discovery.selection import Explanation, Selection, folds_of, simplest, worth
+from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.physics.engines.replaying import Replayer
 
@@ -58,34 +61,53 @@ def single_term(
     kept = [before if e is chosen else e for e in kept]
     if best is before or not outdoes(best, before, len(names)):
         return None
-    told = [best]
+    told = [before, best]
     if len(best.places) > 1:
-        bare = yield from _bare(unnamed, problem, best)
-        told += [bare] if outdoes(bare, best, len(best.places)) else []
-    plainest = yield from _plainest(unnamed, problem, told[-1], plain)
-    told += [plainest] if plainest is not told[-1] else []
-    found, there = replace(named, tried=(*kept, *told), chosen=told[-1]), about(problem, told[-1].fitted)
+        told = yield from _bare(unnamed, problem, told)
+    values = likely_values(robot, unnamed.seen, joint, [name for name, _ in plain])
+    told = yield from _plainest(unnamed, problem, told, values)
+    others, there = [e for e in kept if e is not before], about(problem, told[-1].fitted)
+    tried = judged_again(there, [*others, *told], folds_of(problem))
+    found = replace(named, tried=tuple(tried), chosen=tried[-1])
     return (found, there) if verdict(robot, found, found.chosen.claims) == "missing_physics" else None
 
 
-def _bare(unnamed: Unnamed, problem: Problem, best: Explanation) -> Generator[Progress, None, Explanation]:
-    """A term that took the place of some names, without the others: they may have made up for what it does."""
+def _bare(
+    unnamed: Unnamed, problem: Problem, told: Sequence[Explanation]
+) -> Generator[Progress, None, list[Explanation]]:
+    """With a term, told last, without the names beside it: they may have made up for what it does."""
+    best = told[-1]
     alone = keeping(problem, unnamed.parameters, best.fitted, best.places[-1:])
-    setting = Setting(unnamed.parameters, folds_of(problem))
-    [bare] = yield from announced(judged_apart(setting, about(problem, best.fitted), [alone], "the term alone"))
-    return bare
+    *again, bare = yield from _judged_alike(unnamed, problem, told, [alone], "the term alone")
+    return [*again, bare] if outdoes(bare, again[-1], len(best.places)) else again
 
 
 def _plainest(
-    unnamed: Unnamed, problem: Problem, best: Explanation, names: Sequence[Place]
-) -> Generator[Progress, None, Explanation]:
-    """A term that took the place of some names, or one of these names in its place that says as much with less.
+    unnamed: Unnamed, problem: Problem, told: Sequence[Explanation], names: Mapping[Place, Vectors]
+) -> Generator[Progress, None, list[Explanation]]:
+    """With a term, told last, one of these names in its place, if it says as much with less: that is told last then.
 
-    Where friction is told as larger one way than the other by nothing, it is friction.
+    Where friction is told as larger one way than the other by nothing, or at a place as wide as all that was seen, it
+    is friction: of a name with fewer numbers a term must be worth more.
     """
-    tasks = [instead(problem, unnamed.parameters, best.fitted, best.places[-1], name, []) for name in names]
+    best = told[-1].fitted
+    tasks = [instead(problem, unnamed.parameters, best, best.hypothesis.places[-1], *name) for name in names.items()]
     if not tasks:
-        return best
-    setting = Setting(unnamed.parameters, folds_of(problem))
-    judged = yield from announced(judged_apart(setting, about(problem, best.fitted), tasks, "a name instead"))
-    return simplest([best, *judged])
+        return list(told)
+    judged = yield from _judged_alike(unnamed, problem, told, tasks, "a name instead")
+    again, plain = judged[: len(told)], judged[len(told) :]
+    term = again[-1]
+    fewer = [e for e in plain if len(e.fitted.hypothesis.free) < len(term.fitted.hypothesis.free)]
+    spare = [e for e in fewer if not worth(term, e)]
+    found = simplest(spare or [term, *plain])
+    return again if found is term else [*again, found]
+
+
+def _judged_alike(
+    unnamed: Unnamed, problem: Problem, told: Sequence[Explanation], tasks: Sequence[Task], stage: str
+) -> Generator[Progress, None, list[Explanation]]:
+    """What is told so far, and more hypotheses, by one comparison: that about another fit has other doubts."""
+    there, setting = about(problem, told[-1].fitted), Setting(unnamed.parameters, folds_of(problem))
+    fits = yield from announced(at_first(there, tasks, stage))
+    judged, _ = yield from announced(compared(setting, there, [*(e.fitted for e in told), *fits], stage))
+    return judged

@@ -31,8 +31,9 @@ from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import Setting, judged_apart
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
+from estexp_jax.discovery.law_search import BESIDE
 from estexp_jax.discovery.laws import lacks_force, suspects
-from estexp_jax.discovery.likely_laws import likely
+from estexp_jax.discovery.likely_laws import likely, likely_values
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of
@@ -191,27 +192,47 @@ def test_a_term_stands_alone_where_it_does_without_the_names_beside_it():
     hypothesis = claiming(robot, parameters, names)
     term = Explanation(Fit(hypothesis, hypothesis.with_values(names[1], [0.02]), 1.0), np.ones(4))
     unnamed: Any = SimpleNamespace(parameters=parameters)
-    bare = finished(single_term._bare(unnamed, problem, term))
+    again, bare = finished(single_term._bare(unnamed, problem, [term]))
+    assert again.places == names and again.error < 1.2
     assert bare.places == names[1:] and bare.error < 1.2
     assert bare.claims[0].parameters["I"] == pytest.approx(0.02, rel=0.05)
-    assert outdoes(bare, replace(term, held_out=0.5 * bare.held_out), 2) is (bare.error <= 1.0)
 
 
-@pytest.mark.parametrize(("true", "told"), [("coulomb_friction", "coulomb_friction"), ("", "law_two_way_friction")])
-def test_a_term_that_says_no_more_than_a_name_gives_way_to_it(true, told):
-    """Seen: the shoulder of a real pendulum, told as friction larger one way than the other by 2 % of itself."""
-    name, term = ("coulomb_friction", "shaft"), ("law_two_way_friction", "shaft")
-    law = None if true else lambda _, __, w: -0.1 * (1.0 + 0.6 * np.tanh(w / 0.02)) * np.tanh(w / 0.02)
-    problem = problem_of(case_of("one", CASES["coulomb_friction@shaft"][1] if true else Plant(law=law), 47))
-    knowing = shared_replayer("one", ("coulomb_friction", "viscous_friction", "law_two_way_friction"))
+def tight_spot(_, q: float, w: float) -> float:
+    return -0.2 * np.exp(-(((q - 0.3) / 0.3) ** 2)) * np.tanh(w / 0.02)
+
+
+def two_way(_, __, w: float) -> float:
+    return -0.1 * (1.0 + 0.6 * np.tanh(w / 0.02)) * np.tanh(w / 0.02)
+
+
+@pytest.mark.parametrize(
+    ("law", "term", "values", "told"),
+    [
+        (None, "law_two_way_friction", (0.1, 0.02), "coulomb_friction"),
+        (two_way, "law_two_way_friction", (0.1, 0.6), "law_two_way_friction"),
+        (None, "law_tight_spot", (0.1, -0.2, 3.1), "coulomb_friction"),
+        (tight_spot, "law_tight_spot", (0.2, 0.3, 0.3), "law_tight_spot"),
+    ],
+)
+def test_a_term_that_says_no_more_than_a_name_gives_way_to_it(law, term, values, told):
+    """Seen: the shoulder of a real pendulum, told as friction larger one way than the other by 2 % of itself.
+
+    Another time as friction at a place as wide as half a turn, which foretold its swing-up badly.
+    """
+    name, term = ("coulomb_friction", "shaft"), (term, "shaft")
+    problem = problem_of(case_of("one", Plant(law=law) if law else CASES["coulomb_friction@shaft"][1], 47))
+    knowing = shared_replayer("one", ("coulomb_friction", "viscous_friction", term[0]))
     problem = replace(problem, replays=replace(problem.replays, replayer=knowing), places=(term,))
     parameters = parameters_only(nominal("one"), knowing.catalogue)
     hypothesis = claiming(nominal("one"), parameters, (term,))
-    start = [(hypothesis, [hypothesis.with_values(term, [0.1, 0.02 if true else 0.6])])]
+    start = [(hypothesis, [hypothesis.with_values(term, values)])]
     there = about(problem, Fit(*start[0][:1], start[0][1][0], 1.0))
     [best] = finished(judged_apart(Setting(parameters, folds_of(problem)), there, start, "the term"))
     unnamed: Any = SimpleNamespace(parameters=parameters)
-    assert finished(single_term._plainest(unnamed, problem, best, [name])).places == ((told, "shaft"),)
+    elsewhere = replace(best, held_out=0.1 * best.held_out)  # as a comparison about something else may have it
+    first, *_, last = finished(single_term._plainest(unnamed, problem, [elsewhere, elsewhere], {name: []}))
+    assert first.places == (term,) and last.places == ((told, "shaft"),)
 
 
 @pytest.mark.slow
@@ -276,6 +297,22 @@ def test_terms_that_a_named_effect_says_count_only_without_it():
     there = moving(lambda t, q, w: -0.3 * np.abs(w[:, 1]) * w[:, 1])
     assert next(iter(likely(nominal("two"), [there], "elbow", 6))) == ("law_drag", "elbow")
     assert ("law_drag", "elbow") not in likely(nominal("two"), [there], "elbow", 40, ["quadratic_drag"])
+
+
+@pytest.mark.parametrize(
+    ("force", "values"),
+    [
+        (lambda q, w: -0.3 * np.sign(w), {"coulomb_friction": (0.3,)}),
+        (lambda q, w: -0.05 * w, {"viscous_friction": (0.05,)}),
+        (lambda q, w: 0.1 - 0.5 * (q + 0.2), {"joint_stiffness": (0.5,)}),
+        (lambda q, w: 0.2 * np.sin(9.13 * q + 0.6), {"cogging": (0.2, 9.13)}),
+    ],
+)
+def test_missing_forces_suggest_values_of_names(force, values):
+    found = likely_values(nominal("two"), [moving(lambda _, q, w: force(q[:, 1], w[:, 1]))], "elbow", BESIDE)
+    assert set(found) == {(name, "elbow") for name in BESIDE}
+    for name, expected in values.items():
+        assert any(own[: len(expected)] == pytest.approx(expected, rel=0.1) for own in found[name, "elbow"])
 
 
 @pytest.mark.parametrize(
