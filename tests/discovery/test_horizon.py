@@ -10,12 +10,12 @@ from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import horizon
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR
-from estexp_jax.discovery.horizon import hangs_on_hairs
-from estexp_jax.discovery.hypotheses import parameters_only
+from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs
+from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
-from tests.discovery.planted import CONFIG, Plant, case_of, explained, problem_of
+from tests.discovery.planted import CASES, CONFIG, Plant, case_of, explained, finished, problem_of
 
 TEETH, STRENGTH, PHASE = 14.0, 0.3, 0.8
 FEW = replace(CONFIG, effects=("viscous_friction", "coulomb_friction", "cogging"), most=1)
@@ -83,3 +83,22 @@ def test_where_the_usual_windows_took_long_shorter_ones_are_not_tried(monkeypatc
     assert hangs_on_hairs(problem, selection)
     problem.counted[0] = 10**9  # steps of a robot with two joints
     assert not hangs_on_hairs(problem, selection)
+
+
+@pytest.mark.parametrize(("usual", "nearer", "flattered"), [("coulomb", "viscous", 1e3), ("viscous", "coulomb", 1e-3)])
+def test_what_shorter_windows_choose_and_the_usual_choice_are_judged_by_one_comparison(usual, nearer, flattered):
+    """Each as another comparison may have it, by which the wrong one seems better."""
+    problem = problem_of(case_of("one", CASES["coulomb_friction@shaft"][1], 645), FEW)
+    robot, parameters = problem.replayer.robot, parameters_only(problem.replayer.robot, problem.replayer.catalogue)
+
+    def fit_of(name: str) -> Fit:
+        hypothesis = claiming(robot, parameters, ((f"{name}_friction", "shaft"),))
+        return Fit(hypothesis, hypothesis.with_values(hypothesis.places[0], [0.05]), 1.0)
+
+    before = Explanation(fit_of(usual), np.full(len(problem.fitted), flattered))
+    named = Selection(before, before, before, (before,), before)
+    found, _ = finished(as_nearer(problem, named, fit_of(nearer)))
+    assert found.chosen.places == (("coulomb_friction", "shaft"),)
+    if nearer == "coulomb":
+        old, new = found.tried
+        assert new is found.chosen and old.error > 2.0 * new.error
