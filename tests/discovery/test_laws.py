@@ -218,7 +218,7 @@ def two_way(_, __, w: float) -> float:
 def test_a_term_that_says_no_more_than_a_name_gives_way_to_it(law, term, values, told):
     """Seen: the shoulder of a real pendulum, told as friction larger one way than the other by 2 % of itself.
 
-    Another time as friction at a place as wide as half a turn, which foretold its swing-up badly.
+    Another time as friction at a place as wide as half a turn.
     """
     name, term = ("coulomb_friction", "shaft"), (term, "shaft")
     problem = problem_of(case_of("one", Plant(law=law) if law else CASES["coulomb_friction@shaft"][1], 47))
