@@ -182,9 +182,10 @@ def without_piles(robot: Robot, named: Selection, nearer: Selection | None = Non
     Args:
         robot: the nominal robot.
         named: what was chosen among names.
-        nearer: the same by shorter windows, if they were asked: what is whole there is.
+        nearer: what shorter windows chose, if they were asked: where it is the same, what is whole there is.
     """
-    if robot.model.njnt == 1 or crowded(robot, named) is None or whole(nearer or named):
+    same = nearer is not None and set(nearer.chosen.places) == set(named.chosen.places)
+    if robot.model.njnt == 1 or crowded(robot, named) is None or whole(nearer if nearer and same else named):
         return named
     return replace(named, piled=True)
 

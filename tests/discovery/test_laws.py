@@ -536,6 +536,19 @@ def test_names_piled_up_at_a_joint_that_leave_much_explain_nothing():
     assert judged(apart, 40.0, 14.0) == "missing_physics", "each of them stands for itself"
 
 
+def test_shorter_windows_say_what_is_whole_only_of_what_they_chose_themselves():
+    """Seen: a real pendulum with an early command, whole by the usual windows, something else by shorter ones."""
+    robot = nominal("two")
+    pile, other = (("joint_stiffness", "elbow"), ("cogging", "elbow")), (("cogging", "shoulder"),)
+
+    def piled(left: float, nearer: tuple, left_nearer: float) -> bool:
+        named = selection({(): 400.0, pile: left}, pile)
+        return without_piles(robot, named, selection({(): 40.0, nearer: left_nearer}, nearer)).piled
+
+    assert piled(14.0, pile, 14.0) and not piled(100.0, pile, 5.0), "the same"
+    assert not piled(14.0, other, 14.0) and piled(100.0, other, 5.0), "something else, so it says nothing"
+
+
 def test_all_that_acts_on_the_only_joint_may_be_told_there():
     claims = (("viscous_friction", "shaft"), ("cogging", "shaft"))
     told = without_piles(nominal("one"), selection({(): 40.0, claims: 14.0}, claims, nominal("one")))
