@@ -184,8 +184,9 @@ def without_piles(robot: Robot, named: Selection, nearer: Selection | None = Non
         named: what was chosen among names.
         nearer: what shorter windows chose, if they were asked: where it is the same, what is whole there is.
     """
-    same = nearer is not None and set(nearer.chosen.places) == set(named.chosen.places)
-    if robot.model.njnt == 1 or crowded(robot, named) is None or whole(nearer if nearer and same else named):
+    if nearer is None or set(nearer.chosen.places) != set(named.chosen.places):
+        nearer = named
+    if robot.model.njnt == 1 or crowded(robot, named) is None or whole(nearer):
         return named
     return replace(named, piled=True)
 

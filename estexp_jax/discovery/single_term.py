@@ -58,7 +58,6 @@ def single_term(
     problem = replace(problem, memory=problem.memory.setdefault(_MEMORY, {}))
     names = [p for p in chosen.places if about_joint(robot, p) == joint]
     before, best = yield from term_instead(unnamed, problem, names)
-    kept = [before if e is chosen else e for e in kept]
     if best is before or not outdoes(best, before, len(names)):
         return None
     told = [before, best]
@@ -66,7 +65,7 @@ def single_term(
         told = yield from _bare(unnamed, problem, told)
     values = likely_values(robot, unnamed.seen, joint, [name for name, _ in plain])
     told = yield from _plainest(unnamed, problem, told, values)
-    others, there = [e for e in kept if e is not before], about(problem, told[-1].fitted)
+    others, there = [e for e in kept if e is not chosen], about(problem, told[-1].fitted)
     tried = judged_again(there, [*others, *told], folds_of(problem))
     found = replace(named, tried=tuple(tried), chosen=tried[-1])
     return (found, there) if verdict(robot, found, found.chosen.claims) == "missing_physics" else None
