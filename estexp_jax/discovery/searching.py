@@ -198,12 +198,12 @@ def _exchanged(search: Setting, found: Standing, place: Place) -> Generator[Prog
     new = [f for f in grown if set(f.hypothesis.places) != set(chosen.places)]
     if not new:
         return found
-    judged, problem = yield from compared(search, found.problem, new, stage)
-    sound = _sound(judged, chosen)
+    (before, *judged), problem = yield from compared(search, found.problem, [chosen.fitted, *new], stage)
+    sound = _sound(judged, before)
     if not sound:
         return found
     tried, best = (*found.tried, *sound), simplest(sound)
-    return Standing(problem, best, tried) if best.error < chosen.error else replace(found, tried=tried)
+    return Standing(problem, best, tried) if best.error < before.error else replace(found, tried=tried)
 
 
 def _all_exchanged(search: Setting, found: Standing, as_it_is: Explanation) -> Generator[Progress, None, Standing]:

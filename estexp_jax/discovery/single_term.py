@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from estexp_jax.discovery.believing import about_joint, outdoes
 from estexp_jax.discovery.cross_validation import judged_again
-from estexp_jax.discovery.fitting import Progress, Task
+from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.growing import Setting, compared
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.law_search import (
@@ -107,6 +107,9 @@ def _judged_alike(
 ) -> Generator[Progress, None, list[Explanation]]:
     """What is told so far, and more hypotheses, by one comparison: that about another fit has other doubts."""
     there, setting = about(problem, told[-1].fitted), Setting(unnamed.parameters, folds_of(problem))
+    price, known = there.price_of(there.fitted), [(e.fitted.hypothesis, [e.fitted.vector]) for e in told]
+    told_at_first = fit(there, known, there.fitted, price, stage=f"{stage}, what is told", iterations=0)
+    costed = yield from announced(told_at_first)
     fits = yield from announced(at_first(there, tasks, stage))
-    judged, _ = yield from announced(compared(setting, there, [*(e.fitted for e in told), *fits], stage))
+    judged, _ = yield from announced(compared(setting, there, [*costed, *fits], stage))
     return judged

@@ -230,9 +230,12 @@ def test_a_term_that_says_no_more_than_a_name_gives_way_to_it(law, term, values,
     there = about(problem, Fit(*start[0][:1], start[0][1][0], 1.0))
     [best] = finished(judged_apart(Setting(parameters, folds_of(problem)), there, start, "the term"))
     unnamed: Any = SimpleNamespace(parameters=parameters)
-    elsewhere = replace(best, held_out=0.1 * best.held_out)  # as a comparison about something else may have it
+    off = Fit(hypothesis, hypothesis.with_values(term, [1.1 * v for v in values]), 1e6)
+    elsewhere = Explanation(off, 0.1 * best.held_out)  # as a comparison about something else may have it
     first, *_, last = finished(single_term._plainest(unnamed, problem, [elsewhere, elsewhere], {name: []}))
     assert first.places == (term,) and last.places == ((told, "shaft"),)
+    if told == term[0]:
+        assert last.claims[0].parameters == pytest.approx(best.claims[0].parameters, rel=0.02)
 
 
 @pytest.mark.slow

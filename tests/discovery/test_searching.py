@@ -119,6 +119,31 @@ def test_what_shows_no_effect_from_values_as_modelled_is_looked_at_once_more(
     assert end.value.value[0].chosen is (better if helps else own)
 
 
+@pytest.mark.parametrize(("known", "alike", "exchanged"), [(2.0, 6.0, True), (6.0, 2.0, False)])
+def test_an_effect_is_exchanged_for_what_one_comparison_finds_better(
+    monkeypatch: pytest.MonkeyPatch, known: float, alike: float, exchanged: bool
+) -> None:
+    """By comparisons about different fits, with other doubts, errors differ several times."""
+
+    def claims(name: str, error: float) -> Explanation:
+        return Explanation(Fit(Hypothesis(((name, "elbow"),), ()), np.zeros(0), error**2), np.full(4, error**2 / 4.0))
+
+    chosen, other = claims("cogging", known), claims("backlash", 4.0)
+    judged = {"cogging": claims("cogging", alike), "backlash": other}
+
+    def compared(_: Any, there: Any, fits: list[Fit], __: str) -> Any:
+        return steps(([judged[f.hypothesis.places[0][0]] for f in fits], there))
+
+    monkeypatch.setattr(searching, "without", lambda *_: (Hypothesis((), ()), [np.zeros(0)]))
+    monkeypatch.setattr(searching, "grown_from", lambda *_: steps([other.fitted]))
+    monkeypatch.setattr(searching, "compared", compared)
+    found = Standing(problem(0), chosen, ())
+    ends = searching._exchanged(Setting(Hypothesis((), ()), []), found, chosen.places[0])
+    with pytest.raises(StopIteration) as end:
+        next(ends)
+    assert end.value.value.chosen is (other if exchanged else chosen)
+
+
 @pytest.mark.parametrize(
     ("left", "n", "k", "added"),
     [
