@@ -9,12 +9,12 @@ import pytest
 from estexp_jax.discovery import comparison
 from estexp_jax.discovery.diagnosis import EXPLAINING, ExplainConfig
 from estexp_jax.discovery.explain import explain
-from estexp_jax.discovery.hypotheses import claimable, simulated
+from estexp_jax.discovery.hypotheses import claimable
 from estexp_jax.discovery.starts import RUNGS, Seen, climbed, lowered, starts
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import catalogue, effect
+from estexp_jax.physics.registry import Catalogue, catalogue, effect
 from estexp_jax.physics.robot import Robot
 from tests.discovery.leg import CASES, JOINTS, leg_case
 from tests.discovery.planted import finished
@@ -24,13 +24,14 @@ CONFIG = ExplainConfig(window=2.0, most=1)
 
 
 @cache
-def shared() -> Replayer:
+def shared_replayer(effects: tuple[str, ...]) -> Replayer:
+    """One replayer, so one compilation, for all cases with these effects."""
     leg = Robot.from_xml(model_path("leg"))
-    return replayer(leg, catalogue(simulated(CONFIG.effects)), [leg])
+    return replayer(leg, catalogue(effects), [leg])
 
 
-def _shared(*_: object, **__: object) -> Replayer:
-    return shared()
+def _shared(_: Robot, effects: Catalogue, *__: object, **___: object) -> Replayer:
+    return shared_replayer(tuple(e.name for e in effects))
 
 
 @pytest.mark.slow
