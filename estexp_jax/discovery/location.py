@@ -6,7 +6,7 @@ from typing import Any
 
 from estexp_jax.discovery.frozen import PLAIN
 from estexp_jax.discovery.hypotheses import Place
-from estexp_jax.discovery.selection import Explanation, Selection, p_value
+from estexp_jax.discovery.selection import NOISE, Explanation, Selection, p_value
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.registry import effect
 from estexp_jax.physics.robot import Robot
@@ -20,8 +20,8 @@ _TIE = 0.99
 def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
     """Ranked places: kind, name, share of the removable held-out error, p-value against parameters alone.
 
-    Of near ties, what is claimed comes first: all motors weaker, with the others' values bent back, say the same as
-    one. Where what is claimed is plain in the recordings themselves, there is no other place.
+    Of near ties, and where it leaves only noise, what is claimed comes first: all motors weaker, with the others bent
+    back, say the same as one. Where what is claimed is plain in the recordings themselves, there is no other place.
     """
     if selection.seen:
         kind, name = element(robot, selection.chosen.places[0])
@@ -36,7 +36,7 @@ def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
     removed = {place: max(base - e.held_out.sum(), 0.0) for place, e in best.items()}
     total = sum(removed.values())
     claimed, most = {element(robot, place) for place in selection.chosen.places}, max(removed.values(), default=0.0)
-    guilty = {place for place in claimed & set(best) if removed[place] >= _TIE * most}
+    guilty = {p for p in claimed & set(best) if removed[p] >= _TIE * most or best[p].error <= NOISE}
     ranked = sorted(best, key=lambda place: (place in guilty, removed[place]), reverse=True)
     entries = [
         {
