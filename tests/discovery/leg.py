@@ -55,6 +55,13 @@ CASES: dict[str, Values] = {
     "external_force@shank": {"x": 3.0, "y": -2.0},
 }
 """What is concealed; parameters left out are zero."""
+LIMIT, LIMITS = 20.0, {"motor_fade@thigh": 6.0}
+"""Largest torque of the motors, N m; where they fade they are small ones, which warm as they work."""
+
+
+def _described(limit: float) -> str:
+    """MJCF of the leg with motors of this largest torque."""
+    return model_path("leg").read_text().replace(f"-{LIMIT:g} {LIMIT:g}", f"-{limit:g} {limit:g}")
 
 
 class Leg:
@@ -68,7 +75,8 @@ class Leg:
     def __init__(self, case: str, seed: int) -> None:
         self.effect, _, self.place = case.partition("@")
         self.v = {"x": 0.0, "y": 0.0, "z": 0.0, **CASES.get(case, {})}
-        spec = mujoco.MjSpec.from_file(str(model_path("leg")))
+        self.limit = LIMITS.get(case, LIMIT)
+        spec = mujoco.MjSpec.from_string(_described(self.limit))
         self._describe(spec)
         self.model = spec.compile()
         self.model.opt.timestep /= FINER
@@ -151,7 +159,7 @@ class Leg:
         return u
 
     def _servo(self, u: float, q: float, w: float) -> float:
-        return float(np.clip(40.0 * (u - q) - w, -20.0, 20.0))
+        return float(np.clip(40.0 * (u - q) - w, -self.limit, self.limit))
 
     def _law(self, on: np.ndarray, scale: np.ndarray) -> None:
         """What depends on the state: torques into qfrc_applied, friction into the model, motors scaled in place."""
@@ -179,8 +187,9 @@ class Leg:
             case "back_emf":
                 m.dof_damping[i] = 0.05 + v["k"] * on[i]
             case "motor_fade":
-                scale[i] *= 1.0 - v["loss"] * s.get("H", 0.0)
-                s["H"] = s.get("H", 0.0) + dt * ((torque[i] / 20.0) ** 2 - s.get("H", 0.0)) / v["tau"]
+                left = 1.0 - v["loss"] * s.get("H", 0.0)
+                scale[i], m.actuator_forcerange[i] = left * scale[i], [-left * self.limit, left * self.limit]
+                s["H"] = s.get("H", 0.0) + dt * ((torque[i] / self.limit) ** 2 - s.get("H", 0.0)) / v["tau"]
             case "joint_compliance" | "backlash":
                 scale[i] = 0.0
                 d.qfrc_applied[i] = self._behind(on, q, w)
@@ -218,6 +227,8 @@ def record(case: str, seed: int, role: str) -> Recording:
     path = []
     for k in range(len(sent)):
         path.append(leg.data.qpos.copy())
+        if k == before * inner and leg.effect == "motor_fade":
+            leg.state["H"] = 0.0  # cold where a recording begins
         if k % inner == 0 and k // inner >= before:
             q[k // inner - before] = path[-1]
             if leg.effect == "sensor_delay":
@@ -248,7 +259,7 @@ def _commands(rng: np.random.Generator, n: int, role: str) -> np.ndarray:
 
 def leg_case(case: str, seed: int) -> Case:
     """Three training recordings and one test recording of one leg."""
-    robot = Robot.from_xml(model_path("leg"))
+    robot = Robot.from_string(_described(LIMITS.get(case, LIMIT)), "leg.xml")
     roles = ["train"] * 3 + ["test"]
     recordings = tuple(record(case, 10 * seed + k, role) for k, role in enumerate(roles))
     return Case(robot, recordings, (robot,) * len(recordings))

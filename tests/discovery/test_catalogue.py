@@ -1,6 +1,5 @@
 """Every effect concealed in the leg is named, by the whole catalogue (slow: minutes a case)."""
 
-from functools import cache
 from unittest.mock import patch
 
 import numpy as np
@@ -14,7 +13,7 @@ from estexp_jax.discovery.starts import RUNGS, Seen, climbed, lowered, starts
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import Catalogue, catalogue, effect
+from estexp_jax.physics.registry import Catalogue, effect
 from estexp_jax.physics.robot import Robot
 from tests.discovery.leg import CASES, JOINTS, leg_case
 from tests.discovery.planted import finished
@@ -23,15 +22,15 @@ from tests.physics.robots import ROBOTS, robot
 CONFIG = ExplainConfig(window=2.0, most=1)
 
 
-@cache
-def shared_replayer(effects: tuple[str, ...]) -> Replayer:
-    """One replayer, so one compilation, for all cases with these effects."""
-    leg = Robot.from_xml(model_path("leg"))
-    return replayer(leg, catalogue(effects), [leg])
+REPLAYERS: dict[tuple[float, tuple[str, ...]], Replayer] = {}
 
 
-def _shared(_: Robot, effects: Catalogue, *__: object, **___: object) -> Replayer:
-    return shared_replayer(tuple(e.name for e in effects))
+def _shared(leg: Robot, effects: Catalogue, *_: object, **__: object) -> Replayer:
+    """One replayer, so one compilation, for all cases of a leg with these effects."""
+    key = float(leg.model.actuator_forcerange[0, 1]), tuple(e.name for e in effects)
+    if key not in REPLAYERS:
+        REPLAYERS[key] = replayer(leg, effects, [leg])
+    return REPLAYERS[key]
 
 
 @pytest.mark.slow
