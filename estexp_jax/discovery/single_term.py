@@ -105,11 +105,11 @@ def _plainest(
 def _judged_alike(
     unnamed: Unnamed, problem: Problem, told: Sequence[Explanation], tasks: Sequence[Task], stage: str
 ) -> Generator[Progress, None, list[Explanation]]:
-    """What is told so far, and more hypotheses, by one comparison: that about another fit has other doubts."""
+    """What is told so far, and more hypotheses, costed and judged by one comparison: another one has other doubts."""
     there, setting = about(problem, told[-1].fitted), Setting(unnamed.parameters, folds_of(problem))
-    price, known = there.price_of(there.fitted), [(e.fitted.hypothesis, [e.fitted.vector]) for e in told]
-    told_at_first = fit(there, known, there.fitted, price, stage=f"{stage}, what is told", iterations=0)
-    costed = yield from announced(told_at_first)
+    windows, known = there.fitted, [(e.fitted.hypothesis, [e.fitted.vector]) for e in told]
+    as_told = fit(there, known, windows, there.price_of(windows), stage=f"{stage}, what is told", iterations=0)
+    costed = yield from announced(as_told)
     fits = yield from announced(at_first(there, tasks, stage))
     judged, _ = yield from announced(compared(setting, there, [*costed, *fits], stage))
     return judged

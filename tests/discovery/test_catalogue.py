@@ -20,8 +20,6 @@ from tests.discovery.planted import finished
 from tests.physics.robots import ROBOTS, robot
 
 CONFIG = ExplainConfig(window=2.0, most=1)
-
-
 REPLAYERS: dict[tuple[float, tuple[str, ...]], Replayer] = {}
 
 
