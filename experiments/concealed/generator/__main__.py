@@ -56,9 +56,9 @@ def _kept(out: Path, name: str) -> Path:
 
 
 def write_one(out: Path, name: str, plan: Plan, shorter: float = 1.0) -> dict:
-    """Write `out/cases/<name>/` and give the answer, which is written last and says that the case is there."""
+    """Write `out/cases/<name>/` and give the answer, which is written last; where either is gone, both are made."""
     kept = _kept(out, name)
-    if not kept.is_file():
+    if not (kept.is_file() and (out / "cases" / name / "recordings.toml").is_file()):
         with patient():
             case = realised(plan, shorter)
         write_case(case, out / "cases" / name)

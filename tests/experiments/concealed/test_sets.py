@@ -13,7 +13,8 @@ import pytest
 
 from experiments.concealed import run as front
 from experiments.concealed import sets
-from experiments.concealed.generator.__main__ import patient
+from experiments.concealed.generator.__main__ import patient, write_one
+from experiments.concealed.generator.plans import plans
 from experiments.concealed.runner import Runner, ending_of
 
 EXPLAIN = """
@@ -77,6 +78,14 @@ def test_a_drawn_set_is_not_drawn_again(copy):
     before = (copy / "answers.json").read_bytes()
     sets.draw(copy, 6, 2, ["planar"])
     assert (copy / "answers.json").read_bytes() == before
+
+
+def test_a_case_whose_recordings_are_gone_is_drawn_again(copy):
+    plan, written = plans(5, 2, ["planar"])[0], sets.recordings_hash(copy / "cases")
+    answer = write_one(copy, "c000", plan, shorter=0.14)
+    shutil.rmtree(copy / "cases" / "c000")
+    assert write_one(copy, "c000", plan, shorter=0.14) == answer
+    assert sets.recordings_hash(copy / "cases") == written
 
 
 def test_ctrl_c_waits_for_the_end_of_a_case():
