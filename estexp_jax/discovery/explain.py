@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
-from estexp_jax.discovery.believing import doubled, manifold, nearly, needed, without_piles
+from estexp_jax.discovery.believing import doubled, is_law, manifold, nearly, needed, without_piles
 from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of, shortened, shown_of, to_fit
 from estexp_jax.discovery.dating import sharpened
@@ -27,6 +27,7 @@ from estexp_jax.discovery.hypotheses import (
     parameters_only,
 )
 from estexp_jax.discovery.late import begun, select_late, starting_late
+from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_search import Unnamed
 from estexp_jax.discovery.laws import lacks_force, unknown_law, unknown_law_nearer
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
@@ -86,6 +87,9 @@ def explain(
     selection, problem = yield from _unnamed(case, config, whole, named, parameters)
     whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
+    if any(is_law(place) for place in selection.chosen.places):
+        seen = force_residuals(problem, [robot.model for robot in case.robots], case.indices("train"))
+        fits["explained"] = held(case.robot, seen, fits["explained"])
     yield Progress("black box", 0, 1)
     shown = shown_of(case, config, whole).with_windows(whole.replays.cut, began)
     bases = [base_of(case, shown, fits[name]) for name in ("parameters_only", "nominal")]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import JointMoment
 from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
@@ -94,6 +96,33 @@ def law_forces(robot: Robot, seen: Sequence[ForceResidual], joint: str, terms: S
     return LawForces(joint, samples.q, samples.w, samples.motor, samples.force, given)
 
 
+def held(robot: Robot, seen: Sequence[ForceResidual], fitted: Fit) -> Fit:
+    """The fit whose laws grow no further than recordings show: hidden variables that go beyond add nothing.
+
+    Args:
+        robot: the nominal robot.
+        seen: its motions in the training recordings.
+        fitted: what is claimed; what it predicts of the training recordings stays the same.
+    """
+    vector, free = fitted.vector.copy(), fitted.hypothesis.free
+    for name, site in fitted.hypothesis.places:
+        law = effect(name)
+        if isinstance(law, JointLaw) and law.n_states:
+            own = [i for i, f in enumerate(free) if (f.effect, f.site) == (name, site)]
+            values, courses = tuple(vector[own].tolist()), courses_of(robot, seen, robot.index("joint", site))
+            each = [[float(np.abs(x).max()) for x in law.remembered(values, course)] for course in courses]
+            vector[own] = law.held(values, tuple(map(max, zip(*each, strict=True))))
+    return replace(fitted, vector=vector)
+
+
+def courses_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> tuple[Course, ...]:
+    """What a joint did in each training recording."""
+    place, dof = robot.model.jnt_qposadr[joint], robot.model.jnt_dofadr[joint]
+    return tuple(
+        Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof], r.told[:, dof]) for r in seen
+    )
+
+
 def samples_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> Samples:
     """What each training recording shows of a joint, thinned to a few thousand samples."""
     model = robot.model
@@ -109,7 +138,7 @@ def samples_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> Sampl
         q, w, motor = map(joined, each)
         return q, w, motor
 
-    place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+    dof = model.jnt_dofadr[joint]
     moved = [j for j in robot.scalar_joints if any(np.ptp(r.qvel[:, model.jnt_dofadr[j]]) > 0.0 for r in seen)]
     q, w, motor = motion(joint)
     force = joined([r.force[:, dof] for r in seen])
@@ -122,9 +151,7 @@ def samples_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> Sampl
     motors = [[r.told for r in seen], [r.asked for r in seen], [r.on for r in seen]]
     told, asked, on = (joined([x[:, dof] for x in each]) for each in motors)
     reach = Reach(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
-    runs = tuple(
-        Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof], r.told[:, dof]) for r in seen
-    )
+    runs = courses_of(robot, seen, joint)
     counts = np.ones(len(q), bool)
     return Samples(
         np.clip(force, -far, far), q, w, faster, motor, told, asked, on, bent, others, runs, thin, reach, counts

@@ -31,6 +31,7 @@ from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import Setting, judged_apart
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
+from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_search import BESIDE
 from estexp_jax.discovery.laws import lacks_force, suspects
 from estexp_jax.discovery.likely_laws import likely, likely_values
@@ -42,7 +43,7 @@ from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.package_data import schema_path
 from estexp_jax.physics.changes import Change
-from estexp_jax.physics.effects.laws.base import JointLaw
+from estexp_jax.physics.effects.laws.base import JointLaw, followed
 from estexp_jax.physics.registry import catalogue, effect
 from estexp_jax.physics.robot import Robot
 from estexp_jax.report.explain_text import claim
@@ -659,6 +660,18 @@ def test_terms_at_a_joint_are_told_as_one_equation():
     assert told == f"{expected}, in brackets the joint whose q or w it is"
     there = moving(lambda t, q, w: 0.0 * t)
     assert covered(nominal("two"), [there], "elbow").endswith("-0.8 < q < 0.8 rad")
+
+
+@pytest.mark.parametrize(("share", "level", "seen"), [(0.9, 0.62, False), (0.3, 0.2, True)])
+def test_a_law_grows_no_further_than_recordings_show(share: float, level: float, seen: bool):
+    warm, there = ("law_warm_motor", "elbow"), moving(lambda t, q, w: 0.0 * t)
+    hypothesis = explanation((warm,), 1.0).fitted.hypothesis
+    fitted = Fit(hypothesis, hypothesis.with_values(warm, (share, level, 0.5)), 1.0)
+    assert fitted.vector[-3:].tolist() == [share, level, 0.5], "within the bounds"
+    hottest = followed(there.motor[:, 1] ** 2, there.time - there.time[0], 0.5).max()
+    loses, until, T = held(nominal("two"), [there], fitted).vector[-3:]
+    assert loses / until == pytest.approx(share / level) and T == 0.5, "the same as far as was seen"
+    assert until == pytest.approx(level if seen else hottest), "and beyond it nothing is added"
 
 
 def test_a_law_is_one_entry_with_an_interval_for_each_value():

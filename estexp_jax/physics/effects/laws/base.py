@@ -91,6 +91,10 @@ class JointLaw(Term):
         """The hidden variables (samples,) along a recording, in closed form; as many as there are."""
         return ()
 
+    def held(self, p: tuple[float, ...], reached: tuple[float, ...]) -> tuple[float, ...]:
+        """The values with the same force while hidden variables stay below what they reached, and least beyond it."""
+        return p
+
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
 

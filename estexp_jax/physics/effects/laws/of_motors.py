@@ -128,7 +128,7 @@ class LawClippedMotor(Threshold):
 
 @final
 class LawWarmMotor(Remembering):
-    """tau = -a tanh(H / H_0) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses a share as it warms."""
+    """tau = -a min(H / H_0, 1) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses a share as it warms."""
 
     name: ClassVar[str] = "law_warm_motor"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -136,7 +136,7 @@ class LawWarmMotor(Remembering):
         Parameter("H_0", "(N m)2", neutral=1.0),
         Parameter("T", "s", neutral=1.0),
     )
-    equation: ClassVar[str] = "tau = -a tanh(H / H_0) m, dH/dt = (m^2 - H) / T, m the motor's torque"
+    equation: ClassVar[str] = "tau = -a min(H / H_0, 1) m, dH/dt = (m^2 - H) / T, m the motor's torque"
     resembles: ClassVar[str] = "a motor that loses strength as it warms"
     stands_for: ClassVar[str] = "motor_fade"
 
@@ -149,17 +149,22 @@ class LawWarmMotor(Remembering):
         return [(share * power, T) for share in (0.1, 0.5, 2.0) for T in warming]
 
     def formula(self, values: Mapping[str, float]) -> str:
-        share = f"{values['a']:.3g} tanh(H/{values['H_0']:.3g})"
+        share = f"{values['a']:.3g} min(H/{values['H_0']:.3g}, 1)"
         return f"- {share} m with dH/dt = (m^2 - H)/{values['T']:.3g}"
 
     def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
         return (followed(course.motor**2, course.time, p[2]),)
 
+    def held(self, p: tuple[float, ...], reached: tuple[float, ...]) -> tuple[float, ...]:
+        (a, level, T), [hottest] = p, reached
+        share = min(max(hottest, _SMALL) / level, 1.0)
+        return a * share, level * share, T
+
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
         (a, level, T), (heat,) = p, state
         power = jnp.square(moment.torque)
         after = power + (heat - power) * jnp.exp(-moment.dt / T)
-        return JointForce(motor=1.0 - a * jnp.tanh(heat / level)), (after,)
+        return JointForce(motor=1.0 - a * jnp.minimum(heat / level, 1.0)), (after,)
 
 
 @final
