@@ -99,10 +99,12 @@ def law_forces(robot: Robot, seen: Sequence[ForceResidual], joint: str, terms: S
 def held(robot: Robot, seen: Sequence[ForceResidual], fitted: Fit) -> Fit:
     """The fit whose laws grow no further than recordings show: hidden variables that go beyond add nothing.
 
+    Where recordings do not tell at what heat a motor's loss ends, larger motions would be predicted to lose all of it.
+
     Args:
         robot: the nominal robot.
         seen: its motions in the training recordings.
-        fitted: what is claimed; what it predicts of the training recordings stays the same.
+        fitted: what is claimed; what it predicts of the training recordings stays (nearly) the same.
     """
     vector, free = fitted.vector.copy(), fitted.hypothesis.free
     for name, site in fitted.hypothesis.places:

@@ -157,7 +157,7 @@ class LawWarmMotor(Remembering):
 
     def held(self, p: tuple[float, ...], reached: tuple[float, ...]) -> tuple[float, ...]:
         (a, level, T), [hottest] = p, reached
-        share = min(max(hottest, _SMALL) / level, 1.0)
+        share = min(max(hottest, _SMALL**2) / level, 1.0)
         return a * share, level * share, T
 
     def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
