@@ -167,7 +167,7 @@ class Plant:
         m.error = [motors.error(a, u, q) for a, u in enumerate(m.command)]
         for effect in running:
             effect.act(m)
-        m.torque = [motors.torque(a, e, w) for a, e in enumerate(m.error)]
+        m.torque = [enable * motors.torque(a, e, w) for a, e in enumerate(m.error)]  # what is off does not warm
         for effect in running:
             effect.motor(m)
         m.torque = [enable * torque for torque in m.torque]

@@ -124,6 +124,25 @@ def test_an_effect_may_begin_half_way():
     assert same[traces[0].time < 0.5].max() == 0.0 and same[-1] > 1e-3
 
 
+def test_a_motor_that_is_off_cools():
+    robot, rng = ROBOTS["planar"], np.random.default_rng(3)
+    motors = Motors.of(robot.model, layout("planar"))
+    fade = build(Planted("motor_fade", 1, 0.6), "planar", motors, rng)
+    plant, heats = Plant(robot, robot.model, motors, [fade]), []
+
+    def ask(t, q, w):
+        heats.append((t, fade.heat))
+        return [0.3, 0.3]
+
+    plant.run(ask, np.arange(100) * 0.01, (0.5, 2.0), 0.1)
+    time, heat = np.array(heats).T
+    cooling = time > 0.52
+    np.testing.assert_allclose(
+        heat[cooling], heat[cooling][0] * np.exp(-(time[cooling] - time[cooling][0]) / fade.tau), rtol=1e-3
+    )
+    assert heat[time < 0.5].max() > 0.0 and np.all(np.diff(heat[(time > 0.0) & (time < 0.5)]) > 0.0)
+
+
 def test_a_bristle_slides_at_its_level_and_a_queue_waits():
     force = 0.0
     for _ in range(100):
