@@ -170,7 +170,7 @@ class Plant:
         m.torque = [enable * motors.torque(a, e, w) for a, e in enumerate(m.error)]  # what is off does not warm
         for effect in running:
             effect.motor(m)
-        m.torque = [enable * torque for torque in m.torque]
+        m.torque = [enable * torque for torque in m.torque]  # nor brake
         m.force = [0.0] * len(q)
         for torque, joint in zip(m.torque, motors.drives, strict=True):
             m.force[joint] += torque
