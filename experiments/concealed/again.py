@@ -78,18 +78,20 @@ def write_scores(before: Mapping[str, Entry], out: Path, entries: Sequence[Entry
     Args:
         before: rows of the opened set by case.
         out: folder of the page.
-        entries: rows of now; those of other recordings than were sealed, as the generator was mended, are left out.
+        entries: rows of now. Those of other recordings than were sealed, as the generator was mended, are left out, and
+            those that failed then; those that fail now, and so have no hash of their recordings, count.
         whole: cases of the set.
     """
     from estexp_jax.runs import write_text
 
-    same = [e for e in entries if e["recordings_sha256"] == before.get(e["case"], {}).get("recordings_sha256")]
+    sealed = {case: row["recordings_sha256"] for case, row in before.items() if "recordings_sha256" in row}
+    same = [e for e in entries if e["case"] in sealed and e.get("recordings_sha256") in (None, sealed[e["case"]])]
     then, now = [row_of(before[e["case"]]) for e in same], [row_of(e) for e in same]
     boards = board(then), board(now)
     other = ", ".join(e["case"] for e in entries if e not in same) or "none"
     lines = [
         f"{len(same)} of {whole} cases, at {', '.join(sorted({str(e['commit'])[:7] for e in same}))}; "
-        f"drawn otherwise today, and left out: {other}.",
+        f"left out, as drawn otherwise today or failed then: {other}.",
         "",
         "| | then | now |",
         "|---|---|---|",

@@ -34,7 +34,7 @@ def test_what_was_lost_and_won_is_told_of_the_same_recordings(opened):
     opened.with_name("again.json").write_text(json.dumps({"seed": 5, "rows": now}), encoding="utf-8")
     assert again.main([str(opened), "score", "--out", str(opened.parent)]) == 0
     lines = (opened.parent / "again.md").read_text(encoding="utf-8").splitlines()
-    assert "at abcdef0" in lines[0] and "left out: c002" in lines[0]
+    assert "at abcdef0" in lines[0] and "left out" in lines[0] and "c002" in lines[0]
     assert "| place first, effect visible | 1 of 2 | 1 of 2 |" in lines
     assert "| c000 | leg | armature | yes | armature@knee | unexplained | 0.90 | 0.00 |" in lines
     assert "| c001 | leg | armature | yes | unexplained | armature@knee | 0.00 | 0.90 |" in lines
@@ -46,6 +46,15 @@ def test_cases_that_come_out_alike_are_only_counted(opened):
     again.main([str(opened), "score", "--out", str(opened.parent)])
     page = (opened.parent / "again.md").read_text(encoding="utf-8")
     assert "| place first, effect visible | 1 of 1 | 1 of 1 |" in page and "c000" not in page
+
+
+def test_a_case_that_fails_now_is_lost(opened):
+    failed = _entry("c000", "0", {"verdict": "none"})
+    del failed["answer"], failed["recordings_sha256"]
+    opened.with_name("again.json").write_text(json.dumps({"seed": 5, "rows": [failed]}), encoding="utf-8")
+    again.main([str(opened), "score", "--out", str(opened.parent)])
+    page = (opened.parent / "again.md").read_text(encoding="utf-8")
+    assert "| c000 | leg | armature | yes | armature@knee | none | 0.90 | - |" in page
 
 
 def test_a_file_that_is_not_there_is_told(tmp_path):
