@@ -19,7 +19,7 @@ from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.frozen import frozen
-from estexp_jax.discovery.horizon import hangs_on_hairs, select_nearer
+from estexp_jax.discovery.horizon import Nearer, hangs_on_hairs, says_all, select_nearer
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claiming,
@@ -44,7 +44,7 @@ from estexp_jax.discovery.single_term import single_term
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
-from estexp_jax.discovery.verdict import verdict
+from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.inference.windows import fitting_window
 from estexp_jax.physics.registry import effect
 
@@ -77,14 +77,21 @@ def explain(
     if usual and hangs_on_hairs(problem, selection):
         shorter = shortened(case, config, whole)
         selection, problem, nearer = yield from select_nearer(shorter, problem, parameters, selection, config.most)
-    whole_way = selection, problem
-    selection, problem, began = yield from _late(case, config, problem, selection, parameters)
+    settled = nearer if nearer is not None and says_all(nearer.selection, selection) else None
+    if settled is not None and not settled.selection.chosen.places:  # nor is there a law
+        selection, problem = settled
+    whole_way, began = (selection, problem), dict[int, float]()
+    if settled is None:  # else nothing begins part-way
+        selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
         if began and _throughout(case, _frozen(*whole_way, parameters)):
             (selection, problem), began = whole_way, {}
         selection = _frozen(selection, problem, parameters)
     named = _Named(selection, problem, began, None if began else nearer)
     selection, problem = yield from _unnamed(case, config, whole, named, parameters)
+    if usual and not began:
+        last = named._replace(selection=selection, problem=problem)
+        selection, problem = yield from _as_nearer(case, config, whole, last, parameters)
     whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     if any(is_law(place) for place in selection.chosen.places):
@@ -148,20 +155,21 @@ class _Named(NamedTuple):
         selection: with what was chosen.
         problem: the comparison about it.
         began: the onset in each training recording, s; empty where claims act from the start.
-        nearer: the selection by shorter windows, where motions hang on hairs.
+        nearer: what was chosen by shorter windows, where motions hang on hairs.
     """
 
     selection: Selection
     problem: Problem
     began: dict[int, float]
-    nearer: Selection | None
+    nearer: Nearer | None
 
 
 def _unnamed(
     case: Case, config: ExplainConfig, whole: Problem, named: _Named, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
     """What no name explains, or only many numbers or nearly, as an unknown law if there is one: and its comparison."""
-    selection, problem, began, nearer = named
+    selection, problem, began = named.selection, named.problem, named.began
+    nearer = named.nearer.selection if named.nearer is not None else None
     if nearer is not None and _suffices(case, selection, nearer):
         return selection, problem
     lacking, joint = needed(case.robot, selection), doubled(case.robot, selection)
@@ -185,6 +193,19 @@ def _unnamed(
     if found is None and joint is not None:
         found = yield from single_term(replace(unnamed, problem=problem), joint, simulator)
     return found or (without_piles(case.robot, selection, nearer), problem)
+
+
+def _as_nearer(
+    case: Case, config: ExplainConfig, whole: Problem, named: _Named, parameters: Hypothesis
+) -> Generator[Progress, None, tuple[Selection, Problem]]:
+    """What shorter windows choose and find whole, where neither names nor a law explain the usual ones."""
+    selection, problem, nearer = named.selection, named.problem, named.nearer
+    if selection.seen or selection.chosen.error <= QUIET or any(map(is_law, selection.chosen.places)):
+        return selection, problem
+    if nearer is None and hangs_on_hairs(problem, selection, QUIET):
+        shorter = shortened(case, config, whole)
+        nearer = Nearer(*(yield from select(shorter, parameters, config.most)))
+    return nearer if nearer is not None and says_all(nearer.selection, selection) else (selection, problem)
 
 
 def _suffices(case: Case, selection: Selection, nearer: Selection) -> bool:

@@ -3,7 +3,7 @@
 Where a motion hangs on hairs, such as which of two teeth of its cogging a joint comes to rest on, the error of long
 windows has countless valleys, and the right explanation with values a little off is no better than wrong ones. Over a
 shorter time errors grow less, and its valley is wide. What is chosen there counts if long windows, too, are predicted
-better by it.
+better by it; or if it leaves nothing but noise in the shorter ones, and nothing is found that explains the long ones.
 
 Source: Ribeiro et al., Automatica 121 (2020): the cost of long simulations of a nearly chaotic system is no guide to
 its parameters, that of short ones is.
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.replays import Member
 from estexp_jax.discovery.rounds import at_first, refitted
 from estexp_jax.discovery.searching import select
-from estexp_jax.discovery.selection import Selection, folds_of, worth
+from estexp_jax.discovery.selection import NOISE, Selection, folds_of, worth
 from estexp_jax.discovery.slopes import Fit
 
 SHARE = 0.2
@@ -41,7 +42,19 @@ _WORK = 1_600_000_000
 """Steps of a joint simulated so far, from which on another search would take too long."""
 
 
-def hangs_on_hairs(problem: Problem, selection: Selection) -> bool:
+class Nearer(NamedTuple):
+    """What was chosen by shorter windows.
+
+    Attributes:
+        selection: with what was chosen.
+        problem: the comparison about it, in shorter windows.
+    """
+
+    selection: Selection
+    problem: Problem
+
+
+def hangs_on_hairs(problem: Problem, selection: Selection, well: float = FAR) -> bool:
     """Whether shorter windows are worth a try: nothing explains these well, and motions that start alike part in them.
 
     Not where the usual windows took long already: searching again takes nearly as long.
@@ -49,10 +62,11 @@ def hangs_on_hairs(problem: Problem, selection: Selection) -> bool:
     Args:
         problem: the comparison in the usual windows.
         selection: what was chosen by them.
+        well: error, in deviations, up to which they are explained well.
     """
     rows = np.median([problem.segments[w].rows for w in problem.fitted])
     long = problem.counted[0] * problem.replayer.robot.model.nv >= _WORK
-    if selection.chosen.error <= FAR or SHARE * rows < _LEAST or long:
+    if selection.chosen.error <= well or SHARE * rows < _LEAST or long:
         return False
     best = sorted(selection.tried, key=lambda e: e.error)[:_BEST]
     return any(np.quantile(_parting(problem, e.fitted.member), 1.0 - _FEW) > _PARTS for e in (selection.chosen, *best))
@@ -78,7 +92,7 @@ def _parting(problem: Problem, member: Member) -> np.ndarray:
 
 def select_nearer(
     shorter: Problem, problem: Problem, parameters: Hypothesis, usual: Selection, most: int
-) -> Generator[Progress, None, tuple[Selection, Problem, Selection]]:
+) -> Generator[Progress, None, tuple[Selection, Problem, Nearer]]:
     """The selection with what shorter windows choose, if the usual ones are predicted enough better by it.
 
     Args:
@@ -89,10 +103,23 @@ def select_nearer(
         most: largest number of effects.
 
     Returns:
-        The selection by the usual windows, the comparison about what is chosen, and the selection by shorter ones.
+        The selection by the usual windows, the comparison about what is chosen, and what was chosen by shorter ones.
     """
-    nearer, _ = yield from select(shorter, parameters, most)
-    return *(yield from as_nearer(problem, usual, nearer.chosen.fitted)), nearer
+    nearer = Nearer(*(yield from select(shorter, parameters, most)))
+    return *(yield from as_nearer(problem, usual, nearer.selection.chosen.fitted)), nearer
+
+
+def says_all(nearer: Selection, usual: Selection) -> bool:
+    """Whether shorter windows are to be believed where the usual ones are not explained: nothing but noise is left.
+
+    What explains usual ones roughly is not given up for nothing: it may be too weak to show in so short a time.
+
+    Args:
+        nearer: what was chosen by shorter windows.
+        usual: what was chosen by the usual ones.
+    """
+    named = usual.chosen.places if usual.chosen.error <= FAR else ()
+    return nearer.chosen.error <= NOISE and (named == () or nearer.chosen.places not in ((), named))
 
 
 def as_nearer(problem: Problem, usual: Selection, found: Fit) -> Generator[Progress, None, tuple[Selection, Problem]]:

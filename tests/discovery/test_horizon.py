@@ -10,12 +10,13 @@ from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import horizon
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR
-from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs
+from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs, says_all
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
-from tests.discovery.planted import CASES, CONFIG, Plant, case_of, explained, finished, problem_of
+from estexp_jax.physics.registry import catalogue
+from tests.discovery.planted import CASES, CONFIG, Plant, case_of, explained, finished, nominal, problem_of
 
 TEETH, STRENGTH, PHASE = 14.0, 0.3, 0.8
 FEW = replace(CONFIG, effects=("viscous_friction", "coulomb_friction", "cogging"), most=1)
@@ -102,3 +103,30 @@ def test_what_shorter_windows_choose_and_the_usual_choice_are_judged_by_one_comp
     if nearer == "coulomb":
         old, new = found.tried
         assert new is found.chosen and old.error > 2.0 * new.error
+
+
+RUBS, TEETHED = (("coulomb_friction", "elbow"),), (("cogging", "elbow"),)
+
+
+@pytest.mark.parametrize(
+    ("usual", "nearer", "enough"),
+    [
+        ((RUBS, 30.0), ((), 0.9), True),  # seen: an arm that falls about, as modelled, of which much was claimed
+        ((RUBS, 30.0), ((), 1.4), False),
+        ((RUBS, 8.0), ((), 0.9), False),
+        ((RUBS, 8.0), (RUBS, 0.9), False),
+        ((RUBS, 8.0), (TEETHED, 0.9), True),
+        ((RUBS, 8.0), (TEETHED, 1.4), False),
+        (((), 8.0), ((), 0.9), True),
+    ],
+)
+def test_shorter_windows_say_all_where_they_leave_only_noise_and_nothing_is_given_up_for_it(usual, nearer, enough):
+    robot = nominal("two")
+    parameters = parameters_only(robot, catalogue(FEW.effects))
+
+    def chosen(places: tuple[tuple[str, str], ...], error: float) -> Selection:
+        hypothesis = claiming(robot, parameters, places)
+        one = Explanation(Fit(hypothesis, hypothesis.start(), error**2), np.full(4, error**2 / 4.0))
+        return Selection(one, one, one, (one,), one)
+
+    assert says_all(chosen(*nearer), chosen(*usual)) is enough
