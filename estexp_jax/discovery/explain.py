@@ -78,10 +78,10 @@ def explain(
         shorter = shortened(case, config, whole)
         selection, problem, nearer = yield from select_nearer(shorter, problem, parameters, selection, config.most)
     settled = nearer if nearer is not None and says_all(nearer.selection, selection) else None
-    if settled is not None and not settled.selection.chosen.places:  # nor is there a law
+    if settled is not None and not settled.selection.chosen.places:  # nothing shows: no law is looked for
         selection, problem = settled
     whole_way, began = (selection, problem), dict[int, float]()
-    if settled is None:  # else nothing begins part-way
+    if settled is None:  # what leaves only noise in all short windows does not begin part-way
         selection, problem, began = yield from _late(case, config, problem, selection, parameters)
     if verdict(case.robot, selection, selection.chosen.claims) == "unexplained":
         if began and _throughout(case, _frozen(*whole_way, parameters)):
@@ -91,7 +91,7 @@ def explain(
     selection, problem = yield from _unnamed(case, config, whole, named, parameters)
     if usual and not began:
         last = named._replace(selection=selection, problem=problem)
-        selection, problem = yield from _as_nearer(case, config, whole, last, parameters)
+        selection, problem = yield from _by_shorter(case, config, whole, last, parameters)
     whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     if any(is_law(place) for place in selection.chosen.places):
@@ -195,7 +195,7 @@ def _unnamed(
     return found or (without_piles(case.robot, selection, nearer), problem)
 
 
-def _as_nearer(
+def _by_shorter(
     case: Case, config: ExplainConfig, whole: Problem, named: _Named, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
     """What shorter windows choose and find whole, where neither names nor a law explain the usual ones."""

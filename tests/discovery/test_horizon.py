@@ -1,5 +1,6 @@
 """Where teeth of cogging hold a joint now here, now there, shorter windows show which cogging it is."""
 
+from collections.abc import Generator
 from dataclasses import replace
 from unittest.mock import patch
 
@@ -9,12 +10,13 @@ import pytest
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import horizon
 from estexp_jax.discovery.diagnosis import Case
-from estexp_jax.discovery.fitting import FAR
+from estexp_jax.discovery.fitting import FAR, Progress
 from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs, says_all
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.verdict import QUIET
 from estexp_jax.physics.registry import catalogue
 from tests.discovery.planted import CASES, CONFIG, Plant, case_of, explained, finished, nominal, problem_of
 
@@ -130,3 +132,28 @@ def test_shorter_windows_say_all_where_they_leave_only_noise_and_nothing_is_give
         return Selection(one, one, one, (one,), one)
 
     assert says_all(chosen(*nearer), chosen(*usual)) is enough
+
+
+@pytest.mark.parametrize("asked", ["at once", "at last", "never"])
+def test_what_shows_only_in_long_windows_in_which_motions_part_is_no_mismatch(monkeypatch, asked):
+    """Asked at once, no law is looked for; at last, none was found."""
+    looked = []
+
+    def no_law(*_: object) -> Generator[Progress, None, None]:
+        looked.append(True)
+        return None
+        yield
+
+    def hanging(_: Problem, selection: Selection, well: float = FAR) -> bool:
+        assert selection.chosen.error > QUIET
+        return asked == "at once" if well == FAR else asked == "at last"
+
+    def nudge(time: float, _: np.ndarray, __: np.ndarray) -> list[float]:
+        return [0.0, 0.004 * np.sign(np.sin(4.0 * time))]
+
+    monkeypatch.setattr(explain_module, "hangs_on_hairs", hanging)
+    monkeypatch.setattr(explain_module, "unknown_law", no_law)
+    config = replace(CONFIG, effects=("viscous_friction",), most=1)
+    findings = explained(case_of("two", Plant(law=nudge), 773), config).findings
+    assert findings["verdict"] == ("unexplained" if asked == "never" else "consistent")
+    assert looked == ([] if asked == "at once" else [True])
