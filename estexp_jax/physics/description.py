@@ -47,15 +47,25 @@ def freeze(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Index) -> None:
         derived = nominal.actuator_biasprm[index("actuator", actuator.name)]
         if actuator.biasprm[2] > 0.0 > derived[2]:  # so MjSpec holds dampratio, to be replaced by -kv
             actuator.biasprm = derived
-    from_geoms = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    if spec.compiler.settotalmass > 0.0 or spec.compiler.inertiafromgeom == from_geoms:
-        spec.compiler.settotalmass = -1.0
-        spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
-        for body in spec.bodies[1:]:
-            b = index("body", body.name)
-            if nominal.body_mass[b] > 0.0:
-                body.explicitinertial = False  # what it says was not used
-                weigh(body, nominal, b, float(nominal.body_mass[b]))
+    if spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
+        _write_masses(spec, nominal, lambda body: index("body", body.name))
+
+
+def with_masses(spec: mujoco.MjSpec, nominal: mujoco.MjModel) -> mujoco.MjSpec:
+    """A compiled description with its masses in it, not their sum: of `settotalmass` MuJoCo warns each time."""
+    if spec.compiler.settotalmass > 0.0:
+        _write_masses(spec, nominal, lambda body: body.id)
+    return spec
+
+
+def _write_masses(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Callable[[Any], int]) -> None:
+    spec.compiler.settotalmass = -1.0
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
+    for body in spec.bodies[1:]:
+        b = index(body)
+        if nominal.body_mass[b] > 0.0:
+            body.explicitinertial = False  # what it says was not used
+            weigh(body, nominal, b, float(nominal.body_mass[b]))
 
 
 def weigh(body: Any, nominal: mujoco.MjModel, index: int, mass: float) -> None:

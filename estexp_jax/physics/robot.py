@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError, known
-from estexp_jax.physics.description import elements, freeze, named
+from estexp_jax.physics.description import elements, freeze, named, with_masses
 from estexp_jax.physics.model_files import is_file, read_description
 from estexp_jax.physics.soundness import refuse_unbounded, refuse_unsound, unheard
 
@@ -85,7 +85,7 @@ class Robot:
         refuse_unbounded(spec, source)
         model = spec.compile()
         refuse_unsound(model, source)
-        return cls(named(spec), model, source)
+        return cls(with_masses(named(spec), model), model, source)
 
     def names(self, kind: str) -> tuple[str, ...]:
         """Names of all elements of a kind, in MuJoCo's order; unnamed ones are `<kind>_<index>`.

@@ -109,6 +109,16 @@ def test_a_change_leaves_alone_what_the_compiler_derives_from_the_whole(change: 
     np.testing.assert_allclose(changed.body_ipos[1], nominal.body_ipos[1])
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("masses", ['settotalmass="7"', 'settotalmass="7" inertiafromgeom="true"'])
+def test_what_mujoco_warns_of_a_model_is_not_heard_each_time_it_is_changed(masses: str) -> None:
+    scaled = Robot.from_string(DERIVED.replace('inertiafromgeom="true"', masses))
+    assert scaled.model.body_mass.sum() == pytest.approx(7.0)
+    for other in (scaled.finer(2).model, recompiled(scaled, [parse_change("viscous_friction@j c=2", scaled)])):
+        for name in ("body_mass", "body_inertia", "body_ipos", "body_iquat"):
+            np.testing.assert_allclose(getattr(other, name), getattr(scaled.model, name), atol=1e-12)
+
+
 def test_a_lost_strength_of_all_compiles_where_limits_are_spelled_out() -> None:
     xml = DERIVED.replace('forcerange="-3 3"', 'forcelimited="true" forcerange="-3 3"')
     derived = Robot.from_string(xml)

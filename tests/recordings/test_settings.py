@@ -67,7 +67,6 @@ def test_gains_of_other_actuators(old, key, new):
     np.testing.assert_array_equal(robot.model.actuator_biasprm, expected.actuator_biasprm)
 
 
-@pytest.mark.filterwarnings("ignore:compiler attribute 'settotalmass' is deprecated")
 @pytest.mark.parametrize("compiler", ["", '<compiler inertiafromgeom="true"/>', '<compiler settotalmass="7"/>'])
 @pytest.mark.parametrize(
     "inertia",
