@@ -242,12 +242,14 @@ class Problem:
         deviation = self.recorded.deviation(windows, recorded.shape[1])
         difference = (self.simulated(members, windows) - recorded) / deviation
         sampled = np.isfinite(recorded)
-        limit = _BLOWN_UP * self.recorded.span(windows)[:, None, :] / deviation
-        bounded = np.clip(np.nan_to_num(difference, nan=np.inf, posinf=np.inf), -limit, limit)
-        flat = np.where(sampled, bounded, 0.0).astype(np.float32).reshape(len(members), len(windows), -1)
+        limit = (_BLOWN_UP * self.recorded.span(windows)[:, None, :] / deviation).astype(np.float32)
+        far = np.where(np.isfinite(difference), np.clip(difference, -_FAR, _FAR), limit)
+        flat = np.where(sampled, far, 0.0).astype(np.float32).reshape(len(members), len(windows), -1)
         if self.doubt is not None:
             basis, kept = self.doubt
             flat = whitened(flat, self._cut(basis, recorded.shape)[windows], kept[windows])
+        most = np.broadcast_to(limit, recorded.shape).reshape(len(windows), -1)
+        flat = np.clip(flat, -most, most)  # not before: what a start's error does to a joint at rest exceeds its range
         flat /= np.float32(np.sqrt(sampled.sum()))
         return flat if self.slack is None else self.slack.taken_out(flat)
 

@@ -64,8 +64,15 @@ TWO = """
 </mujoco>
 """
 
-XML = {"one": ONE, "two": TWO}
-REACH = {"one": np.array([1.2]), "two": np.array([1.5, 0.5])}
+# Beside the first arm, a block lies on a level track without friction.
+IDLE = ONE.replace(
+    "</worldbody>",
+    '<body name="box" pos="0 1 0"><joint name="track" type="slide" axis="1 0 0"/><geom size="0.02" mass="0.1"/></body>'
+    "</worldbody>",
+).replace("</sensor>", '<jointpos name="place" joint="track"/></sensor>')
+
+XML = {"one": ONE, "two": TWO, "idle": IDLE}
+REACH = {"one": np.array([1.2]), "two": np.array([1.5, 0.5]), "idle": np.array([1.2])}
 """Size of the commands."""
 
 
@@ -131,7 +138,7 @@ TRUTH = {
 
 @cache
 def nominal(name: str) -> Robot:
-    """`one` or `two`, compiled once."""
+    """A robot of `XML`, compiled once."""
     return Robot.from_string(XML[name], f"{name}.xml")
 
 
@@ -147,7 +154,7 @@ def record(
     command = commands(rng, np.arange(-_BEFORE, n) / RATE, REACH[name])
     late = round(plant.delay / model.opt.timestep)
     sent = np.repeat(command, inner, axis=0)
-    enable, angles = np.ones((n, model.nu)), np.zeros((n, model.nu))
+    enable, angles = np.ones((n, model.nu)), np.zeros((n, model.nq))
     enable[n // 3 : n // 2] = 0.0 if plant.off else 1.0
     gain, bias = model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
     for k in range(_BEFORE * inner, len(sent)):  # in motion at the first row, like any log

@@ -9,7 +9,7 @@ from estexp_jax.discovery.doubt import directions, other_commands, other_starts,
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.discovery.recorded import deviations
 from estexp_jax.inference.windows import segments_of
-from tests.discovery.planted import CASES, case_of, problem_of
+from tests.discovery.planted import CASES, CONFIG, Plant, case_of, problem_of
 
 
 @pytest.fixture(scope="module")
@@ -106,6 +106,18 @@ def test_what_another_start_would_explain_counts_little(setting):
         size, left = sizes
         np.testing.assert_array_less(left, 1.2)
         assert np.all(left < size)
+
+
+def test_a_block_at_rest_whose_first_speed_is_uncertain_is_no_mismatch():
+    """It leaves its place by more than a simulation that blew up is bounded to: ten times the range of its readings."""
+    case = case_of("idle", Plant(), 732, trains=4, tests=0, bits=14, length=5.0)
+    problem = problem_of(case, replace(CONFIG, window=2.5))
+    hypothesis = parameters_only(case.robot, problem.replayer.catalogue)
+    member, windows = (hypothesis, hypothesis.start()), problem.fitted
+    off = np.abs(problem.simulated([member], windows)[0] - problem.recorded.compared(windows))[..., 1]
+    assert np.any(np.nanmax(off, axis=1) > 10.0 * problem.recorded.span(windows)[:, 1])
+    left = problem.about(member).residuals([member], windows).reshape(*off.shape, 2)[..., 1]
+    assert np.sum(left**2) < 1.2
 
 
 def test_what_another_command_in_a_lost_row_would_explain_counts_little(setting):
