@@ -19,7 +19,7 @@ from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.frozen import frozen
-from estexp_jax.discovery.horizon import Nearer, hangs_on_hairs, says_all, select_nearer
+from estexp_jax.discovery.horizon import Nearer, hangs_on_hairs, says_all, select_nearer, stays
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claiming,
@@ -39,7 +39,7 @@ from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.rounds import fitted
 from estexp_jax.discovery.searching import select
-from estexp_jax.discovery.selection import Selection
+from estexp_jax.discovery.selection import NOISE, Selection
 from estexp_jax.discovery.single_term import single_term
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
@@ -198,14 +198,25 @@ def _unnamed(
 def _by_shorter(
     case: Case, config: ExplainConfig, whole: Problem, named: _Named, parameters: Hypothesis
 ) -> Generator[Progress, None, tuple[Selection, Problem]]:
-    """What shorter windows choose and find whole, where neither names nor a law explain the usual ones."""
+    """What shorter windows choose and find whole, where neither names nor a law explain the usual ones.
+
+    Or where these show what explains them only in motions that part, and shorter ones show nothing.
+    """
     selection, problem, nearer = named.selection, named.problem, named.nearer
-    if selection.seen or selection.chosen.error <= QUIET or any(map(is_law, selection.chosen.places)):
+    if selection.seen:
         return selection, problem
-    if nearer is None and hangs_on_hairs(problem, selection, QUIET):
+    explained = selection.chosen.error <= QUIET or any(map(is_law, selection.chosen.places))
+    by_luck = not stays(problem, selection)
+    if explained and not by_luck:
+        return selection, problem
+    if nearer is None and hangs_on_hairs(problem, selection, 0.0 if by_luck else QUIET):
         shorter = shortened(case, config, whole)
         nearer = Nearer(*(yield from select(shorter, parameters, config.most)))
-    return nearer if nearer is not None and says_all(nearer.selection, selection) else (selection, problem)
+    if nearer is None:
+        return selection, problem
+    nothing = nearer.selection.chosen.error <= NOISE and not nearer.selection.chosen.places
+    believed = (by_luck and nothing) or (not explained and says_all(nearer.selection, selection))
+    return nearer if believed else (selection, problem)
 
 
 def _suffices(case: Case, selection: Selection, nearer: Selection) -> bool:

@@ -36,6 +36,10 @@ _LEAST = 16
 _PARTS, _FEW = 0.7, 0.1
 """Slightly other starts move the end of at least this share of the windows by this factor as much as their beginning;
 where servos hold the joints it is a tenth."""
+_APART = 10.0
+"""Likewise, in windows that by themselves tell nothing; where nothing holds a joint, a start's error makes it 5."""
+_HALF = 0.5
+"""Least share of windows in which motions stay together, that these may tell anything."""
 _BEST = 3
 """So many of the best explanations are asked."""
 _WORK = 1_600_000_000
@@ -120,6 +124,26 @@ def says_all(nearer: Selection, usual: Selection) -> bool:
     """
     named = usual.chosen.places if usual.chosen.error <= FAR else ()
     return nearer.chosen.error <= NOISE and (named == () or nearer.chosen.places not in ((), named))
+
+
+def stays(problem: Problem, selection: Selection) -> bool:
+    """Whether what was chosen shows in windows, too, in which motions that start alike stay together.
+
+    They must be half of all. A pendulum that starts upright falls to the one side or the other: laws that decide it
+    rightly in one window were chosen of robots that lacked nothing.
+
+    Args:
+        problem: the comparison.
+        selection: what was chosen by it.
+    """
+    parted = _parting(problem, selection.parameters.fitted.member) > _APART
+    if not parted.any() or not selection.chosen.places:
+        return True
+    held = np.concatenate([held for _, held in folds_of(problem)])
+    together = ~parted[np.searchsorted(np.sort(problem.fitted), held)]
+    before, after = (replace(e, held_out=e.held_out[together]) for e in (selection.parameters, selection.chosen))
+    missing = before.held_out.sum() > NOISE**2 * together.mean()
+    return bool(together.mean() >= _HALF and missing and worth(after, before))
 
 
 def as_nearer(problem: Problem, usual: Selection, found: Fit) -> Generator[Progress, None, tuple[Selection, Problem]]:

@@ -11,10 +11,11 @@ from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import horizon
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR, Progress
-from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs, says_all
+from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs, says_all, stays
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
+from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.selection import Explanation, Selection, folds_of
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import QUIET
 from estexp_jax.physics.registry import catalogue
@@ -132,6 +133,34 @@ def test_shorter_windows_say_all_where_they_leave_only_noise_and_nothing_is_give
         return Selection(one, one, one, (one,), one)
 
     assert says_all(chosen(*nearer), chosen(*usual)) is enough
+
+
+@pytest.mark.parametrize(
+    ("truth", "size", "parted", "kept"),
+    [
+        ("nothing, two joints", 0.05, [], True),  # motions stay together
+        ("nothing, two joints", 0.05, [1, 4], False),
+        ("coulomb_friction@elbow", 0.05, [1, 4], True),  # it shows in the others, too
+        ("coulomb_friction@elbow", 0.05, [0, 1, 3, 4], False),  # too few are left
+        ("coulomb_friction@elbow", 0.05, range(6), False),
+        ("coulomb_friction@elbow", 0.0, [1, 4], False),
+    ],
+)
+def test_what_shows_only_where_motions_part_does_not_stay(monkeypatch, truth, size, parted, kept):
+    robot, (_, plant, seed) = nominal("two"), CASES[truth]
+    problem = problem_of(case_of("two", plant, seed + 40), replace(CONFIG, effects=FEW.effects))
+    parameters = parameters_only(robot, catalogue(FEW.effects))
+    rubs = claiming(robot, parameters, [("coulomb_friction", "elbow")])
+    vector = np.where([f.effect == "coulomb_friction" for f in rubs.free], size, rubs.start())
+    fits = [Fit(parameters, parameters.start(), 1.0), Fit(rubs, vector, 1.0)]
+    there = about(problem, fits[0])
+    order = np.concatenate([held for _, held in folds_of(there)])
+    left = there.residuals([fit.member for fit in fits], order)
+    without, chosen = (
+        Explanation(fit, np.square(r, dtype=np.float64).sum(axis=1)) for fit, r in zip(fits, left, strict=True)
+    )
+    monkeypatch.setattr(horizon, "_parting", lambda *_: np.where(np.isin(np.arange(6), parted), 150.0, 5.0))
+    assert stays(there, Selection(without, without, without, (chosen,), chosen)) is kept
 
 
 @pytest.mark.parametrize("asked", ["at once", "at last", "never"])
