@@ -15,6 +15,7 @@ from estexp_jax.api.simulator import Simulator, Traces
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.errors import InputError
 from estexp_jax.inference.excitation import multisine, steps
+from estexp_jax.inference.holding import holding, torque_motors
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
@@ -64,7 +65,8 @@ def record(
 ) -> Path:
     """Simulate a robot with changes, and write what it would have logged; gives the manifest's path.
 
-    Writes nominal.xml, train_0.csv, train_1.csv, test_0.csv (a larger motion), recordings.toml and truth.json.
+    Writes nominal.xml, train_0.csv, train_1.csv, test_0.csv (a larger motion), recordings.toml and truth.json. Servos
+    are told where to go; motors that give torques are told by a controller, so that their joints move likewise.
 
     Args:
         robot: the nominal one.
@@ -90,9 +92,14 @@ def record(
         ("train_1.csv", steps(robot, time, 0.6, config.seed + 1)),
         ("test_0.csv", multisine(robot, time, 0.9, config.seed + 2)),
     )
-    for i, (name, commands) in enumerate(motions):
+    motors = torque_motors(robot)
+    for i, (name, planned) in enumerate(motions):
         begun(f"simulating {name}")
-        traces = real.rollout(commands, period=1.0 / config.rate)
+        if motors:
+            holder = holding(robot, motors, planned, 1.0 / config.rate)
+            traces, commands = real.steered(holder, len(time), period=1.0 / config.rate)
+        else:
+            traces, commands = real.rollout(planned, period=1.0 / config.rate), planned
         _refuse_diverged(traces, name)
         write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))
     write_text(folder.file("recordings.toml"), _manifest([name for name, _ in motions]))

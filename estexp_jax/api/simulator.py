@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, final
@@ -12,11 +13,11 @@ from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.results import DAMAGE, damaged, read_results
 from estexp_jax.errors import InputError
 from estexp_jax.inference.apart import kept_apart
-from estexp_jax.physics.changes import Change, encode, stack
+from estexp_jax.physics.changes import Change, Values, encode, stack
 from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.replaying import Replay
+from estexp_jax.physics.engines.replaying import Controller, Replay, Replayer
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import Catalogue, catalogue
+from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, Start, segment
 from estexp_jax.runs import enable_compilation_cache, forget_programs
@@ -70,30 +71,56 @@ class Simulator:
         if commands.ndim != 2 or commands.shape[1] != model.nu or len(commands) < 2:
             raise InputError(f"commands are {commands.shape}", where="rollout", right=f"give (rows >= 2, {model.nu})")
         rows = len(commands)
-        time = period * np.arange(rows)
-        sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
         switched = np.ones((rows, model.nu)) if enable is None else np.asarray(enable, float)
-        recording = Recording("rollout", time, commands, switched, sensor, qpos, qvel)
+        stretch = self._stretch(commands, switched, period, start)
+        replay = self._simulated(stretch, lambda player, values: player.replay(values, [stretch], np.array([0])))
+        return Traces(stretch.history.time, replay.sensors[0], replay.qpos[0], replay.qvel[0])
+
+    def steered(self, controller: Controller, rows: int, *, period: float = 0.01) -> tuple[Traces, np.ndarray]:
+        """Simulate from home, at rest, with a controller in the loop.
+
+        Args:
+            controller: gives each row's commands (nu,) from its time (s) and the true state, qpos (nq,) and qvel (nv,).
+            rows: at least two.
+            period: s between rows.
+
+        Returns:
+            What the robot did, and its commands (rows, nu).
+        """
+        nothing = np.zeros((rows, self.robot.model.nu))
+        stretch, given = self._stretch(nothing, np.ones_like(nothing), period, None), [nothing]
+
+        def play(player: Replayer, values: Values) -> Replay:
+            found, given[0] = player.steered(values, stretch, controller)
+            return found
+
+        replay = self._simulated(stretch, play, int(np.diff(stretch.steps.sample).max()))
+        return Traces(stretch.history.time, replay.sensors[0], replay.qpos[0], replay.qvel[0]), given[0]
+
+    def _stretch(self, commands: np.ndarray, enable: np.ndarray, period: float, start: Start | None) -> Segment:
+        model, rows = self.robot.model, len(commands)
+        sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
+        recording = Recording("rollout", period * np.arange(rows), commands, enable, sensor, qpos, qvel)
         begin = Start(self.robot.home(), np.zeros(model.nv)) if start is None else start
-        stretch = segment([recording], 0, (0, rows - 1), float(model.opt.timestep) / self.finer, begin)
+        return segment([recording], 0, (0, rows - 1), float(model.opt.timestep) / self.finer, begin)
+
+    def _simulated(
+        self, stretch: Segment, play: Callable[[Replayer, Values], Replay], block: int | None = None
+    ) -> Replay:
+        """One motion, without contacts that do not occur in it: engines have none of meshes, or slow ones.
+
+        First those are left out that are far at the start; what came near nevertheless is given back.
+        """
         enable_compilation_cache()
         forget_programs()
         effects = catalogue(dict.fromkeys(change.effect for change in self.changes))
         if not effects:
             effects = catalogue(["viscous_friction"])  # a catalogue needs one; it stays neutral
-        replay = self._replay(effects, stretch)
-        return Traces(time, replay.sensors[0], replay.qpos[0], replay.qvel[0])
-
-    def _replay(self, effects: Catalogue, stretch: Segment) -> Replay:
-        """One motion, without contacts that do not occur in it: engines have none of meshes, or slow ones.
-
-        First those are left out that are far at the start; what came near nevertheless is given back.
-        """
         values = stack([encode(self.robot, effects, self.changes)])
         apart = kept_apart(self.robot, [np.asarray(stretch.start.qpos, float)[None]])
         while True:
             robot = self.robot.without_contacts(apart)
-            replay = replayer(robot, effects, [robot], width=1).replay(values, [stretch], np.array([0]))
+            replay = play(replayer(robot, effects, [robot], width=1, block=block), values)
             path = replay.qpos[0].astype(float)
             far = kept_apart(self.robot, [path[np.isfinite(path).all(axis=1)]])
             if set(apart) <= set(far):

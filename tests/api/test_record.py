@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from estexp_jax.api.record import RecordConfig, record
+from estexp_jax.physics.changes import parse_change
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.bind import read_recording
 from estexp_jax.runs import open_run
@@ -29,3 +30,16 @@ def test_without_sensors_a_floating_robot_logs_what_motion_capture_sees(tmp_path
     fallen = -0.5 * log.time**2  # the whole falls freely, whatever the arm does; it holds a sixth of the mass
     assert np.abs(log.qpos[:, 2] - fallen).max() < 0.02 and log.qpos[-1, 2] < -0.09
     assert np.abs(np.gradient(log.qpos[:, 2], log.time) - log.qvel[:, 2]).max() < 0.1
+
+
+def test_torques_hold_an_upright_arm_around_its_home(tmp_path: Path) -> None:
+    upright = """<mujoco><option timestep="0.01"/><worldbody><body><joint name="foot" axis="0 1 0" damping="0.1"/>
+      <geom type="capsule" fromto="0 0 0 0 0 0.5" size="0.02" mass="1"/></body></worldbody>
+      <actuator><motor name="low" joint="foot" ctrlrange="-9 9"/></actuator></mujoco>"""
+    robot = Robot.from_string(upright, "upright.xml")
+    change = parse_change("coulomb_friction@foot T=0.1", robot)
+    record(robot, (change,), RecordConfig(duration=2.0, rate=50.0), open_run(tmp_path / "out"))
+    for name, reach in (("train_0.csv", 0.36), ("train_1.csv", 0.36), ("test_0.csv", 0.54)):
+        log = read_recording(robot, tmp_path / "out" / name)
+        assert 0.1 < np.abs(log.qpos).max() < reach + 0.05
+        assert 0.1 < np.abs(log.ctrl).max() < 9.0

@@ -16,7 +16,7 @@ from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.engines.mjx_model import stepped, switched
 from estexp_jax.physics.engines.mjx_terms import Hidden, Now
 from estexp_jax.physics.engines.replay_inputs import Drive, Roll
-from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
+from estexp_jax.physics.engines.replaying import Replayer, Seen, State, is_acceleration
 from estexp_jax.physics.engines.shown import shown_torques
 
 MJX_REPLAY = 64, 256
@@ -37,17 +37,17 @@ class MjxReplayer(Replayer):
     def _rolled(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
         return _rolled(self, *prepared, hidden, Roll(*map(_lanes_first, roll)))
 
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Seen]:
         seen, drive = [], Drive(*map(_lanes_first, drive))
         for first in range(0, drive.length.shape[1], self.block):
             part = Drive(*(x[:, first : first + self.block] for x in drive))
             state, out = _block(self, *prepared, state, part)
             seen.append(out)
-        sensors, qpos, qvel = (
+        whole = (
             np.moveaxis(np.concatenate([np.asarray(x) for x in kind], axis=1), 0, -1)
             for kind in zip(*seen, strict=True)
         )
-        return sensors, qpos, qvel
+        return state, Seen(*whole)
 
 
 @partial(jax.jit, static_argnums=0)

@@ -45,8 +45,7 @@ def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[
     The first step has no length: it leaves the robot as it is, under the command before the segment's first row, and so
     gives sensors of forces what they show in that row.
     """
-    shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
-    sources = _sources(robot, catalogue, values)
+    shifts, sources = routes(robot, catalogue, values)
     nu, punctual = robot.model.nu, _punctual(shifts, sources)
     length = np.zeros((n_steps, len(segments)), np.float32)
     ctrl, enable = (np.empty((n_steps, nu, len(segments)), np.float32) for _ in range(2))
@@ -121,8 +120,7 @@ def _commanded(robot: Robot, s: Segment) -> tuple[np.ndarray, np.ndarray]:
 
 def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_rows: int) -> Roll:
     """Rows before each segment (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
-    shifts = _shifts(robot, catalogue, values, CommandShift, robot.model.nu)
-    sources = _sources(robot, catalogue, values)
+    shifts, sources = routes(robot, catalogue, values)
     punctual, n = _punctual(shifts, sources), n_rows + 1
     model, length = robot.model, np.zeros((n, len(segments)), np.float32)
     qpos, qvel, ctrl, enable = (
@@ -145,6 +143,11 @@ def changed(robot: Robot, effects: Sequence[Effect], values: Values) -> np.ndarr
         nothing = np.array([p.neutral for p in e.parameters], np.float32)
         found |= (np.asarray(values[e.name], np.float32) != nothing).any(axis=(1, 2))
     return found
+
+
+def routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[np.ndarray, np.ndarray]:
+    """How late each lane's commands arrive (s) and whose commands its motors get, (lanes, nu) each."""
+    return _shifts(robot, catalogue, values, CommandShift, robot.model.nu), _sources(robot, catalogue, values)
 
 
 def _punctual(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:

@@ -7,9 +7,9 @@ one executable: it advances a fixed block of physics steps, and is called until 
 from __future__ import annotations
 
 import abc
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import jax
@@ -32,14 +32,18 @@ from estexp_jax.physics.engines.replay_inputs import (
     drive_of,
     read_late,
     rolls,
+    routes,
     starts,
 )
 from estexp_jax.physics.registry import Catalogue
 from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.schedule import CommandHistory
 from estexp_jax.physics.segment import Segment
 
 _ROLL = 256
 """Rows in one call that hidden variables are rolled along."""
+Controller = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
+"""(time in s, qpos (nq,), qvel (nv,)) of a row -> commands (nu,), held until the next one."""
 _Array = Any
 """A NumPy array outside the compiled function, a JAX array inside."""
 
@@ -53,6 +57,14 @@ class State(NamedTuple):
     warmstart: _Array
     sensordata: _Array  # of the step before
     hidden: Hidden
+
+
+class Seen(NamedTuple):
+    """What lanes showed at the beginning of steps, (steps, ..., lanes)."""
+
+    sensors: np.ndarray
+    qpos: np.ndarray
+    qvel: np.ndarray
 
 
 class Replay(NamedTuple):
@@ -114,8 +126,8 @@ class Replayer(abc.ABC):
         """Hidden variables after the rows of a roll, along which robots moved as recorded."""
 
     @abc.abstractmethod
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sensors, qpos and qvel (steps, ..., lanes) at the beginning of each step; whole blocks of steps."""
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Seen]:
+        """Whole blocks of steps: the state after them, and what was seen at the beginning of each."""
 
     @property
     def robot(self) -> Robot:
@@ -167,13 +179,53 @@ class Replayer(abc.ABC):
 
     def _chunk(self, values: Values, segments: list[Segment], n: int, *, remembers: bool) -> Replay:
         """Replay a chunk's lanes, keep the first `n`; if none remembers, what came before the start does not matter."""
-        model, template = self.robot.model, self.on_mjx.data
         n_steps = max(s.steps.n_steps for s in segments) + 2  # one before for the forces, one more to read the last row
         blocks = -(-n_steps // self.block)
         drive = drive_of(self.robot, self.catalogue, values, segments, blocks * self.block)
+        prepared, state = self._started(values, segments, remembers=remembers)
+        _, seen = self._advanced(prepared, state, drive)
+        return self._shown(Seen(*(x[1:] for x in seen)), values, segments, n)
+
+    def steered(self, values: Values, stretch: Segment, controller: Controller) -> tuple[Replay, np.ndarray]:
+        """Replay one lane from its start under a controller's commands instead of recorded ones; for a `width` of 1.
+
+        Args:
+            values: (1, n_sites, n_parameters) for each effect.
+            stretch: from its recording's first row on, each row of at most `block` steps; its commands do not count.
+            controller: gives each row's commands.
+
+        Returns:
+            What the robot did, and its commands (rows, nu).
+        """
+        values = {name: np.asarray(v, np.float32) for name, v in values.items()}
+        prepared, state = self._started(values, [stretch], remembers=False)
+        steps, time, nothing = stretch.steps, stretch.history.time, np.zeros(self.block)
+        late, source = routes(self.robot, self.catalogue, values)
+        rows: list[np.ndarray] = []
+        seen: list[Seen] = []
+        for row in range(stretch.rows):
+            rows.append(np.asarray(controller(float(time[row]), *(np.asarray(x[0], float) for x in state[:2])), float))
+            own = slice(*steps.sample[row : row + 2]) if row + 1 < stretch.rows else slice(0, 0)
+            count = own.stop - own.start
+            length, start = nothing.copy(), np.full(self.block, time[row])
+            length[:count], start[:count] = steps.length[own], steps.start[own]
+            ctrl = CommandHistory(time[: row + 1], np.array(rows)).mean(start, length, late[0], source[0])
+            enable = np.tile(stretch.enable[row], (self.block, 1))
+            drive = Drive(*(np.asarray(x, np.float32)[..., None] for x in (length, ctrl, enable)))
+            if row == 0:  # what sensors of forces show in the first row
+                state, _ = self._advanced(prepared, state, drive._replace(length=np.zeros_like(drive.length)))
+            state, part = self._advanced(prepared, state, drive)
+            seen.append(Seen(*(x[: max(count, 1)] for x in part)))
+        commands = np.array(rows)
+        whole = Seen(*(np.concatenate(kind) for kind in zip(*seen, strict=True)))
+        told = replace(stretch, history=stretch.history.told(commands))
+        return self._shown(whole, values, [told], 1), commands
+
+    def _started(self, values: Values, segments: list[Segment], *, remembers: bool) -> tuple[Any, State]:
+        """What does not change from block to block, and the state that lanes start from."""
+        model, template = self.robot.model, self.on_mjx.data
         recording = [s.recording for s in segments]
-        overrides = tuple(o[recording] for o in self.differing.values)
-        prepared = self._prepared(values, overrides)
+        prepared = self._prepared(values, tuple(o[recording] for o in self.differing.values))
         state = State(
             *starts(self.robot, self.catalogue, values, segments),
             np.zeros((len(segments), model.na), np.float32),
@@ -183,11 +235,14 @@ class Replayer(abc.ABC):
         )
         if stateful(self.catalogue):
             state = state._replace(hidden=self._hidden(prepared, values, segments, remembers=remembers))
-        whole = [x[1:] for x in self._advanced(prepared, state, drive)]
-        read_late(self.robot, self.catalogue, whole[0], values, segments)
-        add_drift(self.robot, self.catalogue, whole[0], values, segments)
+        return prepared, state
+
+    def _shown(self, seen: Seen, values: Values, segments: list[Segment], n: int) -> Replay:
+        """What the first `n` lanes show at their rows, of all steps: late and adrift as sensors are."""
+        read_late(self.robot, self.catalogue, seen.sensors, values, segments)
+        add_drift(self.robot, self.catalogue, seen.sensors, values, segments)
         rows = max(s.rows for s in segments[:n])
-        return Replay(*(_rows(x, segments[:n], rows) for x in whole))
+        return Replay(*(_rows(x, segments[:n], rows) for x in seen))
 
     def _hidden(self, prepared: Any, values: Values, segments: list[Segment], *, remembers: bool) -> Hidden:
         """Hidden variables at the lanes' starts: rolled along each recording's rows before them."""

@@ -23,7 +23,7 @@ from estexp_jax.physics.engines.lanes.terms import Acting
 from estexp_jax.physics.engines.lanes.xla import compiled, lowered
 from estexp_jax.physics.engines.mjx_terms import Hidden
 from estexp_jax.physics.engines.replay_inputs import Drive, Roll
-from estexp_jax.physics.engines.replaying import Replayer, State, is_acceleration
+from estexp_jax.physics.engines.replaying import Replayer, Seen, State, is_acceleration
 from estexp_jax.physics.engines.shown import shown_torques
 
 LANES_REPLAY = 72, 64
@@ -65,7 +65,7 @@ class LanesReplayer(Replayer):
 
         return self._program("roll", compile_it)(prepared, hidden, roll)
 
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Seen]:
         qpos, qvel, act, warmstart, felt = map(_lanes_last, state[:-1])
         carried = State(qpos, qvel, act, warmstart, felt, state.hidden)
         first = Drive(*(x[: self.block] for x in drive))
@@ -77,8 +77,9 @@ class LanesReplayer(Replayer):
         for begin in range(0, len(drive.length), self.block):
             carried, out = advance(prepared, carried, Drive(*(x[begin : begin + self.block] for x in drive)))
             seen.append(out)
-        sensors, qpos, qvel = (np.concatenate([np.asarray(x) for x in kind]) for kind in zip(*seen, strict=True))
-        return sensors, qpos, qvel
+        whole = (np.concatenate([np.asarray(x) for x in kind]) for kind in zip(*seen, strict=True))
+        after = [np.moveaxis(np.asarray(x), -1, 0) for x in carried[:-1]]
+        return State._make([*after, carried.hidden]), Seen(*whole)
 
     def _program(self, name: str, compile_it: Callable[[], Any]) -> Any:
         """A program, compiled the first time."""
