@@ -86,7 +86,12 @@ class Simulator:
 
         Returns:
             What the robot did, and its commands (rows, nu).
+
+        Raises:
+            InputError: fewer than two rows.
         """
+        if rows < 2:
+            raise InputError(f"{rows} rows are no motion", where="steered", right="2 or more")
         nothing = np.zeros((rows, self.robot.model.nu))
         stretch, given = self._stretch(nothing, np.ones_like(nothing), period, None), [nothing]
 

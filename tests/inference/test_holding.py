@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.api.simulator import Simulator
+from estexp_jax.errors import InputError
 from estexp_jax.inference.excitation import multisine
 from estexp_jax.inference.holding import holding, torque_motors
 from estexp_jax.physics.changes import parse_change
@@ -47,6 +48,11 @@ def test_an_upright_arm_moves_as_planned_and_its_commands_do_the_same_again(upri
     again = real.rollout(commands, period=PERIOD)
     np.testing.assert_allclose(again.qpos[: ROWS // 4], traces.qpos[: ROWS // 4], atol=1e-3)
     np.testing.assert_allclose(again.qvel[1], traces.qvel[1], rtol=1e-4, atol=1e-6)
+
+
+def test_one_row_is_no_motion(upright: Robot) -> None:
+    with pytest.raises(InputError, match="1 rows are no motion"):
+        Simulator(upright, ()).steered(lambda *_: np.zeros(3), 1)
 
 
 def test_who_is_held() -> None:
