@@ -19,7 +19,7 @@ from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
 from estexp_jax.discovery.frozen import frozen
-from estexp_jax.discovery.horizon import Nearer, hangs_on_hairs, says_all, select_nearer, stays
+from estexp_jax.discovery.horizon import Nearer, hangs_on_hairs, says_all, select_nearer, shows_unparted
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claiming,
@@ -206,7 +206,7 @@ def _by_shorter(
     if selection.seen:
         return selection, problem
     explained = selection.chosen.error <= QUIET or any(map(is_law, selection.chosen.places))
-    by_luck = not stays(problem, selection)
+    by_luck = not shows_unparted(problem, selection)
     if explained and not by_luck:
         return selection, problem
     if nearer is None and hangs_on_hairs(problem, selection, 0.0 if by_luck else QUIET):

@@ -126,7 +126,7 @@ def says_all(nearer: Selection, usual: Selection) -> bool:
     return nearer.chosen.error <= NOISE and (named == () or nearer.chosen.places not in ((), named))
 
 
-def stays(problem: Problem, selection: Selection) -> bool:
+def shows_unparted(problem: Problem, selection: Selection) -> bool:
     """Whether what was chosen shows in windows, too, in which motions that start alike stay together.
 
     They must be half of all. A pendulum that starts upright falls to the one side or the other: laws that decide it

@@ -11,7 +11,7 @@ from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import horizon
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR, Progress
-from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs, says_all, stays
+from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs, says_all, shows_unparted
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
@@ -160,7 +160,7 @@ def test_what_shows_only_where_motions_part_does_not_stay(monkeypatch, truth, si
         Explanation(fit, np.square(r, dtype=np.float64).sum(axis=1)) for fit, r in zip(fits, left, strict=True)
     )
     monkeypatch.setattr(horizon, "_parting", lambda *_: np.where(np.isin(np.arange(6), parted), 150.0, 5.0))
-    assert stays(there, Selection(without, without, without, (chosen,), chosen)) is kept
+    assert shows_unparted(there, Selection(without, without, without, (chosen,), chosen)) is kept
 
 
 @pytest.mark.parametrize("asked", ["at once", "at last", "never"])
