@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, final
 
+import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError, known
@@ -81,11 +82,19 @@ def parse_change(text: str, robot: Robot) -> Change:
     """Read `effect@name parameter=value ...`, as typed on the command line.
 
     Raises:
-        InputError: unknown effect, place or parameter, or no number.
+        InputError: unknown effect, place or parameter, or no number; or the model's options switch off what it is.
     """
     head, *assignments = text.split()
     name, at, place = head.partition("@")
     e = effect(name)
+    disabled = robot.model.opt.disableflags
+    if off := [f for f in e.flags if disabled & getattr(mujoco.mjtDisableBit, f"mjDSBL_{f.upper()}")]:
+        flags = " ".join(f'{flag}="enable"' for flag in off)
+        raise InputError(
+            f"'{name}' does nothing here: the model's options disable {' and '.join(off)}",
+            where=text,
+            right=f"<option><flag {flags}/></option> in the model",
+        )
     sites = e.sites(robot)
     if sites == ("",):
         if at:

@@ -1,11 +1,13 @@
 """What people write, and what they are told when it is wrong."""
 
+import mujoco
 import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.changes import Change, encode, neutral, parse_change, stack
 from estexp_jax.physics.registry import PAPER, catalogue, effect
+from estexp_jax.physics.robot import Robot
 from tests.physics.robots import robot
 
 
@@ -28,6 +30,35 @@ def test_a_wrong_change_says_what_would_be_right(text: str, named: list[str]) ->
     with pytest.raises(InputError) as caught:
         parse_change(text, robot("quadruped"))
     assert all(word in str(caught.value) for word in named)
+
+
+SWITCHED = {"constraint", "frictionloss", "limit", "damper", "spring", "gravity", "contact"}
+
+
+@pytest.mark.parametrize(
+    ("text", "flags"),
+    [
+        ("coulomb_friction@knee_f T=0.1", {"constraint", "frictionloss"}),
+        ("stribeck_friction@knee_f S=0.1", {"constraint", "frictionloss"}),
+        ("joint_limit@knee_f high=0.5", {"constraint", "limit"}),
+        ("viscous_friction@knee_f c=0.1", {"damper"}),
+        ("joint_stiffness@knee_f k=0.1", {"spring"}),
+        ("gravity_tilt angle=0.1", {"gravity"}),
+        ("ground_friction mu=0.5", {"constraint", "contact"}),
+        ("body_mass@torso dm=0.1", set()),
+    ],
+)
+def test_what_a_flag_of_the_model_switches_off_is_refused(text: str, flags: set[str]) -> None:
+    refused = dict[str, str]()
+    for flag in SWITCHED:
+        spec = robot("quadruped").spec.copy()
+        spec.option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}"))
+        try:
+            parse_change(text, Robot.from_spec(spec))
+        except InputError as error:
+            refused[flag] = str(error)
+    assert set(refused) == flags
+    assert all(f'<flag {flag}="enable"/>' in said for flag, said in refused.items())
 
 
 def test_a_lost_part_needs_no_number_and_a_tie_takes_a_name() -> None:

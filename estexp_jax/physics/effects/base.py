@@ -72,6 +72,8 @@ class Effect(abc.ABC):
     source: ClassVar[str] = ""
     #: Parts of the model that must be there when MJX compiles it, or later values of them do nothing; see `mjx_model`.
     arms: ClassVar[tuple[str, ...]] = ()
+    #: Flags of MJCF's options with any of which disabled it does nothing.
+    flags: ClassVar[tuple[str, ...]] = ()
 
     @abc.abstractmethod
     def sites(self, robot: Robot) -> tuple[str, ...]:

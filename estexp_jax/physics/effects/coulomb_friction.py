@@ -30,6 +30,7 @@ class CoulombFriction(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/frictionloss"
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+    flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return rubbing_joint_sites(robot)

@@ -29,6 +29,7 @@ class GravityTilt(Edit):
     equation: ClassVar[str] = "g = R_u(angle) g_nominal, u = (cos axis, sin axis, 0)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2: the floor is canted"
+    flags: ClassVar[tuple[str, ...]] = ("gravity",)
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return ("",)

@@ -26,6 +26,7 @@ class GroundFriction(Edit):
     equation: ClassVar[str] = "|F_t| <= mu F_n"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: geom/friction"
+    flags: ClassVar[tuple[str, ...]] = ("constraint", "contact")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return ("",) if _touches_ground(robot.model) else ()

@@ -41,6 +41,7 @@ class JointJam(Edit):
     equation: ClassVar[str] = "tau = -c0 (c1 / c0)^f w"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
+    flags: ClassVar[tuple[str, ...]] = ("damper",)
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)

@@ -29,6 +29,7 @@ class JointLimit(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/range"
     arms: ClassVar[tuple[str, ...]] = ("jnt_range",)
+    flags: ClassVar[tuple[str, ...]] = ("constraint", "limit")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)

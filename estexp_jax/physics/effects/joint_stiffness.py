@@ -29,6 +29,7 @@ class JointStiffness(Edit):
     equation: ClassVar[str] = "tau = -k (q - q0)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/stiffness, joint/springref"
+    flags: ClassVar[tuple[str, ...]] = ("spring",)
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)

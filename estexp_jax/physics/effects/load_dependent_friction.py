@@ -20,6 +20,7 @@ class LoadDependentFriction(Term):
     equation: ClassVar[str] = "tau = -mu |motor torque| sign(w)"
     source: ClassVar[str] = "Duclusaud et al., ICRA 2025 (extended friction models for servo actuators)"
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+    flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return driven_joint_sites(robot)

@@ -31,6 +31,7 @@ class ReboundLimit(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/range, joint/solreflimit"
     arms: ClassVar[tuple[str, ...]] = JointLimit.arms
+    flags: ClassVar[tuple[str, ...]] = JointLimit.flags
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return _LIMIT.sites(robot)

@@ -35,6 +35,7 @@ class StribeckFriction(Term):
     equation: ClassVar[str] = "tau = -(T + S exp(-(w / w_s)^2)) sign(w)"
     source: ClassVar[str] = "Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), equation 5"
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+    flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)

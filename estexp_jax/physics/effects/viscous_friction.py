@@ -29,6 +29,7 @@ class ViscousFriction(Edit):
     equation: ClassVar[str] = "tau = -c w"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/damping"
+    flags: ClassVar[tuple[str, ...]] = ("damper",)
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return rubbing_joint_sites(robot)
