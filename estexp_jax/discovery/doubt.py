@@ -33,10 +33,10 @@ _INFLATED = 2.0
 """Factor on the states' variance: jolts are smoothed away more than steady motion."""
 
 
-def other_starts(model: mujoco.MjModel, segments: Sequence[Segment]) -> list[list[Segment]]:
-    """Each segment started a deviation off: two copies of all of them for each degree of freedom."""
+def other_starts(model: mujoco.MjModel, segments: Sequence[Segment], off: float = 1.0) -> list[list[Segment]]:
+    """Each segment started `off` deviations away: two copies of all of them for each degree of freedom."""
     return [
-        [replace(s, start=_shifted(model, s.start, dof, k)) for s in segments]
+        [replace(s, start=_shifted(model, s.start, dof, k, off)) for s in segments]
         for dof in range(model.nv)
         for k in range(2)
         if any(s.start.covariance is not None and s.start.covariance[dof].any() for s in segments)
@@ -60,12 +60,12 @@ def _widened(start: Start, wide: Mapping[int, float]) -> Start:
     return start._replace(covariance=covariance)
 
 
-def _shifted(model: mujoco.MjModel, start: Start, dof: int, k: int) -> Start:
-    """A start with column `k` of the square root of its covariance added to one degree of freedom."""
+def _shifted(model: mujoco.MjModel, start: Start, dof: int, k: int, off: float) -> Start:
+    """A start with `off` times column `k` of the square root of its covariance added to one degree of freedom."""
     if start.covariance is None:
         return start
     spread, turn = np.linalg.eigh(_INFLATED * start.covariance[dof])
-    shift = turn[:, k] * np.sqrt(max(spread[k], 0.0))
+    shift = off * turn[:, k] * np.sqrt(max(spread[k], 0.0))
     qpos, qvel, move = start.qpos.copy(), start.qvel.copy(), np.zeros(model.nv)
     move[dof] = shift[0]
     mujoco.mj_integratePos(model, qpos, move, 1.0)

@@ -4,23 +4,27 @@ from collections.abc import Generator
 from dataclasses import replace
 from unittest.mock import patch
 
+import mujoco
 import numpy as np
 import pytest
 
+from estexp_jax.discovery import comparison, horizon
 from estexp_jax.discovery import explain as explain_module
-from estexp_jax.discovery import horizon
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR, Progress
-from estexp_jax.discovery.horizon import as_nearer, hangs_on_hairs, says_all, shows_unparted
+from estexp_jax.discovery.horizon import as_nearer, bent, hangs_on_hairs, says_all, shows_unparted
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import QUIET
+from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.registry import catalogue
-from tests.discovery.planted import CASES, CONFIG, Plant, case_of, explained, finished, nominal, problem_of
+from estexp_jax.physics.robot import Robot
+from tests.discovery.planted import CASES, CONFIG, XML, Plant, case_of, explained, finished, nominal, problem_of
 
+_SERVO = '<position name="servo" joint="shaft" kp="4" kv="0.1" forcerange="-3 3"/>'
 TEETH, STRENGTH, PHASE = 14.0, 0.3, 0.8
 FEW = replace(CONFIG, effects=("viscous_friction", "coulomb_friction", "cogging"), most=1)
 
@@ -159,8 +163,51 @@ def test_what_shows_only_where_motions_part_does_not_stay(monkeypatch, truth, si
     without, chosen = (
         Explanation(fit, np.square(r, dtype=np.float64).sum(axis=1)) for fit, r in zip(fits, left, strict=True)
     )
-    monkeypatch.setattr(horizon, "_parting", lambda *_: np.where(np.isin(np.arange(6), parted), 150.0, 5.0))
+    monkeypatch.setattr(horizon, "bent", lambda *_: np.where(np.isin(np.arange(6), parted), 20.0, 0.1))
     assert shows_unparted(there, Selection(without, without, without, (chosen,), chosen)) is kept
+
+
+def test_values_fitted_to_a_window_in_which_motions_part_make_nothing_show_in_others(monkeypatch):
+    """They are wrong there; as it is, the model lacks nothing in these."""
+    robot = nominal("two")
+    problem = problem_of(case_of("two", Plant(), 741), replace(CONFIG, effects=FEW.effects))
+    parameters = parameters_only(robot, catalogue(FEW.effects))
+    rubs = claiming(robot, parameters, [("coulomb_friction", "elbow")])
+    own, other = (Fit(h, h.start(), 1.0) for h in (parameters, rubs))
+    there = about(problem, own)
+    order = np.concatenate([held for _, held in folds_of(there)])
+    fallen = order == order[1]
+
+    def with_errors(fit: Fit, error: float, where_fallen: float) -> Explanation:
+        return Explanation(fit, np.square(np.where(fallen, where_fallen, error)) / len(order))
+
+    monkeypatch.setattr(horizon, "bent", lambda *_: np.where(np.sort(problem.fitted) == order[1], 20.0, 0.1))
+    as_it_is, pulled, chosen = with_errors(own, 1.0, 50.0), with_errors(own, 4.0, 48.0), with_errors(other, 0.8, 6.0)
+    assert not shows_unparted(there, Selection(as_it_is, as_it_is, pulled, (chosen,), chosen))
+    assert shows_unparted(there, Selection(pulled, pulled, pulled, (chosen,), chosen)), "it lacks as much as it is"
+
+
+def released(robot: Robot, angle: float, seed: int) -> Recording:
+    """What an encoder of 12 bits reads of a pendulum let go somewhere."""
+    data, rng, quantum = mujoco.MjData(robot.model), np.random.default_rng(seed), 2.0 * np.pi / 2**12
+    data.qpos[:], read = angle, np.zeros((126, 1))
+    for row in read:
+        row[:] = np.round((data.qpos + 2e-4 * rng.standard_normal(1)) / quantum) * quantum
+        mujoco.mj_step(robot.model, data, 2)
+    nothing = np.full_like(read, np.nan)
+    return Recording(
+        "let go", 0.01 * np.arange(len(read)), 0.0 * read, 1.0 + 0.0 * read, read, nothing, nothing, "train"
+    )
+
+
+def test_only_a_pendulum_that_may_fall_to_either_side_is_far_from_linear_in_its_start():
+    pole = Robot.from_string(XML["one"].replace(_SERVO, '<motor name="servo" joint="shaft" ctrlrange="-1 1"/>'))
+    recordings = tuple(released(pole, angle, 742) for angle in (0.5, np.pi - 1e-3, -1.0))
+    problem = comparison.problem_of(Case(pole, recordings, (pole,) * 3), FEW, {})
+    parameters = parameters_only(pole, problem.replayer.catalogue)
+    there = about(problem, Fit(parameters, parameters.start(), 1.0))
+    hangs, stands, also_hangs = bent(there, (parameters, parameters.start()))
+    assert stands > 3.0 > 0.3 > max(hangs, also_hangs)
 
 
 @pytest.mark.parametrize("asked", ["at once", "at last", "never"])
