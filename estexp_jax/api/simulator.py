@@ -12,7 +12,7 @@ import numpy as np
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.results import DAMAGE, damaged, read_results
 from estexp_jax.errors import InputError
-from estexp_jax.inference.apart import kept_apart
+from estexp_jax.inference.apart import ROWS, kept_apart
 from estexp_jax.physics.changes import Change, Values, encode, stack
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Controller, Replay, Replayer
@@ -21,6 +21,9 @@ from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, Start, segment
 from estexp_jax.runs import enable_compilation_cache, forget_programs
+
+_MET = 0.005
+"""Parts that come nearer in a simulated motion, m, beside the margins of their geoms, may touch between its rows."""
 
 
 class Traces(NamedTuple):
@@ -114,7 +117,7 @@ class Simulator:
     ) -> Replay:
         """One motion, without contacts that do not occur in it: engines have none of meshes, or slow ones.
 
-        First those are left out that are far at the start; what came near nevertheless is given back.
+        First those are left out that are apart at the start; what met nevertheless is given back.
         """
         enable_compilation_cache()
         forget_programs()
@@ -122,12 +125,14 @@ class Simulator:
         if not effects:
             effects = catalogue(["viscous_friction"])  # a catalogue needs one; it stays neutral
         values = stack([encode(self.robot, effects, self.changes)])
-        apart = kept_apart(self.robot, [np.asarray(stretch.start.qpos, float)[None]])
+        near = _MET + 2.0 * float(self.robot.model.geom_margin.max(initial=0.0))
+        apart = kept_apart(self.robot, [np.asarray(stretch.start.qpos, float)[None]], near)
         while True:
             robot = self.robot.without_contacts(apart)
             replay = play(replayer(robot, effects, [robot], width=1, block=block), values)
             path = replay.qpos[0].astype(float)
-            far = kept_apart(self.robot, [path[np.isfinite(path).all(axis=1)]])
+            path = path[np.isfinite(path).all(axis=1)]
+            far = kept_apart(self.robot, [path[i : i + ROWS] for i in range(0, len(path), ROWS)], near)
             if set(apart) <= set(far):
                 return replay
             apart = [pair for pair in apart if pair in far]

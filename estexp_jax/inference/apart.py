@@ -15,7 +15,7 @@ NEAR = 0.02
 _LOOSE, _SHARE, _PRESSED = 5e-4, 0.5, 1e-5
 """Parts that one joint or two hold together are always near: they may touch where their gap changes by more, m or as a
 share of itself, or where they overlap by more, m."""
-_ROWS = 300
+ROWS = 300
 """So many rows of each recording are looked at."""
 
 
@@ -33,7 +33,7 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
     pairs, met = _pairs(robot), set[tuple[int, int]]()
     gaps = {bodies: list[float]() for bodies in pairs if _are_joined(model, *bodies)}
     for path in paths if pairs else ():
-        for qpos in path[:: max(1, len(path) // _ROWS)]:
+        for qpos in path[:: max(1, len(path) // ROWS)]:
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
             for bodies in pairs.keys() - met:

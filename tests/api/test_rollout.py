@@ -24,7 +24,11 @@ LEGS = Robot.from_string(
 )
 
 
-@pytest.mark.parametrize(("torque", "engines"), [(0.5, ["lanes"]), (3.0, ["lanes", "mjx"])], ids=["apart", "touching"])
+@pytest.mark.parametrize(
+    ("torque", "engines"),
+    [(0.3, ["lanes"]), (0.52, ["lanes"]), (3.0, ["lanes", "mjx"])],
+    ids=["apart", "all but touching", "touching"],
+)
 def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: list[str]) -> None:
     used, make = [], module.replayer
 
@@ -40,3 +44,4 @@ def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: lis
     feet = [x + 0.5 * -np.sin(traces.qpos[:, i]) for i, x in enumerate((0.0, 0.3))]
     gap = feet[1] - feet[0] - 0.1
     assert gap.min() > -0.02 and (gap.min() < 0.005) == (torque > 1.0)
+    assert (gap.min() < 0.02) == (torque > 0.4)
