@@ -8,10 +8,11 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.touching import touching_pairs
+from estexp_jax.physics.touching import gap, overlapping, touching_pairs
 
-NEAR = 0.02
-"""Parts that come nearer, m, may touch in a simulation that moves a little otherwise."""
+NEAR, MESHES_NEAR = 0.02, 0.005
+"""Parts that come nearer, m, may touch in a simulation that moves a little otherwise; meshes, whose contacts take MJX a
+hundred times as long as all the rest, only where these do."""
 _LOOSE, _SHARE, _PRESSED = 5e-4, 0.5, 1e-5
 """Parts that one joint or two hold together are always near: they may touch where their gap changes by more, m or as a
 share of itself, or where they overlap by more, m."""
@@ -23,6 +24,7 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
     """Pairs of bodies whose contacts can be left out: they stayed apart all along.
 
     Two moving bodies, or one of a robot that is bolted down and one of its surroundings: what floats falls on these.
+    Those whose meshes overlap from the start, too.
 
     Args:
         robot: as described.
@@ -30,28 +32,26 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
         near: gap of parts that may touch, m.
     """
     model, data = robot.model, mujoco.MjData(robot.model)
-    pairs, met = _pairs(robot), set[tuple[int, int]]()
+    ever = overlapping(robot)
+    pairs, met = (
+        {bodies: geoms for bodies, geoms in _pairs(robot).items() if bodies not in ever},
+        set[tuple[int, int]](),
+    )
+    mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
+    touch = {bodies: min(near, MESHES_NEAR) if mesh[geoms].any() else near for bodies, geoms in pairs.items()}
     gaps = {bodies: list[float]() for bodies in pairs if _are_joined(model, *bodies)}
     for path in paths if pairs else ():
         for qpos in path[:: max(1, len(path) // ROWS)]:
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
             for bodies in pairs.keys() - met:
-                gap = min(_gap(model, data, one, other) for one, other in pairs[bodies])
+                found = min(gap(model, data, one, other, 2.0 * NEAR) for one, other in pairs[bodies])
                 if bodies in gaps:
-                    gaps[bodies].append(gap)
-                elif gap <= near:
+                    gaps[bodies].append(found)
+                elif found <= touch[bodies]:
                     met.add(bodies)
-    met |= {bodies for bodies, found in gaps.items() if _may_touch(found, near)}
-    return [bodies for bodies in pairs if bodies not in met] if len(paths) else []
-
-
-def _gap(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int) -> float:
-    """Distance of two geoms, m, at most twice what is near; balls around them, which planes have not, tell most."""
-    around = model.geom_rbound[[one, other]]
-    if around.all() and np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]) > around.sum() + 2.0 * NEAR:
-        return 2.0 * NEAR
-    return mujoco.mj_geomDistance(model, data, one, other, 2.0 * NEAR, None)
+    met |= {bodies for bodies, found in gaps.items() if _may_touch(found, touch[bodies])}
+    return [*ever, *(bodies for bodies in pairs if bodies not in met)] if len(paths) else []
 
 
 def _may_touch(gaps: list[float], near: float) -> bool:

@@ -2,13 +2,13 @@
 
 Solver and integrator make no other robot, only other steps. A contact that MJX has no function for is left out between
 two parts of a robot, and between a robot that is bolted down and what stands around it; what a robot may stand on is
-not.
+not. So are contacts of meshes that overlap at home: they push all the time, and hold what a real robot can move.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import mujoco
@@ -16,7 +16,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, listing
 from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.touching import touching_pairs
+from estexp_jax.physics.touching import overlapping, touching_pairs
 
 _GEOM, _JOINT = mujoco.mjtGeom, mujoco.mjtJoint
 _INTEGRATOR, _ENABLE = mujoco.mjtIntegrator, mujoco.mjtEnableBit
@@ -75,9 +75,11 @@ def within_mjx(robot: Robot) -> Within:
         InputError: two shapes that MJX cannot let touch may carry the robot.
     """
     apart = _apart(robot)
-    model = copy.deepcopy(robot.without_contacts(apart).model)
+    fused = [bodies for bodies in overlapping(robot) if bodies not in apart]
+    model = copy.deepcopy(robot.without_contacts([*apart, *fused]).model)
     _to_joints(model)
-    left_out = (*_contacts(robot, apart), *_without_margins(model), *_options(model.opt), *_passed_over(model))
+    without = *_contacts(robot, apart), *_overlaps(robot, fused)
+    left_out = (*without, *_without_margins(model), *_options(model.opt), *_passed_over(model))
     return Within(model, left_out)
 
 
@@ -162,6 +164,14 @@ def _contacts(robot: Robot, apart: Mapping[tuple[int, int], tuple[str, str]]) ->
         shapes = sorted({f"{one} with {other}" for one, other in apart.values()})
         pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in apart)
         yield f"contacts between {pairs}: MJX has none of {' or of '.join(shapes)}"
+
+
+def _overlaps(robot: Robot, fused: Sequence[tuple[int, int]]) -> Iterator[str]:
+    """Contacts of meshes that overlap, a sentence."""
+    if fused and _touches(robot.model):
+        bodies = robot.names("body")
+        pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in fused)
+        yield f"contacts between {pairs}: their meshes, with hollows filled, overlap at home"
 
 
 def _pairs(model: mujoco.MjModel) -> Iterator[tuple[int, int]]:
