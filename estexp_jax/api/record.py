@@ -14,8 +14,9 @@ from estexp_jax.api.explain_files import write_model
 from estexp_jax.api.simulator import Simulator, Traces
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.errors import InputError
+from estexp_jax.inference.apart import meet
 from estexp_jax.inference.excitation import multisine, steps
-from estexp_jax.inference.holding import holding, torque_motors
+from estexp_jax.inference.holding import holding, planned_path, torque_motors
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
@@ -28,6 +29,8 @@ from estexp_jax.runs import RunFolder, write_json, write_text
 
 _FINER = 5
 """The robot is simulated at this fraction of its model's step: a real one has none."""
+_SHARES = (1.0, 0.7, 0.5, 0.35, 0.25)
+"""Of the usual size of motions, one after the other until no parts meet; the last one whatever they do."""
 
 
 @final
@@ -66,7 +69,8 @@ def record(
     """Simulate a robot with changes, and write what it would have logged; gives the manifest's path.
 
     Writes nominal.xml, train_0.csv, train_1.csv, test_0.csv (a larger motion), recordings.toml and truth.json. Servos
-    are told where to go; motors that give torques are told by a controller, so that their joints move likewise.
+    are told where to go; motors that give torques are told by a controller, so that their joints move likewise. A robot
+    that is bolted down moves less far where parts that are apart at home would meet.
 
     Args:
         robot: the nominal one.
@@ -87,12 +91,8 @@ def record(
     write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
     real = Simulator(robot, tuple(changes), _FINER)
     time = np.arange(int(round(config.duration * config.rate))) / config.rate
-    motions = (
-        ("train_0.csv", multisine(robot, time, 0.6, config.seed)),
-        ("train_1.csv", steps(robot, time, 0.6, config.seed + 1)),
-        ("test_0.csv", multisine(robot, time, 0.9, config.seed + 2)),
-    )
     motors = torque_motors(robot)
+    motions = _motions(robot, motors, time, config)
     for i, (name, planned) in enumerate(motions):
         begun(f"simulating {name}")
         if motors:
@@ -105,6 +105,23 @@ def record(
     write_text(folder.file("recordings.toml"), _manifest([name for name, _ in motions]))
     write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
     return folder.path / "recordings.toml"
+
+
+def _motions(
+    robot: Robot, motors: tuple[int, ...], time: np.ndarray, config: RecordConfig
+) -> tuple[tuple[str, np.ndarray], ...]:
+    """Names of recordings and their commands (rows, nu), as large as keeps a bolted robot's parts apart."""
+    bolted = not np.any(robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE))
+    for share in _SHARES:
+        motions = (
+            ("train_0.csv", multisine(robot, time, 0.6 * share, config.seed)),
+            ("train_1.csv", steps(robot, time, 0.6 * share, config.seed + 1)),
+            ("test_0.csv", multisine(robot, time, 0.9 * share, config.seed + 2)),
+        )
+        paths = [planned_path(robot, motors, commands, 1.0 / config.rate) for _, commands in motions]
+        if not bolted or not meet(robot, paths):
+            break
+    return motions
 
 
 def _refuse_diverged(traces: Traces, name: str) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.results import DAMAGE, damaged, read_results
 from estexp_jax.errors import InputError
-from estexp_jax.inference.apart import ROWS, kept_apart
+from estexp_jax.inference.apart import ROWS, TOGETHER, kept_apart
 from estexp_jax.physics.changes import Change, Values, encode, stack
 from estexp_jax.physics.engines.choice import replayer
 from estexp_jax.physics.engines.replaying import Controller, Replay, Replayer
@@ -21,9 +21,6 @@ from estexp_jax.physics.registry import catalogue
 from estexp_jax.physics.robot import Robot
 from estexp_jax.physics.segment import Segment, Start, segment
 from estexp_jax.runs import enable_compilation_cache, forget_programs
-
-_MET = 0.005
-"""Parts that come nearer in a simulated motion, m, beside the margins of their geoms, may touch between its rows."""
 
 
 class Traces(NamedTuple):
@@ -125,7 +122,7 @@ class Simulator:
         if not effects:
             effects = catalogue(["viscous_friction"])  # a catalogue needs one; it stays neutral
         values = stack([encode(self.robot, effects, self.changes)])
-        near = _MET + 2.0 * float(self.robot.model.geom_margin.max(initial=0.0))
+        near = TOGETHER + 2.0 * float(self.robot.model.geom_margin.max(initial=0.0))
         apart = kept_apart(self.robot, [np.asarray(stretch.start.qpos, float)[None]], near)
         while True:
             robot = self.robot.without_contacts(apart)

@@ -16,7 +16,7 @@ from estexp_jax.discovery.possible import possible
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.recorded import deviations
 from estexp_jax.discovery.replays import Replays
-from estexp_jax.inference.apart import NEAR, kept_apart
+from estexp_jax.inference.apart import NEAR, TOGETHER, kept_apart
 from estexp_jax.inference.channels import channels_of
 from estexp_jax.inference.gaps import bridged
 from estexp_jax.inference.windows import cut_of, fitting_window
@@ -29,8 +29,6 @@ from estexp_jax.physics.segment import Segment
 _WINDOWS, _WORK = (16, 48), 144_000
 """Fewest and most windows that are fitted of long recordings, and how often forces at a robot's joints are computed in
 them."""
-_TOGETHER = 0.005
-"""Gap, m, of parts that may have touched in a test recording, as far as model and readings tell."""
 
 
 def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Problem:
@@ -69,7 +67,7 @@ def apart_in(
 def shown_of(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     """The comparison that is shown: where test recordings bring parts together, these may touch."""
     fitted = apart_in(case, whole.segments, case.indices("train"))
-    every = apart_in(case, whole.segments, range(len(case.recordings)), _TOGETHER)
+    every = apart_in(case, whole.segments, range(len(case.recordings)), TOGETHER)
     near = set(fitted) - set(every)
     if not near:
         return whole

@@ -8,11 +8,12 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.touching import gap, overlapping, touching_pairs
+from estexp_jax.physics.touching import contacts_on, gap, overlapping, touching_pairs
 
-NEAR, MESHES_NEAR = 0.02, 0.005
-"""Parts that come nearer, m, may touch in a simulation that moves a little otherwise; meshes, whose contacts take MJX a
-hundred times as long as all the rest, only where these do."""
+NEAR, TOGETHER = 0.02, 0.005
+"""Parts that come nearer, m, may touch in a simulation that moves a little otherwise; and in one that moves as these
+do, as far as its rows tell. Meshes, whose contacts take MJX a hundred times as long as all else, count as the latter.
+"""
 _LOOSE, _SHARE, _PRESSED = 5e-4, 0.5, 1e-5
 """Parts that one joint or two hold together are always near: they may touch where their gap changes by more, m or as a
 share of itself, or where they overlap by more, m."""
@@ -33,12 +34,10 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
     """
     model, data = robot.model, mujoco.MjData(robot.model)
     ever = overlapping(robot)
-    pairs, met = (
-        {bodies: geoms for bodies, geoms in _pairs(robot).items() if bodies not in ever},
-        set[tuple[int, int]](),
-    )
+    pairs = {bodies: geoms for bodies, geoms in _pairs(robot).items() if bodies not in ever}
+    met = set[tuple[int, int]]()
     mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
-    touch = {bodies: min(near, MESHES_NEAR) if mesh[geoms].any() else near for bodies, geoms in pairs.items()}
+    touch = {bodies: min(near, TOGETHER) if mesh[geoms].any() else near for bodies, geoms in pairs.items()}
     gaps = {bodies: list[float]() for bodies in pairs if _are_joined(model, *bodies)}
     for path in paths if pairs else ():
         for qpos in path[:: max(1, len(path) // ROWS)]:
@@ -52,6 +51,19 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
                     met.add(bodies)
     met |= {bodies for bodies, found in gaps.items() if _may_touch(found, touch[bodies])}
     return [*ever, *(bodies for bodies in pairs if bodies not in met)] if len(paths) else []
+
+
+def meet(robot: Robot, paths: Sequence[np.ndarray]) -> bool:
+    """Whether parts that are apart at home, as of `kept_apart`, come together in some motions.
+
+    Args:
+        robot: as described.
+        paths: (rows, nq) configurations of each motion.
+    """
+    if not contacts_on(robot.model):
+        return False
+    apart = kept_apart(robot, [robot.home()[None]], TOGETHER)
+    return not set(apart) <= set(kept_apart(robot, paths, TOGETHER))
 
 
 def _may_touch(gaps: list[float], near: float) -> bool:

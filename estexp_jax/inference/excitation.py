@@ -87,8 +87,7 @@ def command_reach(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     centre, reach = np.zeros(model.nu), np.ones(model.nu)
     for a in range(model.nu):
         joint = robot.joint_of_actuator(a)
-        servo = model.actuator_biastype[a] != mujoco.mjtBias.mjBIAS_NONE and model.actuator_biasprm[a, 1] != 0.0
-        if servo and joint in robot.scalar_joints:
+        if is_servo(model, a) and joint in robot.scalar_joints:
             centre[a] = home[model.jnt_qposadr[joint]] * model.actuator_gear[a, 0]
             reach[a] = _REACH
         elif model.actuator_forcelimited[a]:
@@ -99,3 +98,9 @@ def command_reach(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
                 centre[a] = (low + high) / 2.0
             reach[a] = min(reach[a], high - centre[a], centre[a] - low)
     return centre, reach
+
+
+def is_servo(model: mujoco.MjModel, actuator: int) -> bool:
+    """Whether an actuator's command is a position."""
+    biased = int(model.actuator_biastype[actuator]) != int(mujoco.mjtBias.mjBIAS_NONE)
+    return bool(biased and model.actuator_biasprm[actuator, 1] != 0.0)

@@ -10,7 +10,7 @@ from typing import final
 import mujoco
 import numpy as np
 
-from estexp_jax.inference.excitation import command_reach
+from estexp_jax.inference.excitation import command_reach, is_servo
 from estexp_jax.physics.robot import Robot
 
 _REACH = {int(mujoco.mjtJoint.mjJNT_HINGE): 0.6, int(mujoco.mjtJoint.mjJNT_SLIDE): 0.2}
@@ -52,6 +52,21 @@ def holding(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period:
     at, (centre, usual), (middle, reach) = list(motors), command_reach(robot), _joint_reach(robot, motors)
     share = (commands[:, at] - centre[at]) / usual[at]
     return Holder(robot, commands, motors, middle + reach * share, period)
+
+
+def planned_path(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period: float) -> np.ndarray:
+    """Configurations (rows, nq) that commands ask for: of motors as `holding` has them, of position servos their own.
+
+    All other joints stay at home. Arguments as of `holding`.
+    """
+    model, path = robot.model, np.tile(robot.home(), (len(commands), 1))
+    for a in range(model.nu):
+        joint, gear = robot.joint_of_actuator(a), model.actuator_gear[a, 0]
+        if joint in robot.scalar_joints and is_servo(model, a) and gear != 0.0:
+            path[:, model.jnt_qposadr[joint]] = commands[:, a] / gear
+    if motors:
+        path[:, model.jnt_qposadr[_joints(robot, motors)]] = holding(robot, motors, commands, period).path[0]
+    return path
 
 
 def _joint_reach(robot: Robot, motors: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
@@ -107,7 +122,7 @@ class Holder:
         joints = _joints(self.robot, self.motors)
         places, dofs, motors = model.jnt_qposadr[joints], model.jnt_dofadr[joints], list(self.motors)
         asked = np.zeros(model.nv)
-        where, speed, pace = (table[row] for table in self._path)
+        where, speed, pace = (table[row] for table in self.path)
         asked[dofs] = pace + fast**2 * (where - qpos[places]) + 2.0 * fast * (speed - qvel[dofs])
         torque = (inertia @ asked + data.qfrc_bias - data.qfrc_passive)[dofs]
         found = self.commands[row].copy()
@@ -120,7 +135,7 @@ class Holder:
         return mujoco.MjData(self.robot.model)
 
     @cached_property
-    def _path(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def path(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Positions, speeds and accelerations (rows, motors): first from home, at rest, to the middle."""
         home = self.robot.home()[self.robot.model.jnt_qposadr[_joints(self.robot, self.motors)]]
         share = np.clip(self.period * np.arange(len(self.planned)) / _EASE, 0.0, 1.0)

@@ -11,6 +11,11 @@ _DEEP = 1e-3
 """Meshes that overlap by more at home, m, were not drawn to touch: MuJoCo fills their hollows."""
 
 
+def contacts_on(model: mujoco.MjModel) -> bool:
+    """Whether a model's options leave contacts on at all."""
+    return not model.opt.disableflags & (mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+
+
 def touching_pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
     """Pairs of geoms that MuJoCo lets collide, a plane first.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from estexp_jax.api.record import RecordConfig, record
 from estexp_jax.physics.changes import parse_change
@@ -43,3 +44,27 @@ def test_torques_hold_an_upright_arm_around_its_home(tmp_path: Path) -> None:
         log = read_recording(robot, tmp_path / "out" / name)
         assert 0.1 < np.abs(log.qpos).max() < reach + 0.05
         assert 0.1 < np.abs(log.ctrl).max() < 9.0
+
+
+ARM = """<body name="{0}" pos="{1} 0 0"><joint name="{0}" axis="0 1 0" damping="0.1"/>
+  <geom type="capsule" fromto="0 0 0 0 0 -0.4" size="0.02" mass="1"/></body>"""
+
+
+@pytest.mark.parametrize(
+    ("apart", "flag", "usual"), [(0.9, "", True), (0.2, "", False), (0.2, '<flag contact="disable"/>', True)]
+)
+def test_arms_that_would_meet_move_less_far(tmp_path: Path, apart: float, flag: str, usual: bool) -> None:
+    """A torque motor turns one, a servo with a gear the other; both hang."""
+    arms, servo = ARM.format("left", 0) + ARM.format("right", apart), 'kp="5" kv="0.3" gear="2"'
+    robot = Robot.from_string(
+        f"""<mujoco><option timestep="0.01">{flag}</option><worldbody>{arms}</worldbody><actuator>
+        <motor name="turn" joint="left"/><position name="servo" joint="right" {servo}/></actuator></mujoco>""",
+        "arms.xml",
+    )
+    record(robot, (), RecordConfig(duration=2.0, rate=50.0, seed=43), open_run(tmp_path / "out"))
+    logs = [read_recording(robot, tmp_path / "out" / name) for name in ("train_0.csv", "train_1.csv", "test_0.csv")]
+    gaps = [apart - 0.04 - 0.4 * (np.sin(log.qpos[:, 1]) - np.sin(log.qpos[:, 0])) for log in logs]
+    assert (min(gap.min() for gap in gaps) > 0.005) == (not flag)
+    asked = [np.abs(log.ctrl[:, 1]).max() for log in logs[::2]]
+    assert (asked == pytest.approx([0.36, 0.54], rel=0.02)) == usual
+    assert asked[1] == pytest.approx(1.5 * asked[0], rel=0.02), "the test motion is the larger one still"

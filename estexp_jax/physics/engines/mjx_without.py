@@ -16,7 +16,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, listing
 from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.touching import overlapping, touching_pairs
+from estexp_jax.physics.touching import contacts_on, overlapping, touching_pairs
 
 _GEOM, _JOINT = mujoco.mjtGeom, mujoco.mjtJoint
 _INTEGRATOR, _ENABLE = mujoco.mjtIntegrator, mujoco.mjtEnableBit
@@ -142,7 +142,7 @@ def _apart(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
         one, other = int(model.geom_bodyid[a]), int(model.geom_bodyid[b])
         shape, second = (_WORDS[_GEOM(int(model.geom_type[g]))] for g in (a, b))
         still = [int(model.body_weldid[body]) == 0 for body in (one, other)]
-        if _touches(model) and any(still) and (robot.floats(one) or robot.floats(other)):
+        if contacts_on(model) and any(still) and (robot.floats(one) or robot.floats(other)):
             raise InputError(
                 f"MJX has no contact of {shape} with {second}: '{geoms[a]}' and '{geoms[b]}'",
                 where=robot.source,
@@ -152,14 +152,9 @@ def _apart(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
     return found
 
 
-def _touches(model: mujoco.MjModel) -> bool:
-    """Whether contacts are switched on at all; MJX refuses shapes also where they are not."""
-    return not model.opt.disableflags & (mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
-
-
 def _contacts(robot: Robot, apart: Mapping[tuple[int, int], tuple[str, str]]) -> Iterator[str]:
     """Contacts that are left out, a sentence."""
-    if apart and _touches(robot.model):
+    if apart and contacts_on(robot.model):
         bodies = robot.names("body")
         shapes = sorted({f"{one} with {other}" for one, other in apart.values()})
         pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in apart)
@@ -168,14 +163,17 @@ def _contacts(robot: Robot, apart: Mapping[tuple[int, int], tuple[str, str]]) ->
 
 def _overlaps(robot: Robot, fused: Sequence[tuple[int, int]]) -> Iterator[str]:
     """Contacts of meshes that overlap, a sentence."""
-    if fused and _touches(robot.model):
+    if fused and contacts_on(robot.model):
         bodies = robot.names("body")
         pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in fused)
         yield f"contacts between {pairs}: their meshes, with hollows filled, overlap at home"
 
 
 def _pairs(model: mujoco.MjModel) -> Iterator[tuple[int, int]]:
-    """Geoms that touch in the C engine and have no function in MJX, the lower type first."""
+    """Geoms that touch in the C engine and have no function in MJX, the lower type first.
+
+    MJX refuses them also where contacts are switched off.
+    """
     for pair in touching_pairs(model):
         a, b = sorted(pair, key=lambda g: int(model.geom_type[g]))
         if (_GEOM(int(model.geom_type[a])), _GEOM(int(model.geom_type[b]))) in APART:

@@ -11,9 +11,9 @@ from estexp_jax.physics.engines.lanes.rays import TOUCH_SHAPES
 from estexp_jax.physics.engines.lanes.seats import SEATS, on_fixed_body
 from estexp_jax.physics.engines.lanes.sensors import RESTING, SENSORS
 from estexp_jax.physics.engines.lanes.touching import SHAPES
-from estexp_jax.physics.touching import touching_pairs
+from estexp_jax.physics.touching import contacts_on, touching_pairs
 
-_GEOM, _JOINT, _OFF, _ON = mujoco.mjtGeom, mujoco.mjtJoint, mujoco.mjtDisableBit, mujoco.mjtEnableBit
+_GEOM, _JOINT, _ON = mujoco.mjtGeom, mujoco.mjtJoint, mujoco.mjtEnableBit
 _COUNTED = {
     "ntendon": "tendons",
     "nflex": "flexible bodies",
@@ -145,9 +145,7 @@ def _sensors(model: mujoco.MjModel) -> Iterator[str]:
 
 
 def _pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
-    if model.opt.disableflags & (_OFF.mjDSBL_CONTACT | _OFF.mjDSBL_CONSTRAINT):
-        return []
-    return touching_pairs(model)
+    return touching_pairs(model) if contacts_on(model) else []
 
 
 def _contacts(model: mujoco.MjModel) -> Iterator[str]:

@@ -13,7 +13,7 @@ from typing import Any, final
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.touching import touching_pairs
+from estexp_jax.physics.touching import contacts_on, touching_pairs
 
 _GEOM = mujoco.mjtGeom
 SHAPES = (_GEOM.mjGEOM_SPHERE, _GEOM.mjGEOM_CAPSULE, _GEOM.mjGEOM_BOX)
@@ -60,7 +60,7 @@ class Candidate:
 def candidates(model: mujoco.MjModel) -> dict[int, tuple[Candidate, ...]]:
     """The single points of each moving body, in MuJoCo's order of planes and geoms."""
     found: dict[int, list[Candidate]] = {}
-    if model.opt.disableflags & (mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT):
+    if not contacts_on(model):
         return {}
     for plane, geom in touching_pairs(model):
         if int(model.geom_type[plane]) != _GEOM.mjGEOM_PLANE:
