@@ -64,7 +64,9 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
     [bent], around = yield from fitted(about(problem, start), tasks, "parameters")
     problem = about(around.heard(bent.member), start)
     plain = replace(problem, rough=None)  # what the step does is no noise where the step itself is asked for
-    nominal, corrected = (as_fitted(p, [start], search.folds)[0] for p in (replace(plain, step=None), plain))
+    kinds = (replace(plain, step=None), plain, problem)
+    nominal, mended, doubted = (as_fitted(p, [start], search.folds)[0] for p in kinds)
+    corrected = doubted if doubted.error <= NOISE else mended  # but for its doubt, where nothing else is left
     [own], problem = yield from compared(search, problem, [bent], "parameters only")
     found = Standing(problem, own, ())
     if own.error <= NOISE:

@@ -9,10 +9,13 @@ import pytest
 
 from estexp_jax.discovery import growing, searching
 from estexp_jax.discovery.growing import Setting, Standing, at_odds
-from estexp_jax.discovery.hypotheses import Free, Hypothesis
+from estexp_jax.discovery.hypotheses import Free, Hypothesis, parameters_only
+from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import _added, _goes_on, _simplified, _unbound, select
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.verdict import verdict as verdict_of
+from tests.discovery import planted
 
 
 def problem(steps: int, joints: int = 1) -> Any:
@@ -332,3 +335,27 @@ def test_what_explains_is_not_made_so_simple_that_it_explains_nothing(
         while True:
             next(found)
     assert end.value.value.chosen is (poor if simpler else rich)
+
+
+@pytest.mark.parametrize(("doubted", "verdict", "error"), [(0.9, "consistent", 0.9), (2.0, "parameters", 24.0)])
+def test_a_model_that_only_the_doubt_about_its_step_parts_from_recordings_lacks_nothing(
+    monkeypatch: pytest.MonkeyPatch, doubted: float, verdict: str, error: float
+) -> None:
+    """In a window in which motions part, the step's error is in more doubt than it is large."""
+    case = planted.case_of("one", planted.Plant(), 743)
+    there = planted.problem_of(case, replace(planted.CONFIG, effects=("viscous_friction",)))
+    parameters = parameters_only(planted.nominal("one"), there.replayer.catalogue)
+
+    def judged(problem: Problem, fits: list[Fit], _: list[Any]) -> list[Explanation]:
+        left = 27.0 if problem.step is None else 24.0 if problem.rough is None else doubted
+        return [Explanation(fit, np.full(4, left**2 / 4)) for fit in fits]
+
+    def compared(_: Setting, problem: Problem, fits: list[Fit], *__: Any) -> Any:
+        yield from ()
+        return judged(problem, fits, []), problem
+
+    monkeypatch.setattr(searching, "as_fitted", judged)
+    monkeypatch.setattr(searching, "compared", compared)
+    selection, _ = planted.finished(select(there, parameters, 0))
+    assert selection.corrected.error == pytest.approx(error)
+    assert verdict_of(planted.nominal("one"), selection, ()) == verdict
