@@ -12,7 +12,7 @@ from estexp_jax.physics.touching import contacts_on, gap, overlapping, touching_
 
 NEAR, TOGETHER = 0.02, 0.005
 """Parts that come nearer, m, may touch in a simulation that moves a little otherwise; and in one that moves as these
-do, as far as its rows tell. Meshes, whose contacts take MJX a hundred times as long as all else, count as the latter.
+do, as far as its rows tell. Meshes, whose contacts take MJX far longer than all else, are near only where they do so.
 """
 _LOOSE, _SHARE, _PRESSED = 5e-4, 0.5, 1e-5
 """Parts that one joint or two hold together are always near: they may touch where their gap changes by more, m or as a
