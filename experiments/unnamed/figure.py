@@ -39,6 +39,7 @@ def draw_laws(entries: Sequence[Mapping[str, Any]], path: Path) -> None:
         axes.set_title(f"{law.replace('_', ' ')}, {entry['robot']}, {100 * force['error']:.0f} % off", fontsize=8)
         axes.set_xlabel("q (rad)" if name == "q" else "w (rad/s)", fontsize=8)
         axes.tick_params(labelsize=7)
+        axes.locator_params(axis="x", nbins=6)
         axes.spines[["top", "right"]].set_visible(False)
     panels[0].set_ylabel("force (N m)", fontsize=8)
     handles, labels = panels[0].get_legend_handles_labels()
