@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from estexp_jax.api.propose import propose
     from estexp_jax.api.recover import recover, rollout
     from estexp_jax.api.simulator import load_explained
-    from estexp_jax.physics.robot import Robot
+    from estexp_jax.physics.model.robot import Robot
 
 __all__ = ["Robot", "explain", "load_controller", "load_explained", "propose", "recover", "register", "rollout"]
 
 _DOORS = {
-    "Robot": "estexp_jax.physics.robot",
+    "Robot": "estexp_jax.physics.model.robot",
     "explain": "estexp_jax.api.explain",
     "load_controller": "estexp_jax.api.controller",
     "load_explained": "estexp_jax.api.simulator",

@@ -8,7 +8,7 @@ import pytest
 from estexp_jax import package_data
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path, schema_path
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 
 def test_the_quadruped_comes_with_the_package():

@@ -14,7 +14,7 @@ from typing import Any, final
 
 import numpy as np
 
-from estexp_jax.api.bench_engines import (
+from estexp_jax.benchmark.engines import (
     C_ENGINES,
     JAX_ENGINES,
     TITLES,
@@ -23,10 +23,10 @@ from estexp_jax.api.bench_engines import (
     agreement_json,
     runner,
 )
-from estexp_jax.api.bench_estimation import estimation
-from estexp_jax.api.bench_field import Field, Race, load
-from estexp_jax.api.bench_process import alone
-from estexp_jax.api.bench_sweep import sweep
+from estexp_jax.benchmark.estimation import estimation
+from estexp_jax.benchmark.process import alone
+from estexp_jax.benchmark.subject import Field, Race, load
+from estexp_jax.benchmark.sweep import sweep
 from estexp_jax.errors import InputError
 from estexp_jax.physics.engines.batching import cores
 from estexp_jax.physics.engines.devices import accelerated, device

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.recovery.onboard import ARRAYS, Onboard
+from estexp_jax.recovery.hardware.onboard import ARRAYS, Onboard
 
 _BROKEN = (OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError, MemoryError)
 _BROKEN += (zipfile.BadZipFile, zlib.error)

@@ -7,10 +7,10 @@ from typing import TypeVar
 
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
-from estexp_jax.physics import registry
-from estexp_jax.physics.effect_checks import faults
+from estexp_jax.physics.effects import registry
 from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.checks import faults
+from estexp_jax.physics.model.robot import Robot
 
 _E = TypeVar("_E", bound=Effect)
 _TRIED = ("leg", "quadruped")

@@ -15,7 +15,7 @@ from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.recordings.roles import assign_roles
 from estexp_jax.recordings.settings import apply_settings
-from estexp_jax.report.picture import Picture
+from estexp_jax.report.drawing.picture import Picture
 from estexp_jax.runs import count_compilations, enable_compilation_cache, forget_programs, versions
 
 
@@ -34,13 +34,13 @@ class Explanation:
 
     def summary(self) -> str:
         """The verdict, what is missing, and how much better unseen recordings are predicted."""
-        from estexp_jax.report.explain_text import summary
+        from estexp_jax.report.explain.text import summary
 
         return summary(self.findings)
 
     def table(self) -> Any:
         """The claimed effects, one parameter a row: a DataFrame where pandas is present, else a list of dicts."""
-        from estexp_jax.report.explain_text import rows
+        from estexp_jax.report.explain.text import rows
 
         try:
             from pandas import DataFrame  # pyright: ignore[reportMissingImports] (a guest, not a dependency)
@@ -50,38 +50,38 @@ class Explanation:
 
     def plot_where(self) -> Picture:
         """Where the error is."""
-        from estexp_jax.report.explain_figures import figure_where
+        from estexp_jax.report.explain.figures import figure_where
 
         return Picture(figure_where(self.diagnosis))
 
     def plot_fit(self) -> Picture:
         """A test recording, before and after."""
-        from estexp_jax.report.explain_figures import figure_fit
+        from estexp_jax.report.explain.figures import figure_fit
 
         return Picture(figure_fit(self.diagnosis))
 
     def plot_rivals(self) -> Picture:
         """Test and training errors of the nominal simulator, the rivals and the explanation."""
-        from estexp_jax.report.explain_rivals import figure_rivals
+        from estexp_jax.report.explain.competing_models import figure_rivals
 
         return Picture(figure_rivals(self.findings))
 
     def plot_ranking(self) -> Picture:
         """All explanations tried, by how they predict held-out windows."""
-        from estexp_jax.report.explain_figures import figure_ranking
+        from estexp_jax.report.explain.figures import figure_ranking
 
         return Picture(figure_ranking(self.diagnosis))
 
     def plot_laws(self) -> list[Picture]:
         """Each unknown law's force over position and speed, beside what its joint lacks; [] where none was found."""
-        from estexp_jax.report.law_figure import figure_law
+        from estexp_jax.report.explain.law_figure import figure_law
 
         robot = self.diagnosis.case.robot
         return [Picture(figure_law(law, joint_unit(robot, law.joint))) for law in self.diagnosis.laws]
 
     def latex(self) -> list[str]:
         """The equation of each entry of `what`, in LaTeX's mathematics."""
-        from estexp_jax.report.latex import latex
+        from estexp_jax.report.explain.latex import latex
 
         return [latex(entry["equation"]) for entry in self.findings["what"]]
 
@@ -105,7 +105,7 @@ class Explanation:
         return self.summary()
 
     def _repr_html_(self) -> str:
-        from estexp_jax.report.explain_text import html_table
+        from estexp_jax.report.explain.text import html_table
 
         return html_table(self.findings)
 

@@ -12,7 +12,7 @@ import numpy as np
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.export import explained_spec, explained_xml
 from estexp_jax.errors import InputError
-from estexp_jax.physics.portable import ASSETS, portable
+from estexp_jax.physics.model.portable import ASSETS, portable
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.runs import RunFolder, write_json, write_text
 
@@ -36,10 +36,10 @@ def write_results(
     Returns:
         The report's path, and why it has no such picture though one was wanted, or nothing.
     """
-    from estexp_jax.report.explain_ghosts import ghosts_of
-    from estexp_jax.report.explain_marked import guilty, marked_of
-    from estexp_jax.report.explain_page import page
-    from estexp_jax.report.gl import NoGlError
+    from estexp_jax.report.drawing.gl import NoGlError
+    from estexp_jax.report.explain.ghosts import ghosts_of
+    from estexp_jax.report.explain.marked import guilty, marked_of
+    from estexp_jax.report.explain.page import page
 
     ghosts, marked, missing = None, None, ""
     try:

@@ -8,9 +8,9 @@ from pathlib import Path
 import mujoco
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.description import elements
-from estexp_jax.physics.portable import ASSETS, portable
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.portable import ASSETS, portable
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.spec import elements
 from estexp_jax.runs import write_text
 
 _SWAY = {mujoco.mjtJoint.mjJNT_HINGE: 0.1, mujoco.mjtJoint.mjJNT_SLIDE: 0.01}

@@ -18,14 +18,14 @@ import numpy as np
 
 from estexp_jax.api.controller import load_controller
 from estexp_jax.errors import InputError, listing, unwritable
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import read_recording
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.logged import Wanted, logged
-from estexp_jax.recovery.mismatch import SAMPLES
-from estexp_jax.recovery.onboard import Onboard
-from estexp_jax.recovery.trial import Controller, Trial
+from estexp_jax.recovery.control.trial import Controller, Trial
+from estexp_jax.recovery.estimation.error_model import SAMPLES
+from estexp_jax.recovery.hardware.log import Wanted, logged
+from estexp_jax.recovery.hardware.onboard import Onboard
 from estexp_jax.runs import Progress
 from estexp_jax.runs.files import replacing
 from estexp_jax.runs.lock import Hold, hold

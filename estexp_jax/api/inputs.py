@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import final
 
 from estexp_jax.errors import InputError
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings import read_manifest, read_recording
 from estexp_jax.recordings.columns import Source, parse_map
 

@@ -13,12 +13,12 @@ from estexp_jax.api.explain_files import RIVALS_SCHEMA
 from estexp_jax.api.results import DAMAGE, damaged, read_results
 from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.fitting import Progress as Step
-from estexp_jax.discovery.propose import ProposeConfig, Proposed
-from estexp_jax.discovery.propose import propose as _propose
 from estexp_jax.errors import InputError, known
+from estexp_jax.experiment_design.propose import ProposeConfig, Proposed
+from estexp_jax.experiment_design.propose import propose as _propose
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.choice import ENGINES
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.runs import enable_compilation_cache, forget_programs
 
 
@@ -45,13 +45,13 @@ class Proposal:
 
     def summary(self) -> str:
         """The rivals, and how far apart the proposed motion brings them."""
-        from estexp_jax.report.propose_text import summary
+        from estexp_jax.report.propose.text import summary
 
         return summary(self.proposed)
 
     def table(self) -> Any:
         """The pairs of rivals, one a row: a DataFrame where pandas is present, else a list of dicts."""
-        from estexp_jax.report.propose_text import rows
+        from estexp_jax.report.propose.text import rows
 
         try:
             from pandas import DataFrame  # pyright: ignore[reportMissingImports] (a guest, not a dependency)
@@ -74,7 +74,7 @@ class Proposal:
         return self.summary()
 
     def _repr_html_(self) -> str:
-        from estexp_jax.report.propose_text import html_table
+        from estexp_jax.report.propose.text import html_table
 
         return html_table(self.proposed)
 

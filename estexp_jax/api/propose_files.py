@@ -6,16 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from estexp_jax.discovery.propose import Proposed
+from estexp_jax.experiment_design.propose import Proposed
 from estexp_jax.recordings.write import write_csv
-from estexp_jax.report.propose_advice import advice
-from estexp_jax.report.propose_text import column_of
+from estexp_jax.report.propose.advice import advice
+from estexp_jax.report.propose.text import column_of
 from estexp_jax.runs import RunFolder, write_text
 
 
 def write_proposal(folder: RunFolder, proposed: Proposed) -> Path:
     """Write commands, what each rival predicts, advice and report; gives the report's path."""
-    from estexp_jax.report.propose_page import page
+    from estexp_jax.report.propose.page import page
 
     names = proposed.robot.names("actuator")
     columns = {f"ctrl.{name}": proposed.commands[:, a] for a, name in enumerate(names)}

@@ -14,15 +14,15 @@ from estexp_jax.api.explain_files import write_model
 from estexp_jax.api.simulator import Simulator, Traces
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.errors import InputError
-from estexp_jax.inference.apart import meet
-from estexp_jax.inference.excitation import multisine, steps
-from estexp_jax.inference.holding import holding, planned_path, torque_motors
-from estexp_jax.physics.changes import Change
+from estexp_jax.experiment_design.computed_torque_controller import holding, planned_path, torque_motors
+from estexp_jax.experiment_design.excitation import multisine, steps
 from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
-from estexp_jax.physics.portable import portable
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.clearance import meet
+from estexp_jax.physics.model.portable import portable
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import COORDINATES
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.runs import RunFolder, write_json, write_text

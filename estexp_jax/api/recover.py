@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.physics.engines.walking import Walk
-from estexp_jax.physics.robot import Robot
-from estexp_jax.recovery import front
+from estexp_jax.physics.engines.closed_loop import Walk
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery import population_rollout as front
 from estexp_jax.recovery.target import Target
-from estexp_jax.report import recover_run
-from estexp_jax.report.recover_run import RecoverRun
+from estexp_jax.report.recover import run as recover_run
+from estexp_jax.report.recover.run import RecoverRun
 from estexp_jax.runs import enable_compilation_cache
 
 

@@ -12,14 +12,14 @@ import numpy as np
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.results import DAMAGE, damaged, read_results
 from estexp_jax.errors import InputError
-from estexp_jax.inference.apart import ROWS, TOGETHER, kept_apart
-from estexp_jax.physics.changes import Change, Values, encode, stack
+from estexp_jax.physics.effects.changes import Change, Values, encode, stack
+from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.replaying import Controller, Replay, Replayer
+from estexp_jax.physics.engines.open_loop import Controller, Replay, Replayer
+from estexp_jax.physics.model.clearance import ROWS, TOGETHER, kept_apart
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import catalogue
-from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Segment, Start, segment
+from estexp_jax.physics.window import Segment, Start, segment
 from estexp_jax.runs import enable_compilation_cache, forget_programs
 
 

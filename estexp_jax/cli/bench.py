@@ -54,7 +54,7 @@ def run(options: Options) -> int:
         InputError: the model or a number cannot be used, or DIR.
     """
     from estexp_jax.api.bench import BenchConfig, bench, quick
-    from estexp_jax.report.bench_figures import bench_figure
+    from estexp_jax.report.bench.figures import bench_figure
     from estexp_jax.runs import Progress, open_run, write_json
     from estexp_jax.runs.files import replacing
 

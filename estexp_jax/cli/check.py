@@ -80,7 +80,7 @@ def run(options: Options) -> int:
 def _begin_model(options: Options) -> int:
     """Write a first MJCF."""
     from estexp_jax.api.first_model import write_first_model
-    from estexp_jax.physics.robot import Robot
+    from estexp_jax.physics.model.robot import Robot
 
     robot = Robot.from_xml(options.files[0])
     path = write_first_model(robot, options.out or Path())
@@ -104,7 +104,7 @@ def _begin_manifest(options: Options, tests: Sequence[str]) -> Inputs | None:
 
 
 def _judge(inputs: Inputs) -> list[dict[str, Any]]:
-    from estexp_jax.recordings.inspect import judge
+    from estexp_jax.recordings.checks.inspect import judge
     from estexp_jax.recordings.settings import apply_settings
 
     return [judge(apply_settings(inputs.robot, r.settings, where=r.name), r) for r in inputs.recordings]
@@ -112,7 +112,7 @@ def _judge(inputs: Inputs) -> list[dict[str, Any]]:
 
 def _write(folder: Any, inputs: Inputs, judged: list[dict[str, Any]]) -> None:
     from estexp_jax.cli.check_figure import draw
-    from estexp_jax.recordings.excitation import missing
+    from estexp_jax.recordings.checks.excitation import missing
     from estexp_jax.runs import versions, write_json
 
     numbers, figure = folder.file("check.json"), folder.file("check.png")
@@ -125,7 +125,7 @@ def _write(folder: Any, inputs: Inputs, judged: list[dict[str, Any]]) -> None:
 def _print(judged: list[dict[str, Any]]) -> None:
     from rich.console import Console
 
-    from estexp_jax.recordings.excitation import missing
+    from estexp_jax.recordings.checks.excitation import missing
 
     console = Console(highlight=False)
     _print_table(console, "Recordings", ("file", "role", "rows", "s", "Hz", "jitter, ms", "gaps"), _recordings(judged))
@@ -172,7 +172,7 @@ def _recordings(judged: list[dict[str, Any]]) -> list[tuple[str, ...]]:
 
 
 def _joints(judged: list[dict[str, Any]]) -> list[tuple[str, ...]]:
-    from estexp_jax.recordings.excitation import SUSPECTS
+    from estexp_jax.recordings.checks.excitation import SUSPECTS
 
     rows = []
     for name in judged[0]["joints"]:

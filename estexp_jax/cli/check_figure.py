@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
-from estexp_jax.recordings.inspect import GAP
+from estexp_jax.recordings.checks.inspect import GAP
 from estexp_jax.runs.files import replacing
 
 if TYPE_CHECKING:

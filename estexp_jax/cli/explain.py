@@ -95,7 +95,7 @@ def _window(text: str) -> float:
 def _explained(inputs: Inputs, config: ExplainConfig, folder: RunFolder) -> Explanation:
     """Explain with progress, keeping after each step what an interruption would lose."""
     from estexp_jax.api.explain import run_explanation
-    from estexp_jax.physics.engines.mjx_without import within_mjx
+    from estexp_jax.physics.engines.mjx.capabilities import within_mjx
     from estexp_jax.runs import Progress, load_checkpoint, save_checkpoint
 
     kept = folder.file("checkpoint.npz")

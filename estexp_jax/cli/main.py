@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = _parsed(arguments)
     except SystemExit as end:  # after --help, or after telling what is wrong
         return end.code if isinstance(end.code, int) else DONE
-    from estexp_jax.physics.soundness import unlogged
+    from estexp_jax.physics.model.validation import unlogged
     from estexp_jax.runs import quiet_xla
 
     quiet_xla()

@@ -10,7 +10,7 @@ import tyro
 
 if TYPE_CHECKING:
     from estexp_jax.api.propose import Open, Proposal
-    from estexp_jax.discovery.propose import ProposeConfig
+    from estexp_jax.experiment_design.propose import ProposeConfig
 
 
 @dataclass(frozen=True)

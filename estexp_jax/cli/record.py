@@ -48,9 +48,9 @@ def run(options: Options) -> int:
         InputError: the model or an effect is wrong, or DIR cannot be used.
     """
     from estexp_jax.api.record import RecordConfig, record
-    from estexp_jax.physics.changes import parse_change
-    from estexp_jax.physics.engines.mjx_without import within_mjx
-    from estexp_jax.physics.robot import Robot
+    from estexp_jax.physics.effects.changes import parse_change
+    from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+    from estexp_jax.physics.model.robot import Robot
     from estexp_jax.runs import Progress, open_run
 
     config = RecordConfig(options.duration, options.rate, options.bits, options.noise, options.seed)

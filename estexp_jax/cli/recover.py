@@ -12,7 +12,7 @@ import tyro
 from estexp_jax.errors import InputError
 
 if TYPE_CHECKING:
-    from estexp_jax.physics.robot import Robot
+    from estexp_jax.physics.model.robot import Robot
     from estexp_jax.recovery.config import Settings
     from estexp_jax.recovery.cycle import Job
     from estexp_jax.recovery.state import RunState
@@ -158,8 +158,8 @@ def run(options: Options) -> int:
     from estexp_jax.cli.recover_results import write_results
     from estexp_jax.cli.recover_story import Story
     from estexp_jax.package_data import model_path
-    from estexp_jax.physics.engines.mjx_without import within_mjx
-    from estexp_jax.physics.robot import Robot
+    from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+    from estexp_jax.physics.model.robot import Robot
     from estexp_jax.recovery.state import RunState
     from estexp_jax.runs import Progress, enable_compilation_cache, load_checkpoint, open_run
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from estexp_jax.recovery.cycle import Job
     from estexp_jax.recovery.state import RunState
-    from estexp_jax.report.recover_film import Film
+    from estexp_jax.report.recover.film import Film
     from estexp_jax.runs import Progress, RunFolder
 
 
@@ -15,8 +15,8 @@ def write_results(
     folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: Progress, *, pictures: bool
 ) -> None:
     """Write `run.json`, `history.parquet`, `traces.npz`, the report and, where asked for, the pictures."""
-    from estexp_jax.report.recover_files import record, write_history, write_traces
-    from estexp_jax.report.recover_page import page
+    from estexp_jax.report.recover.files import record, write_history, write_traces
+    from estexp_jax.report.recover.page import page
     from estexp_jax.runs import versions, write_json
     from estexp_jax.runs.files import replacing
 
@@ -37,9 +37,9 @@ def write_results(
 
 def _film(folder: RunFolder, job: Job, state: RunState, progress: Progress) -> Film | None:
     """How it walks, written; None, and said why, where it cannot be drawn."""
-    from estexp_jax.report.film import can_film
-    from estexp_jax.report.gl import NoGlError
-    from estexp_jax.report.recover_film import film_of
+    from estexp_jax.report.drawing.film import can_film
+    from estexp_jax.report.drawing.gl import NoGlError
+    from estexp_jax.report.recover.film import film_of
     from estexp_jax.runs.files import replacing
 
     progress.stage("pictures")

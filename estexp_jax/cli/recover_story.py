@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from estexp_jax.recovery.cycle import Job
-from estexp_jax.recovery.evidence import estimation
+from estexp_jax.recovery.estimation.choice import estimation
 from estexp_jax.recovery.situations import TABLE
 from estexp_jax.recovery.state import RunState
 from estexp_jax.recovery.target import Remote

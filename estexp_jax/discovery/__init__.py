@@ -1,0 +1,1 @@
+"""Finding the physics that a simulator lacks: locate, name, model, prove, abstain."""

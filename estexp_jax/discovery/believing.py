@@ -13,10 +13,10 @@ from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection, simplest, tied, worth
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.inference.accuracy import gain
+from estexp_jax.estimation.accuracy import gain
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.robot import Robot
 
 _LEFT = 1.5
 """Deviations that names may leave; more, and laws are asked."""

@@ -12,10 +12,10 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.physics.changes import neutral, stack
-from estexp_jax.physics.engines.replay_inputs import Drive, drive_of
-from estexp_jax.physics.engines.replaying import Replay, is_acceleration
-from estexp_jax.physics.segment import Segment
+from estexp_jax.physics.effects.changes import neutral, stack
+from estexp_jax.physics.engines.open_loop import Replay, is_acceleration
+from estexp_jax.physics.engines.open_loop_inputs import Drive, drive_of
+from estexp_jax.physics.window import Segment
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(qpos (lanes, nq), qvel (lanes, nv), ctrl (lanes, nu), motor torque (lanes, nv)) -> force (lanes, nv), N m or N."""

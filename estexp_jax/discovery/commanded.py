@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from estexp_jax.discovery.problem import Member, Problem
-from estexp_jax.inference.gaps import recommanded
-from estexp_jax.physics.segment import Segment
+from estexp_jax.estimation.missing_commands import recommanded
+from estexp_jax.physics.window import Segment
 
 _BEFORE, _BETWEEN, _AFTER = -1, 0, 1
 _CLEARLY = 0.9

@@ -16,15 +16,15 @@ from estexp_jax.discovery.possible import possible
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.recorded import deviations
 from estexp_jax.discovery.replays import Replays
-from estexp_jax.inference.apart import NEAR, TOGETHER, kept_apart
-from estexp_jax.inference.channels import channels_of
-from estexp_jax.inference.gaps import bridged
-from estexp_jax.inference.windows import cut_of, fitting_window
+from estexp_jax.estimation.channels import channels_of
+from estexp_jax.estimation.missing_commands import bridged
+from estexp_jax.estimation.windows import cut_of, fitting_window
+from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import catalogue
-from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Segment
+from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.model.clearance import NEAR, TOGETHER, kept_apart
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.window import Segment
 
 _WINDOWS, _WORK = (16, 48), 144_000
 """Fewest and most windows that are fitted of long recordings, and how often forces at a robot's joints are computed in

@@ -11,8 +11,8 @@ import numpy as np
 from estexp_jax.discovery.findings import TOLD, others, told_change
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, tied
-from estexp_jax.inference.noise import median
-from estexp_jax.physics.changes import Change
+from estexp_jax.estimation.noise import median
+from estexp_jax.physics.effects.changes import Change
 
 _FEWEST, _MOST = 2, 6
 """Rivals of the chosen explanation: at least so many, however improbable, and at most so many with it."""

@@ -10,10 +10,10 @@ import numpy as np
 from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.selection import Selection
-from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.registry import ALL, own
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import ALL, own
-from estexp_jax.physics.robot import Robot
 
 
 @final

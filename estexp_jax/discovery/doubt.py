@@ -18,11 +18,11 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.inference.gaps import miscommanded
+from estexp_jax.estimation.missing_commands import miscommanded
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.scales import joint_span
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.scales import joint_span
-from estexp_jax.physics.segment import Segment, Start
+from estexp_jax.physics.window import Segment, Start
 
 _POSITION = int(mujoco.mjtSensor.mjSENS_JOINTPOS)
 _AROUND, _PER_SECOND = 0.02, 10.0

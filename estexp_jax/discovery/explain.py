@@ -45,8 +45,8 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import QUIET, verdict
-from estexp_jax.inference.windows import fitting_window
-from estexp_jax.physics.registry import effect
+from estexp_jax.estimation.windows import fitting_window
+from estexp_jax.physics.effects.registry import effect
 
 
 def explain(

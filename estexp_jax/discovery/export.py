@@ -7,10 +7,10 @@ from pathlib import Path
 
 import mujoco
 
-from estexp_jax.physics.changes import Change
-from estexp_jax.physics.portable import portable
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.portable import portable
+from estexp_jax.physics.model.robot import Robot
 
 
 def expressible(change: Change) -> bool:

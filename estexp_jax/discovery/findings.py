@@ -10,15 +10,15 @@ import numpy as np
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.inference.channels import spans
-from estexp_jax.physics import units
-from estexp_jax.physics.changes import Change
+from estexp_jax.estimation.channels import spans
+from estexp_jax.physics.effects import units
 from estexp_jax.physics.effects.base import Effect
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN
-from estexp_jax.physics.engines.mjx_without import within_mjx
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
 
 TOLD = 0.01
 """Smallest probability of an alternative worth a line."""

@@ -22,9 +22,9 @@ from scipy.ndimage import uniform_filter1d
 
 from estexp_jax.discovery.c_replay import switched
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.physics.motors import asked_torques, limited_commands
+from estexp_jax.physics.engines.motors import asked_torques, limited_commands
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.segment import Path
+from estexp_jax.physics.window import Path
 
 _MEAN = 0.03
 """Length of time over which forces are averaged, s."""

@@ -19,7 +19,7 @@ from estexp_jax.discovery.screening import extended, looked_at
 from estexp_jax.discovery.selection import Explanation, Fold, folds_of
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import RUNGS
-from estexp_jax.physics.registry import effect
+from estexp_jax.physics.effects.registry import effect
 
 _NEAR, RIVALS = 2.0, 1.3
 """Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out; where

@@ -12,13 +12,13 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.physics.changes import Change, Values, neutral
 from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.effects.joint_jam import jam_damping
-from estexp_jax.physics.effects.servo_damping import servo_damping
+from estexp_jax.physics.effects.catalogue.joint_jam import jam_damping
+from estexp_jax.physics.effects.catalogue.servo_damping import servo_damping
+from estexp_jax.physics.effects.changes import Change, Values, neutral
+from estexp_jax.physics.effects.registry import Catalogue, effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE, joint_dofs
-from estexp_jax.physics.registry import Catalogue, effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 Place = tuple[str, str]
 """An effect's name and a site."""

@@ -16,7 +16,7 @@ from estexp_jax.discovery.onset import helps_before, onsets
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection
-from estexp_jax.inference.windows import cut_of, fitting_window
+from estexp_jax.estimation.windows import cut_of, fitting_window
 
 _MEMORY = "from the onset on"
 _LIKELY = 5

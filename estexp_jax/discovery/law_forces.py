@@ -11,11 +11,11 @@ import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import JointMoment
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.robot import Robot
 
 _SAMPLES = 2000
 """Samples of the forces."""

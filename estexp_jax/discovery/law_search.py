@@ -17,9 +17,9 @@ from estexp_jax.discovery.rounds import at_first
 from estexp_jax.discovery.screening import keeping
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.starts import Vectors
-from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import every
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import every
+from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.model.robot import Robot
 
 TERMS = 8
 """Terms that are looked at."""

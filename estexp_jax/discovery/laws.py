@@ -39,9 +39,9 @@ from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.physics import scales
-from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 _JOINTS, _MOST = 2, 3
 """Joints that laws are looked for at, most claims in all."""

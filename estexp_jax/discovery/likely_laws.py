@@ -17,8 +17,8 @@ from estexp_jax.discovery.hypotheses import BENT, Place
 from estexp_jax.discovery.law_forces import Samples, force_of, samples_of
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.registry import LAWS
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import LAWS
+from estexp_jax.physics.model.robot import Robot
 
 _COLUMNS, _STARTS = 64, 4
 """Values of a term that are laid beside the missing force at once, and those that are kept."""

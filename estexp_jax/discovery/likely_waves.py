@@ -16,8 +16,8 @@ import numpy as np
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.starts import Vectors
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.robot import Robot
 
 COGGING = "cogging"
 _SAMPLES = 4000

@@ -7,9 +7,9 @@ from typing import Any
 from estexp_jax.discovery.frozen import PLAIN
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection, p_value
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 _TOLD = 0.02
 """Smallest share worth a line."""

@@ -10,7 +10,7 @@ import numpy as np
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, p_value
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.physics.effects.time_step import TimeStep
+from estexp_jax.physics.effects.catalogue.time_step import TimeStep
 
 _PLAIN = 0.022
 """An error over the readings' range (nrmse) below which ordinary steps cause what they cause everywhere."""

@@ -17,8 +17,8 @@ from estexp_jax.discovery.location import element
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.physics.effects.laws.base import UNKNOWN
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.robot import Robot
 
 _SAME = 1.03
 """Held-out squared errors this near to the chosen one's are no wrong effect's: the data cannot tell the two apart."""

@@ -9,9 +9,9 @@ import numpy as np
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import Seen
-from estexp_jax.inference.noise import noise_deviation
+from estexp_jax.estimation.noise import noise_deviation
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
 
 _LAST = 2 / 3
 """Share of a recording after which a fault that begins part-way has begun."""

@@ -15,12 +15,12 @@ from estexp_jax.discovery.recorded import Recorded
 from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
 from estexp_jax.discovery.starts import Seen, Vectors
-from estexp_jax.inference.channels import Channels
-from estexp_jax.inference.noise import correlation_rows, loudness
-from estexp_jax.inference.windows import Cut, parts_soon
-from estexp_jax.physics.engines.replaying import Replayer
+from estexp_jax.estimation.channels import Channels
+from estexp_jax.estimation.noise import correlation_rows, loudness
+from estexp_jax.estimation.windows import Cut, parts_soon
+from estexp_jax.physics.engines.open_loop import Replayer
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.segment import Segment
+from estexp_jax.physics.window import Segment
 
 _BLOWN_UP = 10.0
 """Normalised error of a simulation that is no longer a number: worse than any that stays on its scale."""

@@ -8,11 +8,11 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.inference.accuracy import nrmse
-from estexp_jax.inference.channels import Channels, spans
-from estexp_jax.inference.noise import median, noise_deviation
+from estexp_jax.estimation.accuracy import nrmse
+from estexp_jax.estimation.channels import Channels, spans
+from estexp_jax.estimation.noise import median, noise_deviation
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.segment import Segment
+from estexp_jax.physics.window import Segment
 
 _LEAST_SHARE = 5e-4
 """Of a channel's range in a recording, or in the usual training recording: no simulator is right to more."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.physics.effects.sites import ALL_ALIKE
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 THROUGHOUT = "throughout"
 _NEAR = 0.05

@@ -16,10 +16,10 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis, lanes
-from estexp_jax.inference.channels import Channels
-from estexp_jax.inference.windows import Cut
-from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.segment import Segment
+from estexp_jax.estimation.channels import Channels
+from estexp_jax.estimation.windows import Cut
+from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.window import Segment
 
 Member = tuple[Hypothesis, np.ndarray]
 """A hypothesis with a vector (n_free,) of its parameters."""

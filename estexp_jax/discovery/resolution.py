@@ -9,7 +9,7 @@ import numpy as np
 
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.problem import Member, Problem
-from estexp_jax.inference.windows import FINER
+from estexp_jax.estimation.windows import FINER
 
 _PARTS = (FINER, 2 * FINER, 4 * FINER)
 """Parts of the model's own step to choose from."""

@@ -17,8 +17,8 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.shown import Shown
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.uncertainty import gain_interval, ratio_interval
-from estexp_jax.inference.accuracy import gain
-from estexp_jax.inference.noise import noise_floor
+from estexp_jax.estimation.accuracy import gain
+from estexp_jax.estimation.noise import noise_floor
 
 ROLES = ("train", "test")
 RIVALS = ("nominal", "parameters_only", "black_box", "placebo", "explained")

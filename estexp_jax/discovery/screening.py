@@ -12,7 +12,7 @@ from estexp_jax.discovery.marginal import slackened
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
 from estexp_jax.discovery.starts import RUNGS, climbed, lowered, starts
-from estexp_jax.physics.registry import effect
+from estexp_jax.physics.effects.registry import effect
 
 _MANY = 32
 """Windows of which an eighth is enough for a first look."""

@@ -28,9 +28,9 @@ from estexp_jax.discovery.selection import (
 )
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
 from estexp_jax.discovery.verdict import ENOUGH, verdict
-from estexp_jax.inference.accuracy import gain
+from estexp_jax.estimation.accuracy import gain
 from estexp_jax.physics.effects.sites import ALL_ALIKE
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 _MUCH, _BASES = 3.0, 3
 """Where the best single effect leaves more than so many deviations, up to so many of its rivals are all added to."""

@@ -12,7 +12,7 @@ from scipy import stats
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit, stretched
-from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.changes import Change
 
 NOISE = 1.2
 """An error, in deviations of noise and uncertain start states, up to which there is no mismatch."""

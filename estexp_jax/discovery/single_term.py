@@ -31,7 +31,7 @@ from estexp_jax.discovery.screening import instead, keeping
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of, simplest, worth
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.physics.engines.replaying import Replayer
+from estexp_jax.physics.engines.open_loop import Replayer
 
 _MEMORY = "a single term"
 

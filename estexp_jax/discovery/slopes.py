@@ -13,7 +13,7 @@ import numpy as np
 
 from estexp_jax.discovery.hypotheses import Free, Hypothesis
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.physics.registry import effect
+from estexp_jax.physics.effects.registry import effect
 
 _STEP = 0.01
 """Finite-difference step, as a share of a parameter's present size ..."""

@@ -15,8 +15,8 @@ from typing import final
 import numpy as np
 
 from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.robot import Robot
 
 SHARES = (0.004, 0.04, 0.3)
 """Between neutral and a bound: landscapes differ in scale by orders of magnitude."""

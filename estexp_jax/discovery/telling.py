@@ -27,7 +27,7 @@ from estexp_jax.discovery.telling_laws import law_advice, law_entries
 from estexp_jax.discovery.uncertainty import parameter_intervals
 from estexp_jax.discovery.verdict import bent_values, verdict
 from estexp_jax.discovery.when import never, when
-from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.changes import Change
 
 
 @final

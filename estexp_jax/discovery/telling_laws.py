@@ -10,10 +10,10 @@ import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.robot import Robot
 
 COVERED = (0.005, 0.995)
 """Quantiles of positions and speeds between which data cover a law."""

@@ -10,7 +10,7 @@ from scipy.stats import t as student
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit, jacobian, movable, unfelt
 from estexp_jax.discovery.walks import counting, heeded
-from estexp_jax.inference.accuracy import gain
+from estexp_jax.estimation.accuracy import gain
 
 _UPPER = 0.95
 _STEP_DOUBT = 0.1

@@ -7,11 +7,11 @@ import numpy as np
 from estexp_jax.discovery.hypotheses import TOLERANCE
 from estexp_jax.discovery.selection import NOISE, Selection, worth
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.inference.accuracy import gain
-from estexp_jax.physics.changes import Change
-from estexp_jax.physics.effects.servo_damping import servo_damping, servos
+from estexp_jax.estimation.accuracy import gain
+from estexp_jax.physics.effects.catalogue.servo_damping import servo_damping, servos
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.sites import joints_at
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 ENOUGH = 0.6
 """Share of the excess error on held-out windows that an explanation must remove to be called one."""

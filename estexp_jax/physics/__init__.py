@@ -1,0 +1,1 @@
+"""Robots, effects and engines: everything that is simulated."""

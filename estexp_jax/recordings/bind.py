@@ -11,11 +11,11 @@ import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError, known, listing, plain
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.columns import LARGEST, Source
 from estexp_jax.recordings.mend import increasing
-from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import Selection, Table
 
 _PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")

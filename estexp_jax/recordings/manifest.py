@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any, final
 
 from estexp_jax.errors import InputError, known, shown
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.bind import check_names, read_recording
 from estexp_jax.recordings.columns import Source, number, parse_source
-from estexp_jax.recordings.read import CLOCKS
+from estexp_jax.recordings.readers.read import CLOCKS
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.recordings.table import Selection
 

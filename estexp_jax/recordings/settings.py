@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError, known
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.columns import number
 
 # MJCF attribute -> the field of MjSpec that holds it, where the two names differ; else they are the same.

@@ -1,0 +1,1 @@
+"""The estimation-exploration algorithm of Bongard and Lipson (2004)."""

@@ -16,19 +16,19 @@ from typing import final
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.changes import Change, parse_change
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import Change, parse_change
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import ROUGH, Settings
-from estexp_jax.recovery.disagreement import most_telling, undecided
-from estexp_jax.recovery.estimation import changes_of
-from estexp_jax.recovery.evidence import estimation, residuals_of
-from estexp_jax.recovery.exploration import exploration_algorithm, exploration_score, judged
-from estexp_jax.recovery.foreign import ForeignTarget
+from estexp_jax.recovery.control.trial import Trial
+from estexp_jax.recovery.estimation.base import changes_of
+from estexp_jax.recovery.estimation.choice import estimation, residuals_of
+from estexp_jax.recovery.exploration.disagreement import most_telling, undecided
+from estexp_jax.recovery.exploration.explore import exploration_algorithm, exploration_score, judged
+from estexp_jax.recovery.reality_gap_target import ForeignTarget
 from estexp_jax.recovery.simulator import Simulator, simulator
 from estexp_jax.recovery.situations import situation
 from estexp_jax.recovery.state import Row, RunState
 from estexp_jax.recovery.target import Remote, SameTarget, Target
-from estexp_jax.recovery.trial import Trial
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Population
 

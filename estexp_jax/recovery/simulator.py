@@ -11,14 +11,14 @@ import jax
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.changes import Change, Values, encode_all
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
+from estexp_jax.physics.effects.changes import Change, Values, encode_all
+from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
 from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.walking import BodyState, Heard, Walk, Walker, recorded
-from estexp_jax.physics.registry import PAPER, catalogue, effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.closed_loop import BodyState, Heard, Walk, Walker, recorded
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.trial import Controller, Trial
+from estexp_jax.recovery.control.trial import Controller, Trial
 
 FAULTS = ("neuron_fault", "tied_outputs")
 EXTENDED = ("sensor_bias", "sensor_stuck", "ground_friction", "viscous_friction")

@@ -11,11 +11,11 @@ import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.changes import Change
-from estexp_jax.physics.interface import interface_of
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
-from estexp_jax.recovery.edits import Place, change_of, places
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.engines.controller_interface import interface_of
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.estimation.edits import Place, change_of, places
 
 TABLE: dict[int, str] = {
     1: "one motor weakens by 50 %",

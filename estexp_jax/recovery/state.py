@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from estexp_jax.physics.changes import Change
-from estexp_jax.recovery.trial import Trial
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.recovery.control.trial import Trial
 
 
 class Row(NamedTuple):

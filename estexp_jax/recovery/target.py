@@ -11,9 +11,9 @@ from typing import Protocol, final, runtime_checkable
 
 import numpy as np
 
-from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.recovery.control.trial import Controller, Trial
 from estexp_jax.recovery.simulator import Simulator
-from estexp_jax.recovery.trial import Controller, Trial
 
 
 class Target(Protocol):

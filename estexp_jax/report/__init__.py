@@ -1,0 +1,1 @@
+"""Figures and pages: functions of results; drawing libraries are imported where they draw."""

@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from estexp_jax.report.recover_files import record
+
 from estexp_jax.recovery.cycle import run
 from estexp_jax.recovery.state import RunState
-from estexp_jax.report.recover_files import record
 from estexp_jax.runs import load_checkpoint, open_run, save_checkpoint, versions, write_json
 from estexp_jax.runs.files import remove_drafts
 from estexp_jax.runs.fleet import Beat, do

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.robot import Robot
 

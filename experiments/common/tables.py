@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from estexp_jax.physics.changes import Change
+
 from estexp_jax.runs import versions, write_json, write_text
 from estexp_jax.runs.files import replacing
 from experiments.common.case import Case

@@ -6,14 +6,14 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from estexp_jax.physics.robot import Robot
+from estexp_jax.recovery.trial import Trial
 
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import Job, job_of
 from estexp_jax.recovery.simulator import Simulator, simulator
 from estexp_jax.recovery.target import Remote
-from estexp_jax.recovery.trial import Trial
 from estexp_jax.runs import enable_compilation_cache
 from experiments.common.case import SIZES, Case, Size
 

@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-
 from estexp_jax.physics.changes import Change
-from estexp_jax.recovery.config import Catalogue, Settings
-from estexp_jax.recovery.cycle import Job, job_of
 from estexp_jax.recovery.disagreement import most_telling, undecided
-from estexp_jax.recovery.estimation import Diagnosis, changes_of
 from estexp_jax.recovery.evidence import estimation, residuals_of
 from estexp_jax.recovery.trial import Trial
+
+from estexp_jax.recovery.config import Catalogue, Settings
+from estexp_jax.recovery.cycle import Job, job_of
+from estexp_jax.recovery.estimation import Diagnosis, changes_of
 from experiments.common.scoring import amount_error, same_set, text
 from experiments.common.world import quadruped, short_world, trial_of
 

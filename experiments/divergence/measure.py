@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import stats
-
 from estexp_jax.physics.changes import Change
 from estexp_jax.physics.interface import interface_of
-from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.metrics import distance_error, rolling_mean
+from scipy import stats
+
+from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.simulator import simulator
 from estexp_jax.runs import enable_compilation_cache, load_checkpoint, save_checkpoint
 from experiments.common.world import quadruped

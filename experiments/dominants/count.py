@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-
 from estexp_jax.recovery.evidence import residuals_of
 from estexp_jax.recovery.genome import LENGTH, Codec, key
+
 from estexp_jax.runs import write_json
 from estexp_jax.search.genetic import RESOLUTION
 from experiments.common.case import Case

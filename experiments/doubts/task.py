@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from estexp_jax.inference.excitation import multisine
+from estexp_jax.physics.changes import parse_change
+from estexp_jax.physics.robot import Robot
 
 import estexp_jax as ee
 from estexp_jax.api.explain import Explanation
 from estexp_jax.api.simulator import Simulator, Traces
 from estexp_jax.discovery.selection import probabilities
-from estexp_jax.inference.excitation import multisine
-from estexp_jax.physics.changes import parse_change
-from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.write import write_csv
 from experiments.doubts.doubts import DOUBTS, Doubt
 

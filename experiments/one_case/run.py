@@ -29,11 +29,12 @@ JOINTS = ("roll", "swing", "knee")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do all of it; gives the exit code."""
-    import estexp_jax as ee
     from estexp_jax.recordings.read import read_table
     from estexp_jax.report.explain_ghosts import ghosts_of
     from estexp_jax.report.explain_marked import guilty, marked_of
     from estexp_jax.report.gl import NoGlError
+
+    import estexp_jax as ee
     from experiments.concealed.generator.__main__ import write_one
     from experiments.concealed.generator.case import Plan, Planted
 

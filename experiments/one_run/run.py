@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 def main(arguments: Sequence[str] | None = None) -> int:
     """The runs of the first seed, their figures and numbers."""
     from estexp_jax.report.recover_figure import path_figure, progress_figure
+
     from experiments.common.case import Case, seeds
     from experiments.common.options import parsed, publish
     from experiments.common.runs import run_all, state_of

@@ -46,8 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def draw_recovery(run: Path, path: Path) -> None:
     """The ways of the robot: before the damage, damaged, and in the last trial."""
-    from estexp_jax.recovery.state import RunState
     from estexp_jax.report.recover_figure import path_figure
+
+    from estexp_jax.recovery.state import RunState
     from estexp_jax.runs import load_checkpoint
 
     axis = json.loads((run / "run.json").read_text())["config"]["axis"]
@@ -56,9 +57,10 @@ def draw_recovery(run: Path, path: Path) -> None:
 
 def draw_explanation(run: Path, path: Path) -> None:
     """The reading of the test recording that the nominal simulator misses most, before and after."""
-    from estexp_jax.discovery.diagnosis import Prediction
     from estexp_jax.recordings.read import read_table
     from estexp_jax.report.explain_figures import figure_prediction
+
+    from estexp_jax.discovery.diagnosis import Prediction
 
     [test] = [d["file"] for d in json.loads((run / "findings.json").read_text())["data"] if d["role"] == "test"]
     table = read_table(run / "predictions" / f"{Path(test).stem}.csv")

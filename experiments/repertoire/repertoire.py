@@ -13,12 +13,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-
 from estexp_jax.physics.engines.walking import Heard
-from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.perturbation import ensemble, noise
-from estexp_jax.recovery.simulator import Simulator
 from estexp_jax.recovery.trial import distances
+
+from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.simulator import Simulator
 
 _LEVELS = 5
 """Of the share of time that a foot is on the ground."""

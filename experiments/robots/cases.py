@@ -7,8 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from estexp_jax.package_data import model_path
 from estexp_jax.physics.robot import Robot
+
+from estexp_jax.package_data import model_path
 from estexp_jax.recovery.config import Settings, quick
 from estexp_jax.recovery.cycle import Job, job_of, run
 from estexp_jax.recovery.simulator import Simulator, simulator

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from estexp_jax.report.gl import NoGlError
 from estexp_jax.report.recover_film import film_of
+
 from experiments.robots.cases import Tried, job, state_of
 
 

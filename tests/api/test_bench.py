@@ -9,10 +9,10 @@ import pytest
 
 from estexp_jax.api import bench as module
 from estexp_jax.api.bench import BenchConfig, bench, timed
-from estexp_jax.api.bench_engines import C_ENGINES, CRunner, Runner, runner
-from estexp_jax.api.bench_field import Field, Race, load
-from estexp_jax.api.bench_process import alone, peak_mb
-from estexp_jax.api.bench_sweep import sweep
+from estexp_jax.benchmark.engines import C_ENGINES, CRunner, Runner, runner
+from estexp_jax.benchmark.process import alone, peak_mb
+from estexp_jax.benchmark.subject import Field, Race, load
+from estexp_jax.benchmark.sweep import sweep
 from estexp_jax.errors import InputError
 from estexp_jax.physics.engines.agreement import Agreement, agreement
 from estexp_jax.runs import Progress

@@ -13,10 +13,10 @@ import estexp_jax as ee
 from estexp_jax.api.hardware import Hardware, take_folder
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.trial import Controller, Trial
+from estexp_jax.recovery.control.trial import Controller, Trial
 from estexp_jax.runs import Progress
 from tests.recovery.loops import STEPS, columns_of, controller_of, walked
 

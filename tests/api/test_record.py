@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from estexp_jax.api.record import RecordConfig, record
-from estexp_jax.physics.changes import parse_change
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import read_recording
 from estexp_jax.runs import open_run
 

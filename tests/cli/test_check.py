@@ -8,7 +8,7 @@ from PIL import Image
 
 from estexp_jax.cli.check_init import guess
 from estexp_jax.cli.main import main
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings import read_manifest
 
 

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from estexp_jax.physics import registry
+from estexp_jax.physics.effects import registry
 from estexp_jax.recordings.columns import UNITS
 from tests.conftest import ROOT
 

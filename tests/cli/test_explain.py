@@ -16,7 +16,7 @@ import pytest
 import estexp_jax as ee
 from estexp_jax.cli.main import main
 from estexp_jax.package_data import schema_path
-from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.readers.read import read_table
 from tests.cli.pendulum import PENDULUM, SMALL, run
 
 

@@ -10,9 +10,9 @@ import estexp_jax as ee
 from estexp_jax.api import propose as front_door
 from estexp_jax.api.explain import Explanation
 from estexp_jax.api.simulator import Simulator
-from estexp_jax.inference.excitation import multisine
-from estexp_jax.physics.changes import parse_change
-from estexp_jax.recordings.read import read_table
+from estexp_jax.experiment_design.excitation import multisine
+from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.write import write_csv
 from tests.cli.pendulum import PENDULUM, run
 

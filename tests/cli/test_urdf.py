@@ -8,8 +8,8 @@ import pytest
 
 from estexp_jax.cli.main import main
 from estexp_jax.discovery.export import explained_xml
-from estexp_jax.physics.changes import parse_change
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.write import write_csv
 from tests.physics.meshes import urdf, write_box
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.package_data import model_path
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
 
 RATE, FINER, LENGTH = 100.0, 5, 4.0
 BITS, NOISE = 14, 2e-4

@@ -14,11 +14,11 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.explain import explain
 from estexp_jax.discovery.hypotheses import simulated
 from estexp_jax.discovery.problem import Problem
+from estexp_jax.physics.effects.registry import Catalogue, catalogue
 from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.replaying import Replayer
+from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import Catalogue, catalogue
-from estexp_jax.physics.robot import Robot
 
 RATE = 100.0
 """Rows a second."""

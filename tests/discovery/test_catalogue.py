@@ -11,10 +11,10 @@ from estexp_jax.discovery.explain import explain
 from estexp_jax.discovery.hypotheses import claimable
 from estexp_jax.discovery.starts import RUNGS, Seen, climbed, lowered, starts
 from estexp_jax.package_data import model_path
+from estexp_jax.physics.effects.registry import Catalogue, effect
 from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.registry import Catalogue, effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.model.robot import Robot
 from tests.discovery.leg import CASES, JOINTS, leg_case
 from tests.discovery.planted import finished
 from tests.physics.robots import ROBOTS, robot

@@ -8,7 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from estexp_jax.package_data import schema_path
-from estexp_jax.physics.registry import ALL
+from estexp_jax.physics.effects.registry import ALL
 from estexp_jax.runs import versions, write_json
 
 

@@ -11,7 +11,7 @@ from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, paramete
 from estexp_jax.discovery.slopes import DAMPINGS, Fit, movable, rescaled
 from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.walks import Walk, data_costs, heeded
-from estexp_jax.physics.registry import catalogue, effect
+from estexp_jax.physics.effects.registry import catalogue, effect
 from tests.discovery.planted import CASES, case_of, finished, nominal, problem_of
 
 PRICE = 1.0

@@ -19,9 +19,9 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import QUIET
+from estexp_jax.physics.effects.registry import catalogue
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import catalogue
-from estexp_jax.physics.robot import Robot
 from tests.discovery.planted import CASES, CONFIG, XML, Plant, case_of, explained, finished, nominal, problem_of
 
 _SERVO = '<position name="servo" joint="shaft" kp="4" kv="0.1" forcerange="-3 3"/>'

@@ -13,7 +13,7 @@ from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.late import starting_late
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.inference.windows import window_rows
+from estexp_jax.estimation.windows import window_rows
 from estexp_jax.physics.recording import Recording
 from tests.discovery.planted import (
     CASES,

@@ -42,11 +42,11 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.package_data import schema_path
-from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import JointLaw, followed
-from estexp_jax.physics.registry import catalogue, effect
-from estexp_jax.physics.robot import Robot
-from estexp_jax.report.explain_text import claim
+from estexp_jax.physics.effects.registry import catalogue, effect
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.report.explain.text import claim
 from tests.discovery.planted import (
     CASES,
     CONFIG,

@@ -7,7 +7,7 @@ import pytest
 
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.likely_waves import COGGING, likely_waves
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from tests.discovery.planted import nominal
 
 

@@ -7,7 +7,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.numerics import Step, to_blame
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.report.explain_text import claim
+from estexp_jax.report.explain.text import claim
 
 
 def leaving(error):

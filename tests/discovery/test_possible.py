@@ -7,7 +7,7 @@ from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.possible import conceivable, possible, still_throughout
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import Seen
-from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.effects.registry import catalogue
 from tests.discovery.planted import Plant, case_of, nominal
 
 STUCK = ("sensor_stuck", "angle")

@@ -8,7 +8,7 @@ import pytest
 from estexp_jax.discovery.doubt import directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.discovery.recorded import deviations
-from estexp_jax.inference.windows import segments_of
+from estexp_jax.estimation.windows import segments_of
 from tests.discovery.planted import CASES, CONFIG, Plant, case_of, problem_of
 
 

@@ -9,7 +9,7 @@ from estexp_jax.discovery.findings import others
 from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.selection import Explanation, Selection, probabilities, simplest, steadiest, tied, worth
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.effects.registry import catalogue
 from tests.discovery.planted import nominal
 
 

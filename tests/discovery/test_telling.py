@@ -13,7 +13,7 @@ from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.shown import Shown
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling import Found, judged_by, needless
-from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.effects.registry import catalogue
 from tests.discovery.planted import Plant, case_of, nominal, problem_of
 
 UNUSED: Any = None

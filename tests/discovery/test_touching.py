@@ -4,9 +4,9 @@ import numpy as np
 
 from estexp_jax.discovery.comparison import problem_of, shown_of
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
-from tests.inference.test_apart import LEGS, path
+from tests.physics.model.test_clearance import LEGS, path
 
 SENSORS = '<sensor><jointpos name="ql" joint="l"/><jointpos name="qr" joint="r"/></sensor></mujoco>'
 CONFIG = ExplainConfig(window=0.25, most=1, effects=("viscous_friction",), engine="mjx")

@@ -7,7 +7,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.physics.changes import Change
+from estexp_jax.physics.effects.changes import Change
 from tests.discovery.planted import nominal
 
 FRICTION = Change("coulomb_friction", "shaft", {"T": 0.1})

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-
-from estexp_jax.api.simulator import Simulator
 from estexp_jax.physics.changes import parse_change
 from estexp_jax.physics.robot import Robot
+
+from estexp_jax.api.simulator import Simulator
 from experiments.doubts.doubts import DOUBTS, Doubt
 from experiments.doubts.summary import is_open, summary
 

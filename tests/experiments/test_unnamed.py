@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-
 from estexp_jax.physics.registry import effect
+
 from experiments.concealed.generator.case import make
 from experiments.concealed.generator.catalogue import CATALOGUE, OTHERS
 from experiments.unnamed.figure import explained

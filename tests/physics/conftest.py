@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 from mujoco import mjx
 
-from estexp_jax.physics.changes import Values, neutral
+from estexp_jax.lanes.compilation import compiled
+from estexp_jax.lanes.layout import Plan
+from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.states import packed, unpacked
+from estexp_jax.lanes.step import Stepper
+from estexp_jax.physics.effects.changes import Values, neutral
+from estexp_jax.physics.effects.registry import ALL, PAPER, catalogue
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.closed_loop import Walker
 from estexp_jax.physics.engines.lanes.model import lanes_model, lanes_refusal
-from estexp_jax.physics.engines.lanes.numbers import Numbers
-from estexp_jax.physics.engines.lanes.plan import Plan
-from estexp_jax.physics.engines.lanes.states import packed, unpacked
-from estexp_jax.physics.engines.lanes.step import Stepper
 from estexp_jax.physics.engines.lanes.terms import Acting
-from estexp_jax.physics.engines.lanes.xla import compiled
-from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
-from estexp_jax.physics.engines.mjx_terms import Now
-from estexp_jax.physics.engines.walking import Walker
-from estexp_jax.physics.registry import ALL, PAPER, catalogue
+from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
+from estexp_jax.physics.engines.mjx.terms import Now
 from tests.physics.reference import TRAJECTORY, States
 from tests.physics.robots import robot
 

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.changes import Change
 from estexp_jax.physics.effects.base import Edit, Term
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.model.robot import Robot
 
 TRAJECTORY = 20
 """Physics steps of a short trajectory."""

@@ -3,7 +3,7 @@
 from functools import cache
 
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 # Fixed base, servo with gear and force range, an undriven elbow with a spring, a tilted inertia, an accelerometer.
 PENDULUM = """

@@ -2,7 +2,7 @@
 
 import pytest
 
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 PENDULUM = """
 <mujoco model="pendulum">

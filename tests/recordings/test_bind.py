@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import bind, column_names, read_recording
 from estexp_jax.recordings.columns import Source
 from estexp_jax.recordings.table import Table

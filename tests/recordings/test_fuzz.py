@@ -15,15 +15,15 @@ from hypothesis import strategies as st
 from pyarrow import parquet
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings import read_manifest, read_recording
+from estexp_jax.recordings.checks.excitation import missing
+from estexp_jax.recordings.checks.inspect import judge
 from estexp_jax.recordings.columns import Source
-from estexp_jax.recordings.excitation import missing
-from estexp_jax.recordings.inspect import judge
-from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import Selection
 from experiments.fuzz.folders import TOML
-from tests.recordings.forms import FORMS, write_form, write_lerobot
+from tests.recordings.readers.forms import FORMS, write_form, write_lerobot
 
 ARM = """
 <mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/><geom size=".1"/></body></worldbody>

@@ -13,7 +13,7 @@ from pyarrow import parquet
 from estexp_jax.cli.main import main
 from estexp_jax.errors import InputError
 from estexp_jax.recordings import read_manifest, table
-from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.readers.read import read_table
 
 ARM = """
 <mujoco><worldbody><body><joint name="{name}" axis="0 1 0"/><geom size=".1"/></body></worldbody>

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.settings import apply_settings
 
 

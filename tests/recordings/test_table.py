@@ -6,7 +6,7 @@ import pytest
 from pyarrow import parquet
 
 from estexp_jax.errors import InputError
-from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.readers.read import read_table
 
 
 def _write(path, text, encoding="utf-8"):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from estexp_jax.recordings.read import read_table
+from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.write import write_csv
 
 # A lone column with a semicolon in its name is taken for a file with another separator.

@@ -3,7 +3,7 @@
 import pytest
 
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import Job, planted_changes
 from estexp_jax.recovery.simulator import Simulator, simulator

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from estexp_jax.physics.controllers import n_weights
-from estexp_jax.physics.interface import interface_of
+from estexp_jax.physics.engines.controller_interface import interface_of
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
-from estexp_jax.recovery.trial import Controller, Trial
+from estexp_jax.recovery.control.network import n_weights
+from estexp_jax.recovery.control.trial import Controller, Trial
 
 STEPS, PERIOD = 60, 0.01
 

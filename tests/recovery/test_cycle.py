@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.engines.walking import Heard
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.closed_loop import Heard
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings, quick
+from estexp_jax.recovery.control.trial import Controller, Trial, distances
 from estexp_jax.recovery.cycle import Job, job_of, run
-from estexp_jax.recovery.exploration import exploration_score, judged, jury
-from estexp_jax.recovery.perturbation import ensemble, noise
+from estexp_jax.recovery.exploration.explore import exploration_score, judged, jury
+from estexp_jax.recovery.model_error import ensemble, noise
 from estexp_jax.recovery.state import RunState
-from estexp_jax.recovery.trial import Controller, Trial, distances
 from estexp_jax.search.genetic import Population
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.changes import Change, parse_change
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import Change, parse_change
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.edits import Place, change_of
-from estexp_jax.recovery.front import rollout
+from estexp_jax.recovery.estimation.edits import Place, change_of
+from estexp_jax.recovery.population_rollout import rollout
 from estexp_jax.recovery.simulator import Simulator, simulator
 
 STEPS = 30

@@ -3,9 +3,9 @@
 import pytest
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.changes import Change
-from estexp_jax.physics.robot import Robot
-from estexp_jax.recovery.edits import TILT
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.estimation.edits import TILT
 from estexp_jax.recovery.situations import TABLE, situation
 
 EFFECTS = {

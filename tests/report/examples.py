@@ -5,15 +5,15 @@ import numpy as np
 from estexp_jax.discovery.contest import Contest, Rival
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.discovery.propose import ProposeConfig, Proposed
-from estexp_jax.discovery.rehearsal import Shown
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.physics.changes import Change
+from estexp_jax.experiment_design.predictive_simulation import Shown
+from estexp_jax.experiment_design.propose import ProposeConfig, Proposed
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.robot import Robot
+from estexp_jax.recovery.control.trial import Trial
 from estexp_jax.recovery.state import Row, RunState
-from estexp_jax.recovery.trial import Trial
 
 LONG = "left_front_upper_leg_abduction_and_rotation_joint"
 ARM = """<mujoco><worldbody><body><joint name="{0}" axis="0 1 0"/><geom size=".1"/></body></worldbody>

@@ -13,7 +13,9 @@ from typing import Any
 
 import pytest
 
-from estexp_jax.report import explain_page, propose_page, recover_page
+from estexp_jax.report.explain import page as explain_page
+from estexp_jax.report.propose import page as propose_page
+from estexp_jax.report.recover import page as recover_page
 from tests.report.examples import LOST, WEAK, diagnosis, proposal, recovered
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

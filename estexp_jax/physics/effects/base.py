@@ -18,7 +18,7 @@ import mujoco
 import numpy as np
 from mujoco import mjx
 
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 Array = Any
 """An array over sites, or a number."""

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 
 from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 
 class ControllerFault(Effect):

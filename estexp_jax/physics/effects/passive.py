@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from estexp_jax.physics.effects.sites import angle_unit
-from estexp_jax.physics.robot import Robot, spec_element
+from estexp_jax.physics.model.robot import Robot, spec_element
 
 
 def add_damper(robot: Robot, spec: mujoco.MjSpec, joint: str, coefficients: Sequence[float]) -> None:

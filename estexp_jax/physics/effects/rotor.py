@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import jax.numpy as jnp
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, JointMoment
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 _NUDGE = 1e-3
 """Displacement (rad, rad/s) over which a motor's torque is derived."""

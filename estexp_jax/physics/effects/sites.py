@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 ALL_ALIKE = "*"
 """The site that stands for all elements alike."""

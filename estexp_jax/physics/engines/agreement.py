@@ -13,16 +13,16 @@ from typing import NamedTuple, final
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.changes import Change, encode, stack
-from estexp_jax.physics.controllers import HIDDEN
+from estexp_jax.physics.command_schedule import CommandHistory, schedule
 from estexp_jax.physics.effects.base import Edit, Term
-from estexp_jax.physics.engines.replaying import Replayer
-from estexp_jax.physics.engines.walking import Walker
-from estexp_jax.physics.interface import Interface
-from estexp_jax.physics.registry import effect
-from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.schedule import CommandHistory, schedule
-from estexp_jax.physics.segment import Segment, Start
+from estexp_jax.physics.effects.changes import Change, encode, stack
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.engines.closed_loop import Walker
+from estexp_jax.physics.engines.controller_interface import Interface
+from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.window import Segment, Start
+from estexp_jax.recovery.control.network import HIDDEN
 
 MEDIAN, HIGH = 1e-4, 1e-2
 """Largest errors with which an engine counts as right: the median, and the 95th percentile. Single precision gives

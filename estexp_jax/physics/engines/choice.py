@@ -9,19 +9,19 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
+from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.agreement import Agreement, agreement_of, replay_agreement, visited
 from estexp_jax.physics.engines.batching import Choice
+from estexp_jax.physics.engines.closed_loop import Walker
+from estexp_jax.physics.engines.controller_interface import interface_of
+from estexp_jax.physics.engines.lanes.closed_loop import LanesWalker, lanes_width
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
-from estexp_jax.physics.engines.lanes.replay import LANES_REPLAY, LanesReplayer
-from estexp_jax.physics.engines.lanes.walk import LanesWalker, lanes_width
-from estexp_jax.physics.engines.mjx_model import MjxModel, mjx_model
-from estexp_jax.physics.engines.mjx_replay import MJX_REPLAY, MjxReplayer
-from estexp_jax.physics.engines.mjx_walk import MjxWalker, mjx_width
-from estexp_jax.physics.engines.replaying import Replayer, differing
-from estexp_jax.physics.engines.walking import Walker
-from estexp_jax.physics.interface import interface_of
-from estexp_jax.physics.registry import Catalogue
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.lanes.open_loop import LANES_REPLAY, LanesReplayer
+from estexp_jax.physics.engines.mjx.closed_loop import MjxWalker, mjx_width
+from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
+from estexp_jax.physics.engines.mjx.open_loop import MJX_REPLAY, MjxReplayer
+from estexp_jax.physics.engines.open_loop import Replayer, differing
+from estexp_jax.physics.model.robot import Robot
 
 Engine = Literal["auto", "lanes", "mjx"]
 ENGINES: Sequence[Engine] = ("auto", "lanes", "mjx")

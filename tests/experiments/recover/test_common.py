@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from estexp_jax.physics.changes import Change
+
 from estexp_jax.recovery.state import RunState
 from estexp_jax.runs.fleet import Beat
 from experiments.common.case import FIRST_SEED, Case, seeds

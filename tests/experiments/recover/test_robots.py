@@ -4,16 +4,17 @@ import json
 from pathlib import Path
 
 import pytest
-
 from estexp_jax.physics.changes import parse_change
+
 from experiments.robots.cases import DAMAGES, Tried, job, outcome
 from experiments.robots.figure import distances_figure
 from experiments.robots.run import main
 
 
 def test_damages_have_their_places() -> None:
-    from estexp_jax.package_data import model_path
     from estexp_jax.physics.robot import Robot
+
+    from estexp_jax.package_data import model_path
 
     for model, damages in DAMAGES.items():
         robot = Robot.from_xml(model_path(model))

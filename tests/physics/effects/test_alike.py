@@ -5,11 +5,11 @@ import pytest
 
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.verdict import is_wrong_value
-from estexp_jax.physics.changes import Change, encode
+from estexp_jax.physics.effects.changes import Change, encode
+from estexp_jax.physics.effects.registry import catalogue, effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE, scalar_joint_sites
-from estexp_jax.physics.engines.mjx_model import mjx_model
-from estexp_jax.physics.registry import catalogue, effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.mjx.model import mjx_model
+from estexp_jax.physics.model.robot import Robot
 
 _LINK = '<body pos="0 0 0.1"><joint name="{}" type="{}" axis="0 1 0" damping="{}"/><geom size="0.02" mass="0.1"/>'
 RUBS = [("viscous_friction", "c", "dof_damping"), ("coulomb_friction", "T", "dof_frictionloss")]

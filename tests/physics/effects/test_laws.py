@@ -4,16 +4,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from estexp_jax.physics.changes import Change, encode, parse_change
-from estexp_jax.physics.controllers import HIDDEN, decode, n_weights
-from estexp_jax.physics.effect_checks import faults, middle
 from estexp_jax.physics.effects.base import (
     CommandShift,
     Distortion,
     Effect,
 )
+from estexp_jax.physics.effects.changes import Change, encode, parse_change
+from estexp_jax.physics.effects.checks import faults, middle
 from estexp_jax.physics.effects.controller_fault import ControllerFault
-from estexp_jax.physics.registry import ALL, NAMELESS, PAPER, catalogue, effect
+from estexp_jax.physics.effects.registry import ALL, NAMELESS, PAPER, catalogue, effect
+from estexp_jax.recovery.control.network import HIDDEN, decode, n_weights
 from tests.physics.robots import MUTE, ROBOTS, robot
 
 every_effect = pytest.mark.parametrize("e", [*ALL, *NAMELESS], ids=lambda e: e.name)

@@ -7,12 +7,12 @@ import pytest
 import estexp_jax as ee
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
-from estexp_jax.physics import registry
-from estexp_jax.physics.changes import Change, encode
+from estexp_jax.physics.effects import registry
 from estexp_jax.physics.effects.base import Effect, JointForce, Parameter, Term
-from estexp_jax.physics.effects.quadratic_drag import QuadraticDrag
+from estexp_jax.physics.effects.catalogue.quadratic_drag import QuadraticDrag
+from estexp_jax.physics.effects.changes import Change, encode
 from estexp_jax.physics.effects.sites import scalar_joint_sites
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 LEG = Robot.from_xml(model_path("leg"))
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.export import explained_spec
-from estexp_jax.physics.changes import parse_change
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.physics.model.robot import Robot
 
 XML = """
 <mujoco model="spring">

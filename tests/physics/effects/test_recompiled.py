@@ -9,10 +9,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.physics.changes import Change, Values, encode, parse_change, stack
 from estexp_jax.physics.effects.base import Edit
-from estexp_jax.physics.registry import ALL
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.changes import Change, Values, encode, parse_change, stack
+from estexp_jax.physics.effects.registry import ALL
+from estexp_jax.physics.model.robot import Robot
 from tests.physics.conftest import Lab
 from tests.physics.reference import Mapping, States, mapping, recompiled, visit
 from tests.physics.robots import ROBOTS, robot

@@ -5,13 +5,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from estexp_jax.physics.changes import Change, encode, parse_change, stack
 from estexp_jax.physics.effects.base import BodyPull, CommandLaw, Term
+from estexp_jax.physics.effects.changes import Change, encode, parse_change, stack
+from estexp_jax.physics.effects.registry import ALL
 from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import ALL
-from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Segment, Start, segment
+from estexp_jax.physics.window import Segment, Start, segment
 from tests.physics.effects.twins import TWINS, XML, Twin, simulated
 
 ACTING = tuple(e for e in ALL if isinstance(e, Term | CommandLaw | BodyPull))

@@ -7,14 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from estexp_jax.physics.changes import Change, encode, stack
 from estexp_jax.physics.effects.base import JointForce, JointMoment, Term, neutral_values
+from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
+from estexp_jax.physics.effects.registry import ALL, LAWS, NAMELESS, VARIANTS, catalogue, effect
 from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.registry import ALL, LAWS, NAMELESS, VARIANTS, catalogue, effect
-from estexp_jax.physics.robot import Robot
-from estexp_jax.physics.segment import Start, segment
+from estexp_jax.physics.window import Start, segment
 from tests.discovery.planted import nominal
 from tests.physics.robots import ROBOTS, robot
 

@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from estexp_jax.physics.effects.backlash import RotorBacklash
 from estexp_jax.physics.effects.base import NEVER, JointMoment
-from estexp_jax.physics.effects.hysteresis import Hysteresis
-from estexp_jax.physics.effects.load_bristles import LoadBristles
-from estexp_jax.physics.effects.motor_fade import MotorFade
-from estexp_jax.physics.effects.motor_heat import MotorHeat
-from estexp_jax.physics.effects.outer_backlash import OuterBacklash
-from estexp_jax.physics.effects.part_stub import PartStub
-from estexp_jax.physics.effects.rebound_limit import ReboundLimit
-from estexp_jax.physics.effects.servo_damping import ServoDamping, servo_damping
-from estexp_jax.physics.effects.stribeck_bristles import StribeckBristles
-from estexp_jax.physics.effects.stribeck_friction import StribeckFriction
-from estexp_jax.physics.engines.mjx_model import mjx_model
-from estexp_jax.physics.registry import ALL, VARIANTS, effect
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.effects.catalogue.backlash import RotorBacklash
+from estexp_jax.physics.effects.catalogue.hysteresis import Hysteresis
+from estexp_jax.physics.effects.catalogue.load_bristles import LoadBristles
+from estexp_jax.physics.effects.catalogue.motor_fade import MotorFade
+from estexp_jax.physics.effects.catalogue.motor_heat import MotorHeat
+from estexp_jax.physics.effects.catalogue.outer_backlash import OuterBacklash
+from estexp_jax.physics.effects.catalogue.part_stub import PartStub
+from estexp_jax.physics.effects.catalogue.rebound_limit import ReboundLimit
+from estexp_jax.physics.effects.catalogue.servo_damping import ServoDamping, servo_damping
+from estexp_jax.physics.effects.catalogue.stribeck_bristles import StribeckBristles
+from estexp_jax.physics.effects.catalogue.stribeck_friction import StribeckFriction
+from estexp_jax.physics.effects.registry import ALL, VARIANTS, effect
+from estexp_jax.physics.engines.mjx.model import mjx_model
+from estexp_jax.physics.model.robot import Robot
 
 PLAY = (0.03, 0.006, 900.0, 0.3)
 """half_gap, I, k, zeta of a play inside a servo's loop."""

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from estexp_jax.physics.changes import parse_change
+from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.agreement import (
     agreement,
     agreement_of,
@@ -13,8 +14,7 @@ from estexp_jax.physics.engines.agreement import (
     visited,
 )
 from estexp_jax.physics.engines.choice import replayer, walker
-from estexp_jax.physics.interface import interface_of
-from estexp_jax.physics.registry import catalogue
+from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.recordings.settings import apply_settings
 from tests.physics.robots import robot
 

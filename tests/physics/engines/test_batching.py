@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.physics.engines.batching import cores, in_chunks
-from estexp_jax.physics.engines.lanes import walk
+from estexp_jax.physics.engines.lanes import closed_loop as walk
 
 
 @pytest.mark.parametrize("n", [1, 3, 4, 5, 8, 17])

@@ -4,8 +4,8 @@ import jax
 import pytest
 
 from estexp_jax.physics.engines.devices import exact_products
-from estexp_jax.physics.engines.lanes.walk import lanes_width
-from estexp_jax.physics.engines.mjx_walk import mjx_width
+from estexp_jax.physics.engines.lanes.closed_loop import lanes_width
+from estexp_jax.physics.engines.mjx.closed_loop import mjx_width
 
 
 @pytest.fixture

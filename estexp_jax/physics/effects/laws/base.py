@@ -14,10 +14,10 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Parameter, Term
 from estexp_jax.physics.effects.sites import scalar_joint_sites
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 UNKNOWN = "unknown_law"
 """The name under which all of them are told."""

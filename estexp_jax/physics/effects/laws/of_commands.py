@@ -9,7 +9,7 @@ import numpy as np
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, Course, Reach, amplitude, followed, signed
 from estexp_jax.physics.effects.laws.with_motors import Remembering, Threshold
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 _LATE = (0.001, 1.0)
 """Time constants of what comes late, s."""

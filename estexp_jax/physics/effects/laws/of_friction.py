@@ -6,7 +6,6 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.bristles import rest, rubbed
 from estexp_jax.physics.effects.laws.base import (
@@ -23,7 +22,8 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 _TURNING = 0.01
 """Speed within which a direction is none, rad/s or m/s."""

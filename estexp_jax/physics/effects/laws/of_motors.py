@@ -6,7 +6,6 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
 from estexp_jax.physics.effects.laws.base import (
     Bounds,
@@ -20,7 +19,8 @@ from estexp_jax.physics.effects.laws.base import (
 )
 from estexp_jax.physics.effects.laws.with_motors import MOTOR, Remembering, Threshold
 from estexp_jax.physics.effects.sites import actuator_sites
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 _WARMING = (0.1, 100.0)
 """Time constants of a motor that warms, s."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, half_span, signed, torque
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 _WITH = Parameter("with", "1 + joint index", refers="joint")
 

@@ -8,7 +8,6 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import (
     PHASES,
@@ -25,7 +24,8 @@ from estexp_jax.physics.effects.laws.base import (
     torque,
 )
 from estexp_jax.physics.effects.passive import add_damper, add_spring
-from estexp_jax.physics.robot import Robot, spec_element
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot, spec_element
 
 _DENSEST = 60.0
 """Largest spatial frequency, 1/rad or 1/m."""

@@ -6,11 +6,11 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import mujoco
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
 from estexp_jax.physics.effects.passive import add_spring
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 _TIGHT = 0.1
 """Share of half a joint's range within which a law of its position may reach full torque."""

@@ -9,7 +9,7 @@ import numpy as np
 from estexp_jax.physics.effects.base import Parameter, ReadingDrift
 from estexp_jax.physics.effects.laws.base import signed
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 
 @final

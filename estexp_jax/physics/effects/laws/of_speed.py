@@ -6,7 +6,6 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import mujoco
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import (
     Bounds,
@@ -20,7 +19,8 @@ from estexp_jax.physics.effects.laws.base import (
     torque,
 )
 from estexp_jax.physics.effects.passive import add_damper
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 _SPEEDS = (0.01, 30.0)
 """Speeds at which a law may turn, rad/s or m/s."""

@@ -19,7 +19,7 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 _RATES = (0.15, 8.0)
 """Frequencies of rhythms that are looked for, Hz."""

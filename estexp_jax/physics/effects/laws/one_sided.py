@@ -5,10 +5,10 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics import scales
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
 
 _TIGHT = 0.1
 """Share of half a joint's range within which such a spring may reach full torque."""

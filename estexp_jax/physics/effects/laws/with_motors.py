@@ -6,7 +6,7 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, torque
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.model.robot import Robot
 
 MOTOR = "m the motor's torque"
 """A joint without a motor has none, so that these laws do nothing there."""

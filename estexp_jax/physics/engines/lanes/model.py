@@ -10,10 +10,10 @@ import jax
 import jax.numpy as jnp
 from mujoco import mjx
 
-from estexp_jax.physics.changes import Values, neutral
-from estexp_jax.physics.engines.lanes.plan import Plan, plan
-from estexp_jax.physics.engines.lanes.support import refusal
-from estexp_jax.physics.engines.mjx_model import MjxModel, fields_of
+from estexp_jax.lanes.capabilities import refusal
+from estexp_jax.lanes.layout import Plan, plan
+from estexp_jax.physics.effects.changes import Values, neutral
+from estexp_jax.physics.engines.mjx.model import MjxModel, fields_of
 
 FIELDS = frozenset(
     (

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple, final
 import jax.numpy as jnp
 import mujoco
 
-from estexp_jax.physics.engines.lanes.algebra import Scalar
-from estexp_jax.physics.engines.lanes.numbers import Numbers
-from estexp_jax.physics.engines.lanes.plan import Plan
-from estexp_jax.physics.robot import Robot
+from estexp_jax.lanes.algebra import Scalar
+from estexp_jax.lanes.layout import Plan
+from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.physics.model.robot import Robot
 
 _AFFINE_GAIN, _AFFINE_BIAS = int(mujoco.mjtGain.mjGAIN_AFFINE), int(mujoco.mjtBias.mjBIAS_AFFINE)
 

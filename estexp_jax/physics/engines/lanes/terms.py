@@ -14,20 +14,20 @@ import jax
 import jax.numpy as jnp
 from jax.extend.core import jaxpr_as_fun
 
-from estexp_jax.physics.changes import Values
+from estexp_jax.lanes.algebra import Scalar
+from estexp_jax.lanes.forces import Drive
+from estexp_jax.lanes.layout import Dof, Plan
+from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.step import Added, LaneState
 from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, Effect, JointForce, Term
+from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.effects.sites import driven_actuators
-from estexp_jax.physics.engines.lanes.algebra import Scalar
-from estexp_jax.physics.engines.lanes.forces import Drive
-from estexp_jax.physics.engines.lanes.moments import Moments, Now, stacked
+from estexp_jax.physics.engines.lanes.external_wrenches import pulled
+from estexp_jax.physics.engines.lanes.joint_states import Moments, Now, stacked
 from estexp_jax.physics.engines.lanes.motors import Motors, Told
-from estexp_jax.physics.engines.lanes.numbers import Numbers
-from estexp_jax.physics.engines.lanes.plan import Dof, Plan
-from estexp_jax.physics.engines.lanes.pulls import pulled
-from estexp_jax.physics.engines.lanes.step import Added, LaneState
-from estexp_jax.physics.engines.mjx_terms import Hidden
-from estexp_jax.physics.registry import Catalogue
-from estexp_jax.physics.robot import Robot
+from estexp_jax.physics.engines.mjx.terms import Hidden
+from estexp_jax.physics.model.robot import Robot
 
 
 @final

@@ -1,0 +1,1 @@
+"""Measures this machine's speed, side by side with the serial baseline."""

@@ -1,0 +1,55 @@
+"""How long one generation of the estimation phase takes, once compiled."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any
+
+import jax
+import numpy as np
+
+from estexp_jax.benchmark.subject import Race, load, small_changes
+from estexp_jax.physics.effects.changes import encode, stack
+from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.simulator import simulator
+
+_TRIALS, _SAMPLES = 4, 21
+"""Of a generation at its largest: controllers, control steps."""
+
+
+def estimation(race: Race, repeats: int) -> dict[str, Any]:
+    """Time of one generation of the estimation phase once compiled: each genome under each of four controllers.
+
+    Returns:
+        `walks_s`: the walks; `generation_s`: with the robots' edits prepared and all settled on the ground before.
+    """
+    robot, rng = load(race.model, feet=race.feet), np.random.default_rng(race.seed)
+    settings = Settings(population=max(4, race.population))
+    world = simulator(robot, settings)
+    sets = [small_changes(robot, rng) for _ in range(settings.population)]
+    weights = rng.uniform(-1.0, 1.0, (_TRIALS, world.n_weights)).astype(np.float32)
+    start = jax.tree.map(lambda x: np.repeat(x, _TRIALS, axis=0), world.settled(sets))
+    few = stack([encode(robot, world.walker.catalogue, changes) for changes in sets])
+    values = {name: np.repeat(array, _TRIALS, axis=0) for name, array in few.items()}
+    many = np.tile(weights, (len(sets), 1))
+    world.walker.walk(values, many, start, _SAMPLES)
+    walks, whole = [], []
+    for _ in range(max(repeats, 3)):
+        begin = perf_counter()
+        world.walker.walk(values, many, start, _SAMPLES)
+        between = perf_counter()
+        world.trials(sets, weights, _SAMPLES)
+        walks.append(between - begin)
+        whole.append(perf_counter() - between)
+    robot_steps = len(many) * _SAMPLES * world.walker.substeps
+    return {
+        "engine": world.walker.choice.engine,
+        "genomes": len(sets),
+        "controllers": _TRIALS,
+        "steps": _SAMPLES,
+        "substeps": world.walker.substeps,
+        "robot_steps": robot_steps,
+        "walks_s": float(np.median(walks)),
+        "generation_s": float(np.median(whole)),
+        "settle_steps": settings.settle_steps,
+    }

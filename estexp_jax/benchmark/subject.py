@@ -1,0 +1,114 @@
+"""The robots that `bench` races, whatever the engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import final
+
+import mujoco
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.package_data import model_path
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.sites import actuator_sites, body_sites, scalar_joint_sites
+from estexp_jax.physics.engines.agreement import Visited, visited
+from estexp_jax.physics.engines.c.closed_loop import BodyNow, Course, Pool, at_rest
+from estexp_jax.physics.engines.controller_interface import Interface, interface_of
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.recovery.control.network import n_weights
+
+EFFECTS = ("body_mass", "motor_weakness", "joint_jam", "gravity_tilt")
+"""What differs from robot to robot: masses and inertias, gains and force ranges, damping, gravity."""
+_STATES, _DRAWN, _REST = 256, 200, 0.5
+"""States in which engines are compared; different robots in a population; time to come to rest before a race, s."""
+_FEET = "foot"
+
+
+@final
+@dataclass(frozen=True)
+class Race:
+    """What all engines are given.
+
+    Attributes:
+        model: an MJCF file; None: the quadruped that comes with the package.
+        feet: the quadruped with its feet as only contacts.
+        population: robots.
+        steps: control steps.
+        substeps: physics steps a control step.
+        seed: of controllers and edits.
+    """
+
+    model: str | None = None
+    feet: bool = False
+    population: int = 200
+    steps: int = 1000
+    substeps: int = 4
+    seed: int = 0
+
+
+@final
+class Field:
+    """The robots of a race."""
+
+    def __init__(self, race: Race) -> None:
+        """Load and draw them.
+
+        Raises:
+            InputError: the model cannot be used.
+        """
+        self.race, self.robot = race, load(race.model, feet=race.feet)
+        travel_map(self.robot)  # refuses robots that cannot travel, as any engine would later
+        self.face: Interface = interface_of(self.robot)
+        self.rng = np.random.default_rng(race.seed)
+        size = (race.population, n_weights(self.face.n_inputs, self.face.n_outputs))
+        self.weights = self.rng.uniform(-1.0, 1.0, size).astype(np.float32)
+        self.sets = [small_changes(self.robot, self.rng) for _ in range(min(race.population, _DRAWN))]
+        self.start: BodyNow = at_rest(self.robot.model, self.robot.home(), self.face.ctrl_centre, _REST)
+
+    @property
+    def course(self) -> Course:
+        """What the C engine is given: the nominal robot."""
+        return Course(self.robot.model, self.face, self.start, self.weights, self.race.substeps)
+
+    @cached_property
+    def recorded(self) -> np.ndarray:
+        """Commands (population, steps, nu) for replays: those of the closed loop."""
+        return Pool(self.course).record(self.race.population, self.race.steps)
+
+    @cached_property
+    def states(self) -> Visited:
+        """Where engines are compared."""
+        return visited(self.robot, self.face, _STATES, self.race.seed)
+
+
+def load(model: str | None, *, feet: bool) -> Robot:
+    """The robot of a race.
+
+    Raises:
+        InputError: there is no such model, or `feet` is asked of one.
+    """
+    if model is not None and feet:
+        raise InputError("only the quadruped has a variant with feet alone", where="--feet", right="leave out --model")
+    robot = Robot.from_xml(Path(model) if model is not None else model_path("quadruped"))
+    if not feet:
+        return robot
+    spec = robot.spec.copy()
+    for geom in spec.geoms:
+        if geom.type != mujoco.mjtGeom.mjGEOM_PLANE and not geom.name.startswith(_FEET):
+            geom.contype = geom.conaffinity = 0
+    return Robot.from_spec(spec, f"{robot.source}, feet only")
+
+
+def small_changes(robot: Robot, rng: np.random.Generator) -> list[Change]:
+    """One robot's own edits: masses and motor strengths +-10 %, some jam in each joint, a tilt of up to 3 degrees."""
+    changes = [Change("gravity_tilt", None, {"angle": rng.uniform(-0.05, 0.05)})]
+    for name in body_sites(robot):
+        mass = float(robot.model.body_mass[robot.index("body", name)])
+        changes.append(Change("body_mass", name, {"dm": mass * rng.uniform(-0.1, 0.1)}))
+    changes += [Change("motor_weakness", name, {"loss": rng.uniform(-0.1, 0.1)}) for name in actuator_sites(robot)]
+    changes += [Change("joint_jam", name, {"f": rng.uniform(0.0, 0.05)}) for name in scalar_joint_sites(robot)]
+    return changes

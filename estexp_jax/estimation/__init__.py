@@ -1,0 +1,1 @@
+"""State estimation from recordings: windows, initial states, smoothing, noise, accuracy."""

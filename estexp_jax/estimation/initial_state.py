@@ -1,0 +1,178 @@
+"""The states a replay starts from, estimated from the recording alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import mujoco
+import numpy as np
+
+from estexp_jax.estimation.noise import noise_deviation
+from estexp_jax.estimation.smoother import Track, smoothed
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.window import Path, Start
+
+_Source = tuple[np.ndarray | None, int | None]
+_FREE, _BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The robot's state at every row of a recording.
+
+    Attributes:
+        path: positions and speeds; as in the home keyframe, at rest, what nothing measured.
+        covariance: (rows, nv, 2, 2) of each degree of freedom's position (in the tangent space) and speed; 0 where
+            nothing measured it.
+        sensed: as in `Start`.
+    """
+
+    path: Path
+    covariance: np.ndarray
+    sensed: tuple[tuple[int, int, int], ...]
+
+    def start(self, row: int) -> Start:
+        """The state at a row."""
+        return Start(self.path.qpos[row].copy(), self.path.qvel[row].copy(), self.sensed, self.covariance[row])
+
+
+def motion_of(robot: Robot, recording: Recording) -> Motion:
+    """The state at every row.
+
+    Joint positions and speeds come from `qpos` columns, else from a joint position sensor, with measured speeds
+    (`qvel` columns, joint velocity sensors) where there are any, through a smoother. Free and ball joints likewise from
+    their columns.
+
+    Args:
+        robot: the nominal robot with the recording's settings.
+        recording: what was measured.
+    """
+    model, rows = robot.model, recording.rows
+    path = Path(recording.time, np.tile(robot.home(), (rows, 1)), np.zeros((rows, model.nv)))
+    found = Motion(path, np.zeros((rows, model.nv, 2, 2)), _scalar_joints(robot, recording, path))
+    _read_scalar(robot, recording, found)
+    for joint in range(model.njnt):
+        if int(model.jnt_type[joint]) in (_FREE, _BALL):
+            _read_freely(model, joint, recording, found)
+    return found
+
+
+def _scalar_joints(robot: Robot, recording: Recording, path: Path) -> tuple[tuple[int, int, int], ...]:
+    """`Start.sensed` of a recording."""
+    model = robot.model
+    found = []
+    for joint in robot.scalar_joints:
+        column = _position_samples(robot, recording, joint)[1]
+        if column is not None:
+            found.append((column, int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])))
+    return tuple(found)
+
+
+def _read_scalar(robot: Robot, recording: Recording, found: Motion) -> None:
+    """Fill in hinge and slide joints, in place."""
+    model, nothing = robot.model, np.full(recording.rows, np.nan)
+    places, speeds, samples, slopes = [], [], [], []
+    for joint in robot.scalar_joints:
+        position, speed = _position_samples(robot, recording, joint)[0], _speed_samples(robot, recording, joint)[0]
+        dof = int(model.jnt_dofadr[joint])
+        if position is not None:
+            places.append(int(model.jnt_qposadr[joint]))
+            speeds.append(dof)
+            samples.append(position)
+            slopes.append(nothing if speed is None else speed)
+        elif speed is not None:
+            lone = _track(recording, speed[:, None], nothing[:, None])
+            found.path.qvel[:, dof] = lone.value[:, 0]
+            found.covariance[:, dof, 1, 1] = lone.covariance[:, 0, 0, 0]
+    if places:
+        track = _track(recording, np.stack(samples, axis=1), np.stack(slopes, axis=1))
+        found.path.qpos[:, places], found.path.qvel[:, speeds] = track.value, track.slope
+        found.covariance[:, speeds] = track.covariance
+
+
+def _track(recording: Recording, samples: np.ndarray, slopes: np.ndarray) -> Track:
+    noise, slope_noise = (
+        np.array([noise_deviation(recording.time, c) for c in table.T]) for table in (samples, slopes)
+    )
+    return smoothed(recording.time, samples, np.nan_to_num(noise), slopes, slope_noise)
+
+
+def _position_samples(robot: Robot, recording: Recording, joint: int) -> _Source:
+    place = int(robot.model.jnt_qposadr[joint])
+    return _samples(robot, recording, joint, recording.qpos[:, place], mujoco.mjtSensor.mjSENS_JOINTPOS)
+
+
+def _speed_samples(robot: Robot, recording: Recording, joint: int) -> _Source:
+    place = int(robot.model.jnt_dofadr[joint])
+    return _samples(robot, recording, joint, recording.qvel[:, place], mujoco.mjtSensor.mjSENS_JOINTVEL)
+
+
+def _samples(robot: Robot, recording: Recording, joint: int, column: np.ndarray, kind: mujoco.mjtSensor) -> _Source:
+    """Samples (rows,) of a joint: its own column, else a sensor of that kind on it, and that sensor's address."""
+    if np.isfinite(column).any():
+        return column, None
+    model = robot.model
+    for sensor in range(model.nsensor):
+        if int(model.sensor_type[sensor]) == int(kind) and int(model.sensor_objid[sensor]) == joint:
+            reading = recording.sensor[:, int(model.sensor_adr[sensor])]
+            if np.isfinite(reading).any():
+                return reading, int(model.sensor_adr[sensor])
+    return None, None
+
+
+def _read_freely(model: mujoco.MjModel, joint: int, recording: Recording, found: Motion) -> None:
+    """Fill in a free or ball joint from its columns, in place."""
+    q, v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    if int(model.jnt_type[joint]) == _FREE:
+        _read_point(recording, slice(q, q + 3), slice(v, v + 3), found)
+        q, v = q + 3, v + 3
+    _read_turn(recording, slice(q, q + 4), slice(v, v + 3), found)
+
+
+def _read_point(recording: Recording, place: slice, speed: slice, found: Motion) -> None:
+    """A free joint's position and the speed in world axes."""
+    samples, slopes = recording.qpos[:, place], recording.qvel[:, speed]
+    if np.isfinite(samples).any(axis=0).all():
+        track = _track(recording, samples, slopes)
+        found.path.qpos[:, place], found.path.qvel[:, speed] = track.value, track.slope
+        found.covariance[:, speed] = track.covariance
+
+
+def _read_turn(recording: Recording, place: slice, speed: slice, found: Motion) -> None:
+    """A quaternion, and the speed in body axes: measured, else from the quaternion's slope."""
+    samples, spin = recording.qpos[:, place], recording.qvel[:, speed]
+    nothing = np.full_like(samples, np.nan)
+    if np.isfinite(samples).any(axis=0).all():
+        track = _track(recording, _steady(samples), nothing)
+        size = np.linalg.norm(track.value, axis=1, keepdims=True)
+        unit = track.value / size
+        found.path.qpos[:, place] = unit
+        found.path.qvel[:, speed] = 2.0 * _in_body(unit, track.slope / size)
+        found.covariance[:, speed] = 4.0 * track.covariance.mean(axis=1, keepdims=True)
+    if np.isfinite(spin).any(axis=0).all():
+        track = _track(recording, spin, nothing[:, :3])
+        found.path.qvel[:, speed] = track.value
+        found.covariance[:, speed, 0, 1] = found.covariance[:, speed, 1, 0] = 0.0
+        found.covariance[:, speed, 1, 1] = track.covariance[..., 0, 0]
+
+
+def _steady(quaternion: np.ndarray) -> np.ndarray:
+    """The same turns (rows, 4) without jumps of sign."""
+    good = np.isfinite(quaternion).all(axis=1)
+    known = quaternion[good]
+    jumps = np.sum(known[1:] * known[:-1], axis=1) < 0.0
+    found = np.full_like(quaternion, np.nan)
+    found[good] = known * np.concatenate([[1.0], np.where(np.cumsum(jumps) % 2 == 1, -1.0, 1.0)])[:, None]
+    return found
+
+
+def _in_body(quaternion: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Vector part (rows, 3) of conj(quaternion) * slope."""
+    w, x, y, z = quaternion.T
+    a, b, c, d = slope.T
+    return np.stack(
+        [w * b - x * a - y * d + z * c, w * c + x * d - y * a - z * b, w * d - x * c + y * b - z * a], axis=1
+    )

@@ -1,0 +1,129 @@
+"""Cutting recordings into windows that follow each other without overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from estexp_jax.estimation.initial_state import Motion, motion_of
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.window import Segment, history_of, segment
+
+FINER = 4
+"""The finest steps of fitted windows are this part of the model's own."""
+_STRIDE = 0.4
+"""Longest window, s, that is fitted where a floating robot touches the ground."""
+
+
+class Cut(NamedTuple):
+    """The same windows at the model's own step, at half of it and at its part `parts`.
+
+    The finest stand for the time that a robot does not cut into steps; the others tell how far they can be trusted.
+    """
+
+    whole: tuple[Segment, ...]
+    half: tuple[Segment, ...]
+    fine: tuple[Segment, ...]
+    parts: int = FINER
+
+    def finer(self, steps: Sequence[float], parts: int) -> Cut:
+        """The same with other finest steps.
+
+        Args:
+            steps: the model's own step in each recording, s.
+            parts: part of them that is the finest.
+        """
+        fine = tuple(s.stepped(steps[s.recording] / parts) for s in self.whole)
+        return self._replace(fine=fine, parts=parts)
+
+    def exact(self) -> Cut:
+        """All at the finest step."""
+        return Cut(self.fine, self.fine, self.fine, self.parts)
+
+
+def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> list[tuple[int, int]]:
+    """First and last row of each window of a clock; a lone row joins the one before, or the one after.
+
+    Args:
+        time: (rows,) s.
+        length: of a window, s; infinite for one window.
+        cut: where a window begins, besides, s.
+    """
+    number = np.zeros(len(time), int) if np.isinf(length) else ((time - time[0]) / length + 1e-9).astype(int)
+    if cut is not None:
+        number = 2 * number + (time >= cut)
+    firsts = [int(np.flatnonzero(number == n)[0]) for n in np.unique(number)]
+    lasts = [f - 1 for f in firsts[1:]] + [len(time) - 1]
+    windows: list[tuple[int, int]] = []
+    for first, last in zip(firsts, lasts, strict=True):
+        if windows and (first == last or windows[-1][0] == windows[-1][1]):
+            windows[-1] = (windows[-1][0], last)
+        else:
+            windows.append((first, last))
+    return windows
+
+
+def fitting_window(robot: Robot, longest: float) -> float:
+    """Length of the windows to fit, s: shorter where robots that touch the ground soon part for good.
+
+    A foot that touches down a moment sooner is elsewhere after a stride; no value of the model can be read from that.
+
+    Args:
+        robot: the nominal robot.
+        longest: length of the windows that are shown, s.
+    """
+    return min(longest, _STRIDE) if parts_soon(robot) else longest
+
+
+def parts_soon(robot: Robot) -> bool:
+    """Whether a robot soon parts for good from one that differs a little, as robots on legs do."""
+    floats = bool((robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
+    touches = bool((robot.model.geom_contype | robot.model.geom_conaffinity).any())
+    return floats and touches
+
+
+@lru_cache(maxsize=64)
+def _motion(robot: Robot, recording: Recording) -> Motion:
+    """`motion_of`, found once for all windows and steps that a recording is cut into."""
+    return motion_of(robot, recording)
+
+
+def segments_of(
+    robots: Sequence[Robot],
+    recordings: Sequence[Recording],
+    length: float,
+    finer: int = 1,
+    cuts: Mapping[int, float] | None = None,
+) -> list[Segment]:
+    """All windows of all recordings, each started from the state estimated at its first row.
+
+    Args:
+        robots: the nominal robot with each recording's settings.
+        recordings: one for each robot.
+        length: of a window, s; infinite for whole recordings.
+        finer: part of the model's step to take.
+        cuts: index of a recording to a time at which a window begins in it, s.
+    """
+    found: list[Segment] = []
+    for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
+        motion, step = _motion(robot, recording), float(robot.model.opt.timestep) / finer
+        history = history_of(recording, motion.path)
+        for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
+            found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path, history))
+    return found
+
+
+def cut_of(
+    robots: Sequence[Robot],
+    recordings: Sequence[Recording],
+    length: float,
+    cuts: Mapping[int, float] | None = None,
+) -> Cut:
+    """`segments_of` at all steps."""
+    whole, half, fine = (tuple(segments_of(robots, recordings, length, finer, cuts)) for finer in (1, 2, FINER))
+    return Cut(whole, half, fine)

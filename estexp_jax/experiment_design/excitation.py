@@ -1,0 +1,106 @@
+"""Commands that move a robot in many ways: what to record when nothing is known yet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.model.robot import Robot
+
+_SINES = 5
+_SLOWEST, _FASTEST = 0.15, 2.0
+"""Frequencies of the sines, Hz."""
+_REACH = 0.6
+"""Of a servo, from home, where no range limits it: rad."""
+
+Wave = Callable[[np.ndarray, np.random.Generator], np.ndarray]
+"""Times (rows,) and a source of chance to a signal (rows,) in -1..1 that begins at 0."""
+
+
+def multisine(robot: Robot, time: np.ndarray, strength: float, seed: int) -> np.ndarray:
+    """Sums of sines at random frequencies and phases, one sum for each actuator; they begin at home.
+
+    Args:
+        robot: whose actuators.
+        time: (rows,) s.
+        strength: share of each actuator's reach that the sum's peak takes.
+        seed: of frequencies and phases.
+
+    Returns:
+        Commands (rows, nu), in each actuator's control unit.
+    """
+    return _commands(robot, time, strength, seed, sines)
+
+
+def steps(robot: Robot, time: np.ndarray, strength: float, seed: int) -> np.ndarray:
+    """Random levels held for 0.4 to 1.2 s, reached by ramps of 0.2 s; arguments and result as of `multisine`."""
+    return _commands(robot, time, strength, seed, levels)
+
+
+def sines(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+    """A sum of sines (rows,) with its peak at 1 or -1; it begins at 0, as all waves here do."""
+    hertz = np.exp(draw.uniform(np.log(_SLOWEST), np.log(_FASTEST), _SINES))
+    phase = draw.uniform(0.0, 2.0 * np.pi, _SINES)
+    waves = np.sin(2.0 * np.pi * hertz * time[:, None] + phase).sum(axis=1)
+    waves -= waves[0] * np.exp(-(time - time[0]) / 0.3)
+    return waves / np.abs(waves).max()
+
+
+def levels(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+    """Random levels (rows,) in -1..1 held for 0.4 to 1.2 s, reached by ramps of 0.2 s."""
+    edges = time[0] + np.cumsum(draw.uniform(0.4, 1.2, int(np.ptp(time) / 0.4) + 2))
+    heights = draw.uniform(-1.0, 1.0, len(edges))
+    knots = np.stack([edges, edges + 0.2], axis=1).ravel()
+    ends = np.stack([np.concatenate([[0.0], heights[:-1]]), heights], axis=1).ravel()
+    return np.interp(time, knots, ends)
+
+
+def ramps(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+    """Slow ramps (rows,) between 1 and -1, once or twice there and back: what speed does not change shows in them."""
+    sweeps, sign = int(draw.integers(1, 3)), float(draw.choice([-1.0, 1.0]))
+    knots = time[0] + np.ptp(time) * np.linspace(0.0, 1.0, 4 * sweeps + 1)
+    return sign * np.interp(time, knots, np.tile([0.0, 1.0, 0.0, -1.0], sweeps + 1)[: len(knots)])
+
+
+def held(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+    """One level (rows,) in -1..1, reached by a ramp of a second: what creeps or sags shows in it."""
+    return float(draw.uniform(-1.0, 1.0)) * np.clip(time - time[0], 0.0, 1.0)
+
+
+def _commands(robot: Robot, time: np.ndarray, strength: float, seed: int, wave: Wave) -> np.ndarray:
+    draw = np.random.default_rng(seed)
+    centre, reach = command_reach(robot)
+    commands = np.empty((len(time), robot.model.nu))
+    for a in range(robot.model.nu):
+        commands[:, a] = centre[a] + strength * reach[a] * wave(time, draw)
+    return commands
+
+
+def command_reach(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """Centre and largest sensible deviation of each actuator's command, (nu,) each.
+
+    Servos go from home to the nearer end of their range; motors to their limit.
+    """
+    model, home = robot.model, robot.home()
+    centre, reach = np.zeros(model.nu), np.ones(model.nu)
+    for a in range(model.nu):
+        joint = robot.joint_of_actuator(a)
+        if is_servo(model, a) and joint in robot.scalar_joints:
+            centre[a] = home[model.jnt_qposadr[joint]] * model.actuator_gear[a, 0]
+            reach[a] = _REACH
+        elif model.actuator_forcelimited[a]:
+            reach[a] = np.abs(model.actuator_forcerange[a]).max() / max(abs(model.actuator_gainprm[a, 0]), 1e-9)
+        if model.actuator_ctrllimited[a]:
+            low, high = model.actuator_ctrlrange[a]
+            if not low < centre[a] < high:
+                centre[a] = (low + high) / 2.0
+            reach[a] = min(reach[a], high - centre[a], centre[a] - low)
+    return centre, reach
+
+
+def is_servo(model: mujoco.MjModel, actuator: int) -> bool:
+    """Whether an actuator's command is a position."""
+    biased = int(model.actuator_biastype[actuator]) != int(mujoco.mjtBias.mjBIAS_NONE)
+    return bool(biased and model.actuator_biasprm[actuator, 1] != 0.0)

@@ -1,0 +1,179 @@
+"""From poses to contact rows: how deep each candidate point is in its plane, and along which axes it pushes.
+
+Source: MuJoCo `engine_collision_primitive.c` (plane against sphere, capsule, box), `engine_core_constraint.c`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from estexp_jax.lanes.algebra import (
+    Scalar,
+    Vector,
+    add,
+    apply,
+    cross,
+    dot,
+    is_number,
+    maximum,
+    mul,
+    scale,
+    spread,
+    spread_all,
+    sub,
+    total,
+    vadd,
+    vsub,
+)
+from estexp_jax.lanes.contact_candidates import Candidate, mixed
+from estexp_jax.lanes.kinematics import Motion
+from estexp_jax.lanes.layout import Group, Plan
+from estexp_jax.lanes.model_parameters import Numbers, rotation_matrix, world_pose
+from estexp_jax.lanes.rows import Push, Pyramid, Residual, Rows
+from estexp_jax.lanes.softness import Softness, regularised
+
+_GEOM = mujoco.mjtGeom
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Alike points and what they push with.
+
+    Attributes:
+        group: index of their bodies' group.
+        candidate: which points.
+        rows: their constraints.
+        position: of the contact, about the tree's origin.
+        normal: away from the plane.
+    """
+
+    group: int
+    candidate: Candidate
+    rows: Rows
+    position: Vector
+    normal: Vector
+
+    def normal_force(self, r: Residual) -> Scalar:
+        """(k, N), N, of the constraints' residual."""
+        return self.rows.forces(r)[2] if isinstance(self.rows, Pyramid) else self.rows.forces(r)
+
+
+def contacts(plan: Plan, numbers: Numbers, moving: Motion, dt: Scalar) -> list[Contact]:
+    """All contacts; those that do not touch have no stiffness."""
+    return [
+        _contact(plan, numbers, moving, group, candidate, dt) for group in plan.groups for candidate in group.touches
+    ]
+
+
+def _contact(plan: Plan, numbers: Numbers, moving: Motion, group: Group, candidate: Candidate, dt: Scalar) -> Contact:
+    model, k = plan.model, candidate.k
+    place, normal = _plane(model, numbers, candidate.plane)
+    point, radius, along, upper = _point(numbers, moving, group, candidate, normal)
+    height = sub(dot(normal, vadd(point, spread_all(moving.origin[group.index], group.k, k))), dot(normal, place))
+    distance = sub(height, radius)
+    position = vsub(point, scale(radius + 0.5 * distance, normal))
+    margin = add(
+        numbers.get("geom_margin", candidate.geoms), numbers.get("geom_margin", [candidate.plane] * candidate.k)
+    )
+    violation = sub(distance, margin)
+    touching = violation < 0
+    if upper is not None:
+        touching = touching & (upper <= 0)
+    soft = _softness(numbers, candidate)
+    impedance = soft.impedance(violation)
+    spring, damper = soft.spring(dt, safe=not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_REFSAFE)
+    weight = numbers.get("body_invweight0", _bodies(model, candidate), 0)
+    frame = (normal,) if candidate.condim == 1 else (*_tangents(normal, along), normal)
+    axes = [
+        tuple(dot(axis, velocity) for axis in frame)
+        for velocity in (
+            vadd(
+                spread_all(moving.linear[i], plan.dofs[i].k, k),
+                cross(spread_all(moving.angular[i], plan.dofs[i].k, k), position),
+            )
+            for i in group.chain
+        )
+    ]
+    moved = [spread(moving.speed[i], plan.dofs[i].k, k) for i in group.chain]
+    speed = [total(mul(a[e], v) for a, v in zip(axes, moved, strict=True)) for e in range(len(frame))]
+    back = -spring * impedance * violation
+    if candidate.condim == 1:
+        stiffness = jnp.where(touching, regularised(weight, impedance), 0.0)
+        rows: Rows = Push(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
+        return Contact(group.index, candidate, rows, position, normal)
+    friction = _friction(model, numbers, candidate)
+    mu = friction / np.sqrt(model.opt.impratio)
+    edge = 2 * mu * mu * (weight + friction * friction * weight)
+    stiffness = jnp.where(touching, regularised(edge, impedance), 0.0)
+    slip = [mul(friction, s) for s in speed[:2]]
+    aref = tuple(back - damper * (speed[2] + s) for s in (slip[0], -slip[0], slip[1], -slip[1]))
+    rows = Pyramid(k, group.chain, tuple(axes), friction, stiffness, aref)
+    return Contact(group.index, candidate, rows, position, normal)
+
+
+def _bodies(model: mujoco.MjModel, candidate: Candidate) -> Sequence[int]:
+    return [int(model.geom_bodyid[g]) for g in candidate.geoms]
+
+
+def _plane(model: mujoco.MjModel, numbers: Numbers, plane: int) -> tuple[Vector, Vector]:
+    """A point of a plane and its normal, world axes."""
+    body = int(model.geom_bodyid[plane])
+    position, quaternion = world_pose(model, body, model.geom_pos[plane], model.geom_quat[plane])
+    normal = rotation_matrix(quaternion)[:, 2]
+    return numbers.known_vector(position[None]), numbers.known_vector(normal[None])
+
+
+def _point(
+    numbers: Numbers, moving: Motion, group: Group, candidate: Candidate, normal: Vector
+) -> tuple[Vector, Scalar, Vector | None, Scalar | None]:
+    """The point, the radius around it, a capsule's axis, how far a corner is above its box's centre."""
+    pose, k, geoms = moving.poses[group.index], candidate.k, candidate.geoms
+    rotation = [spread_all(row, group.k, k) for row in pose.rotation]
+    centre = vadd(spread_all(pose.position, group.k, k), apply(rotation, numbers.vector("geom_pos", geoms)))
+    if candidate.shape == _GEOM.mjGEOM_SPHERE:
+        return centre, numbers.get("geom_size", geoms, 0), None, None
+    turned = numbers.rotation("geom_quat", geoms)
+    side = numbers.known_vector(np.array(candidate.at, dtype=float))
+    if candidate.shape == _GEOM.mjGEOM_CAPSULE:
+        axis = apply(rotation, tuple(row[2] for row in turned))
+        half = mul(side[2], numbers.get("geom_size", geoms, 1))
+        return vadd(centre, scale(half, axis)), numbers.get("geom_size", geoms, 0), axis, None
+    size = numbers.vector("geom_size", geoms)
+    corner = apply(rotation, apply(turned, tuple(mul(s, x) for s, x in zip(side, size, strict=True))))
+    return vadd(centre, corner), 0, None, dot(normal, corner)
+
+
+def _tangents(normal: Vector, along: Vector | None) -> tuple[Vector, Vector]:
+    """MuJoCo's frame: the second axis along a capsule, else the world's y (z if the normal is near y)."""
+    if along is None:
+        steep = all(isinstance(x, (int, float)) for x in normal) and abs(normal[1]) >= 0.5
+        along = (0, 0, 1) if steep else (0, 1, 0)
+    flat = vsub(along, scale(dot(along, normal), normal))
+    length = dot(flat, flat)
+    if not is_number(length, 1):
+        flat = scale(jax.lax.rsqrt(maximum(jnp.asarray(length), 1e-30)), flat)
+    return flat, cross(normal, flat)
+
+
+def _softness(numbers: Numbers, candidate: Candidate) -> Softness:
+    refs, imps = zip(*(mixed(numbers.model, candidate.plane, g) for g in candidate.geoms), strict=True)
+    return Softness.of(numbers, np.array(refs), np.array(imps))
+
+
+def _friction(model: mujoco.MjModel, numbers: Numbers, candidate: Candidate) -> Scalar:
+    """Sliding friction: the greater of the two, unless one has priority."""
+    own = numbers.get("geom_friction", candidate.geoms, 0)
+    floor = numbers.get("geom_friction", [candidate.plane] * candidate.k, 0)
+    ahead = model.geom_priority[list(candidate.geoms)] - model.geom_priority[candidate.plane]
+    if np.all(ahead == 0):
+        least = mujoco.mjMINMU
+        return maximum(maximum(own, floor), least)
+    return own if ahead[0] > 0 else floor

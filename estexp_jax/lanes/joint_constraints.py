@@ -1,0 +1,76 @@
+"""Constraints at the joints: stops and friction losses.
+
+Source: MuJoCo documentation, "Computation": "Constraint model"; `engine_core_constraint.c`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import jax.numpy as jnp
+import mujoco
+
+from estexp_jax.lanes.algebra import Scalar, add, sub
+from estexp_jax.lanes.layout import Joint, Plan
+from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.rows import Push, Rows, Rub
+from estexp_jax.lanes.softness import Softness, regularised
+
+_OFF = mujoco.mjtDisableBit
+
+
+def stops(
+    plan: Plan, numbers: Numbers, qpos: Sequence[Sequence[Scalar]], qvel: Sequence[Scalar], dt: Scalar
+) -> list[Rows]:
+    """Each limited joint against the nearer of its stops.
+
+    Args:
+        plan: structure.
+        numbers: of the robots.
+        qpos: per joint.
+        qvel: per degree of freedom.
+        dt: length of the step, s.
+    """
+    if plan.model.opt.disableflags & (_OFF.mjDSBL_LIMIT | _OFF.mjDSBL_CONSTRAINT):
+        return []
+    return [
+        _stop(plan, numbers, joint, q[0], qvel[joint.dofs[0]], dt)
+        for joint, q in zip(plan.joints, qpos, strict=True)
+        if joint.limited and not joint.free
+    ]
+
+
+def _stop(plan: Plan, numbers: Numbers, joint: Joint, q: Scalar, speed: Scalar, dt: Scalar) -> Rows:
+    ids, dof = list(joint.ids), plan.dofs[joint.dofs[0]]
+    low, high = (sub(q, numbers.get("jnt_range", ids, 0)), sub(numbers.get("jnt_range", ids, 1), q))
+    sign = jnp.where(low < high, 1.0, -1.0).astype(q.dtype)
+    violation = sub(jnp.minimum(low, high), numbers.get("jnt_margin", ids))
+    ref = tuple(numbers.get("jnt_solref", ids, i) for i in range(2))
+    soft = replace(Softness.of(numbers, plan.model.jnt_solref[ids], plan.model.jnt_solimp[ids]), ref=ref)
+    impedance = soft.impedance(violation)
+    spring, damper = soft.spring(dt, safe=_safe(plan))
+    weight = numbers.get("dof_invweight0", dof.addresses)
+    stiffness = jnp.where(violation < 0, regularised(weight, impedance), 0.0)
+    return Push(dof.k, (dof.index,), (sign,), stiffness, -damper * sign * speed - spring * impedance * violation)
+
+
+def rubs(plan: Plan, numbers: Numbers, speed: Sequence[Scalar], dt: Scalar, more: Sequence[Scalar]) -> list[Rows]:
+    """Friction losses; `speed` and `more`, what effects add to them, per degree of freedom."""
+    model, rows = plan.model, []
+    if model.opt.disableflags & (_OFF.mjDSBL_FRICTIONLOSS | _OFF.mjDSBL_CONSTRAINT):
+        return rows
+    for dof in plan.dofs:
+        if dof.rubs:
+            at = list(dof.addresses)
+            soft = Softness.of(numbers, model.dof_solref[at], model.dof_solimp[at])
+            _, damper = soft.spring(dt, safe=_safe(plan))
+            impedance = soft.impedance(jnp.zeros_like(speed[dof.index]))
+            stiffness = regularised(numbers.get("dof_invweight0", at), impedance)
+            bound = add(numbers.get("dof_frictionloss", at), more[dof.index])
+            rows.append(Rub(dof.k, dof.index, stiffness, bound, -damper * speed[dof.index]))
+    return rows
+
+
+def _safe(plan: Plan) -> bool:
+    return not plan.model.opt.disableflags & _OFF.mjDSBL_REFSAFE

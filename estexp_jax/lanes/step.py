@@ -1,0 +1,261 @@
+"""One physics step of all robots of a chunk: forces, constraints, acceleration, integration.
+
+Source: MuJoCo documentation, "Computation": "Numerical integration".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, final
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from estexp_jax.lanes.algebra import (
+    Scalar,
+    Vector,
+    add,
+    apply,
+    cross,
+    dot,
+    gathered,
+    is_number,
+    mul,
+    spread_all,
+    sub,
+    transposed,
+    vadd,
+)
+from estexp_jax.lanes.contacts import Contact, contacts
+from estexp_jax.lanes.dynamics import Inertias, mass_and_bias
+from estexp_jax.lanes.forces import Drive, Pull, pull
+from estexp_jax.lanes.joint_constraints import rubs, stops
+from estexp_jax.lanes.kinematics import Motion, motion
+from estexp_jax.lanes.layout import Plan
+from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.newton import Solution, solve
+from estexp_jax.lanes.rows import Rows
+from estexp_jax.lanes.sparse import Factor
+
+_INTEGRATOR, _OFF = mujoco.mjtIntegrator, mujoco.mjtDisableBit
+
+TOLERANCE = {np.dtype(np.float32): 1e-9, np.dtype(np.float64): 1e-22}
+"""Squared relative change of the accelerations at which the solver stops."""
+ITERATIONS = 10
+"""Most Newton steps; a robot that has not converged by then keeps what it has, as in MuJoCo."""
+
+
+class LaneState(NamedTuple):
+    """Robots at the beginning of a step.
+
+    Attributes:
+        qpos: per joint, its coordinates: seven (N,) of a floating base, else one (k, N).
+        qvel: per degree of freedom, (N,) or (k, N).
+        warmstart: accelerations of the step before, a floating base's spin in world axes.
+    """
+
+    qpos: tuple[tuple[Any, ...], ...]
+    qvel: tuple[Any, ...]
+    warmstart: tuple[Any, ...]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Added:
+    """What effects add during one step; numbers 0 where nothing is added.
+
+    Attributes:
+        force: per degree of freedom, N m or N.
+        damping: on top of the joints' own, likewise.
+        friction: on top of the friction losses.
+        inertia: on top of the armature.
+        pull: force on the centres of mass of a group's bodies, N, world axes.
+    """
+
+    force: Sequence[Scalar]
+    damping: Sequence[Scalar]
+    friction: Sequence[Scalar]
+    inertia: Sequence[Scalar]
+    pull: dict[int, Vector] = field(default_factory=dict)
+
+    @classmethod
+    def nothing(cls, n_dofs: int) -> Added:
+        """No effect acts."""
+        zeros = (0,) * n_dofs
+        return cls(zeros, zeros, zeros, zeros)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Instant:
+    """Everything about one state, for its sensors.
+
+    Attributes:
+        state: the state.
+        moving: poses and velocities.
+        pulled: forces of motors, springs, dampers.
+        touched: contacts, and the residual of each one's rows.
+        solution: accelerations and constraint forces.
+    """
+
+    state: LaneState
+    moving: Motion
+    pulled: Pull
+    touched: tuple[tuple[Contact, Any], ...]
+    solution: Solution
+
+
+@final
+class Stepper:
+    """Steps the robots of one set of numbers; made once in a rollout, outside its loop."""
+
+    def __init__(self, plan: Plan, numbers: Numbers, tolerance: float) -> None:
+        """For robots of these numbers; `tolerance` as in `newton.solve`."""
+        self.plan, self.numbers, self.tolerance = plan, numbers, tolerance
+        self.inertias = Inertias(plan, numbers)
+
+    def step(self, state: LaneState, drive: Drive, dt: Scalar, added: Added | None = None) -> tuple[LaneState, Instant]:
+        """The next state, and all about this one.
+
+        Args:
+            state: of the robots.
+            drive: what the motors are told.
+            dt: length of the step, s: a number or (N,).
+            added: by effects.
+        """
+        added = added or Added.nothing(len(self.plan.dofs))
+        if self.plan.model.opt.integrator == _INTEGRATOR.mjINT_RK4:
+            return self._runge_kutta(state, drive, dt, added)
+        now, matrix = self._instant(state, drive, dt, added)
+        rate = self._implicit(now, matrix, dt)
+        speed = tuple(v + dt * a for v, a in zip(state.qvel, rate, strict=True))
+        return LaneState(self._moved(state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
+
+    def _instant(self, state: LaneState, drive: Drive, dt: Scalar, added: Added) -> tuple[Instant, Any]:
+        plan, numbers = self.plan, self.numbers
+        moving = motion(plan, numbers, state.qpos, state.qvel)
+        matrix, bias = mass_and_bias(plan, numbers, self.inertias, moving)
+        for i, inertia in enumerate(added.inertia):
+            matrix[i, i] = add(matrix[i, i], inertia)
+        pulled = pull(plan, numbers, state.qpos, moving.speed, drive)
+        self._take(pulled, moving, added)
+        smooth = [sub(f, b) for f, b in zip(pulled.force, bias, strict=True)]
+        touched = contacts(plan, numbers, moving, dt)
+        rows: list[Rows] = [c.rows for c in touched]
+        rows += stops(plan, numbers, state.qpos, state.qvel, dt)
+        rows += rubs(plan, numbers, moving.speed, dt, added.friction)
+        start = state.warmstart
+        solution = solve(plan.dofs, matrix, smooth, rows, start, ITERATIONS, self.tolerance)
+        whole = [jnp.broadcast_to(a, s.shape) for a, s in zip(solution.acceleration, start, strict=True)]
+        solution = solution._replace(acceleration=whole)
+        pairs = tuple(zip(touched, solution.residuals[: len(touched)], strict=True))
+        total = [add(s, f) for s, f in zip(smooth, solution.force, strict=True)]
+        return Instant(state, moving, pulled, pairs, solution), (matrix, total)
+
+    def _take(self, pulled: Pull, moving: Motion, added: Added) -> None:
+        """Add what effects add to the forces."""
+        for i, (force, damping) in enumerate(zip(added.force, added.damping, strict=True)):
+            pulled.force[i] = add(pulled.force[i], sub(force, mul(damping, moving.speed[i])))
+            pulled.damping[i], pulled.braking[i] = (add(x[i], damping) for x in (pulled.damping, pulled.braking))
+        for index, force in added.pull.items():
+            group, pose = self.plan.groups[index], moving.poses[index]
+            centre = vadd(pose.position, apply(pose.rotation, self.inertias.centre[index]))
+            moment = cross(centre, force)
+            for i in group.chain:
+                k = self.plan.dofs[i].k
+                linear, angular = (spread_all(m[i], k, group.k) for m in (moving.linear, moving.angular))
+                push = gathered(add(dot(linear, force), dot(angular, moment)), group.k, k)
+                pulled.force[i] = add(pulled.force[i], push)
+
+    def _implicit(self, now: Instant, matrix: Any, dt: Scalar) -> list[Scalar]:
+        """Accelerations with the damping taken at the end of the step; a floating base's spin in its own axes."""
+        (matrix, force), model = matrix, self.plan.model
+        fast = model.opt.integrator == _INTEGRATOR.mjINT_IMPLICITFAST
+        euler = model.opt.integrator == _INTEGRATOR.mjINT_EULER and not (
+            model.opt.disableflags & (_OFF.mjDSBL_EULERDAMP | _OFF.mjDSBL_DAMPER)
+        )
+        damping = now.pulled.damping if fast else now.pulled.braking
+        rate = now.solution.acceleration
+        if (fast or euler) and not all(is_number(d, 0) for d in damping):
+            implicit = dict(matrix)
+            for dof, d in zip(self.plan.dofs, damping, strict=True):
+                implicit[dof.index, dof.index] = add(matrix[dof.index, dof.index], mul(dt, d))
+            rate = Factor(self.plan.dofs, implicit).solve(force)
+        return self._own_axes(rate, now.moving)
+
+    def _own_axes(self, rate: Sequence[Scalar], moving: Motion) -> list[Scalar]:
+        turned = list(rate)
+        for first, rotation in moving.base.items():
+            turned[first + 3 : first + 6] = apply(transposed(rotation), rate[first + 3 : first + 6])
+        return turned
+
+    def _moved(self, qpos: Any, speed: Sequence[Scalar], dt: Scalar) -> tuple[tuple[Any, ...], ...]:
+        return tuple(
+            _floated(q, speed[j.dofs[0] : j.dofs[0] + 6], dt) if j.free else (q[0] + dt * speed[j.dofs[0]],)
+            for j, q in zip(self.plan.joints, qpos, strict=True)
+        )
+
+    def _runge_kutta(self, state: LaneState, drive: Drive, dt: Scalar, added: Added) -> tuple[LaneState, Instant]:
+        """Fourth order, as MuJoCo's: the stages' states all start from this one, and so do their bases' turns.
+
+        Source: Munthe-Kaas, BIT Numerical Mathematics 38 (1998).
+        """
+        first, _ = self._instant(state, drive, dt, added)
+        speeds, rates = [state.qvel], [tuple(self._own_axes(first.solution.acceleration, first.moving))]
+        warm = tuple(first.solution.acceleration)
+        for share in (0.5, 0.5, 1.0):
+            there = tuple(v + share * dt * a for v, a in zip(state.qvel, rates[-1], strict=True))
+            stage = LaneState(self._moved(state.qpos, speeds[-1], share * dt), there, warm)
+            now, _ = self._instant(stage, drive, dt, added)
+            speeds.append(self._seen_from_start(speeds[-1], there, share * dt))
+            rates.append(tuple(self._own_axes(now.solution.acceleration, now.moving)))
+            warm = tuple(now.solution.acceleration)
+        mean = [
+            tuple((a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(*stages, strict=True))
+            for stages in (speeds, rates)
+        ]
+        speed = tuple(v + dt * a for v, a in zip(state.qvel, mean[1], strict=True))
+        return LaneState(self._moved(state.qpos, mean[0], dt), speed, warm), first
+
+    def _seen_from_start(self, turning: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
+        """Speeds with a floating base's spin as the rate at which the turn since the step began changes.
+
+        Args:
+            turning: speeds that, for `dt`, make up that turn.
+            speed: where it has led.
+            dt: s.
+        """
+        found = list(speed)
+        for joint in self.plan.joints:
+            if joint.free:
+                spin = slice(joint.dofs[0] + 3, joint.dofs[0] + 6)
+                found[spin] = _rate_of_turn(tuple(dt * v for v in turning[spin]), speed[spin])
+        return tuple(found)
+
+
+def _rate_of_turn(turn: Sequence[Scalar], spin: Sequence[Scalar]) -> list[Scalar]:
+    """How a turn (rotation vector, own axes) changes under a spin: the inverse derivative of the exponential."""
+    once = cross(turn, spin)
+    twice, square = cross(turn, once), dot(turn, turn)
+    third = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
+    return [a + 0.5 * b + third * c for a, b, c in zip(spin, once, twice, strict=True)]
+
+
+def _floated(q: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
+    """A floating base after `dt` at this speed, its spin in its own axes."""
+    w, x, y, z = q[3:]
+    spin = jnp.sqrt(dot(speed[3:], speed[3:]) + 1e-30)
+    half = 0.5 * dt * spin
+    c, s = jnp.cos(half), jnp.sin(half) / spin
+    a, b, d = (s * v for v in speed[3:])
+    turned = (
+        w * c - x * a - y * b - z * d,
+        w * a + x * c + y * d - z * b,
+        w * b - x * d + y * c + z * a,
+        w * d + x * b - y * a + z * c,
+    )
+    size = jax.lax.rsqrt(dot(turned, turned))
+    return tuple(p + dt * v for p, v in zip(q[:3], speed[:3], strict=True)) + tuple(t * size for t in turned)

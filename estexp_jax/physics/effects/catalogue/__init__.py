@@ -1,0 +1,1 @@
+"""The named effects, one a file."""

@@ -1,0 +1,47 @@
+"""Actuator lag: a motor follows its command gradually."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.effects.base import Array, Arrays, CommandLaw, Parameter
+from estexp_jax.physics.effects.sites import actuator_sites
+from estexp_jax.physics.model.robot import Robot, spec_element
+
+
+@final
+class ActuatorLag(CommandLaw):
+    """tau du/dt = command - u; the motor obeys u, its mean over the step."""
+
+    name: ClassVar[str] = "actuator_lag"
+    kind: ClassVar[str] = "actuator"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("tau", "s"),)
+    equation: ClassVar[str] = "tau du/dt = command - u"
+    in_mjcf: ClassVar[bool] = True
+    source: ClassVar[str] = "MuJoCo: actuator/dyntype filterexact"
+    n_states: ClassVar[int] = 1
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return actuator_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, 0.5),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"the motor {site} follows its commands with a lag of {1000 * values['tau']:.3g} ms"
+
+    def act(self, p: Arrays, command: Array, idle: Array, dt: Array, state: Arrays) -> tuple[Array, Arrays]:
+        (tau,), (u,) = p, state
+        rate = dt / jnp.maximum(tau, 1e-6)
+        after = command + (u - command) * jnp.exp(-rate)
+        mean = command + (u - command) * (-jnp.expm1(-rate)) / rate
+        lags = tau > 0.0
+        return jnp.where(lags, mean, command), (jnp.where(lags, after, command),)
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        actuator = spec_element(spec, robot, "actuator", site)
+        actuator.dyntype = mujoco.mjtDyn.mjDYN_FILTEREXACT
+        actuator.dynprm = np.array([values["tau"], *actuator.dynprm[1:]])

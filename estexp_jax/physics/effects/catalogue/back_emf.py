@@ -1,0 +1,37 @@
+"""Back-EMF: a motor brakes in proportion to its speed, as long as it is on."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import actuator_sites
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
+
+
+@final
+class BackEmf(Term):
+    """tau = -k w while the motor is on; integrated implicitly, as joint damping.
+
+    MJCF can say it only as damping, which also acts when the motor is off, or as a servo's `kv`, which its force range
+    clips; so it counts as not expressible.
+    """
+
+    name: ClassVar[str] = "back_emf"
+    kind: ClassVar[str] = "actuator"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("k", "N m s/rad"),)
+    equation: ClassVar[str] = "tau = -k w while the motor is on"
+    source: ClassVar[str] = "DC motor: k = k_t k_e / R"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return actuator_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, scales.motor_limit(robot, robot.index("actuator", site))),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"the motor {site}, while it is on, brakes with {values['k']:.3g} N m for each rad/s of speed"
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (k,) = p
+        return JointForce(damping=k * moment.on), state

@@ -1,0 +1,116 @@
+"""Backlash: play between a motor and its joint."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.rotor import inertia_bounds, rotor_step
+from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
+from estexp_jax.physics.model.robot import Robot
+
+_SUBSTEPS = 4
+_FREE = 1e-4
+"""Of the play: so far from its end is a rotor that rebounds."""
+
+
+class _Backlash(Term):
+    """The rotor turns freely within |x| < half_gap, x = its angle less the joint's; at either end it pushes the joint.
+
+    Its inertia is the joint's armature, or part of it, which the joint has only while they touch; where they meet, the
+    joint gets the rotor's momentum, and they move on as one, or the rotor rebounds in the next step. The motor's own
+    loop sees the rotor, as most servos' encoders do. It takes implicit sub-steps; the joint gets their mean push, with
+    the motor's braking implicitly.
+    """
+
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_gap", "rad"),)
+    equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
+    source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
+    n_states: ClassVar[int] = 4
+    shows: ClassVar[int | None] = 2
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return driven_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, 0.02 if is_slide(robot, site) else 0.2),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
+
+    def rotor(self, p: Arrays, moment: JointMoment) -> Array:
+        """The rotor's inertia, kg m2."""
+        return moment.armature
+
+    def restitution(self, p: Arrays) -> Array:
+        """Share of the speed at which they meet that the rotor leaves the joint with."""
+        return jnp.zeros_like(p[0])
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        return jnp.zeros_like(q), w, jnp.zeros_like(q), jnp.zeros_like(q)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        gap = p[0]
+        x, a, _, thrown = state
+        bounces = thrown != 0.0
+        x, a = x * (1.0 - _FREE * bounces), a + bounces * (moment.w + thrown - a)
+        q, w, inertia, h = moment.q, moment.w, self.rotor(p, moment), moment.dt / _SUBSTEPS
+        thrown = push = braking = apart = shown = jnp.zeros_like(q)
+        for _ in range(_SUBSTEPS):
+            q = q + h * w
+            touched = jnp.abs(x) >= gap
+            _, a, slope = rotor_step(moment, q + x, jnp.where(touched, w, a), h, inertia)
+            x = x + h * (a - w)
+            touches = jnp.abs(x) >= gap
+            x = jnp.clip(x, -gap, gap)
+            torque = moment.torque_at(q + x, w)
+            shown = shown + torque / _SUBSTEPS
+            stays = (touched & touches & (torque * x >= 0.0)) / _SUBSTEPS
+            hits, back = touches & ~touched, self.restitution(p) * (a - w)
+            # A flight shorter than a step is none.
+            back = back * (hits & (2.0 * inertia * jnp.abs(back) > jnp.abs(torque) * moment.dt))
+            thrown = thrown - back
+            push = push + stays * torque + hits * inertia * (a - w + back) / moment.dt
+            braking = braking - stays * slope
+            apart = apart + ~(touched | touches) / _SUBSTEPS
+            a = jnp.where(touches, w, a)
+        has_play, lost = gap > 0.0, jnp.minimum(inertia, moment.armature)
+        does = JointForce(
+            force=jnp.where(has_play, push + braking * w, 0.0),
+            damping=jnp.where(has_play, braking, 0.0),
+            inertia=jnp.where(has_play, inertia * (apart != 1.0) - lost, 0.0),
+            motor=jnp.where(has_play, 0.0, 1.0),
+        )
+        return does, (x, a, jnp.where(has_play, shown, 0.0), thrown)
+
+
+@final
+class Backlash(_Backlash):
+    """With a rotor that has the joint's armature, and does not rebound."""
+
+    name: ClassVar[str] = "backlash"
+
+
+@final
+class RotorBacklash(_Backlash):
+    """With a rotor that rebounds, as steel on steel does, and is but part of the joint's armature; told as backlash.
+
+    Where the model gives the joint no armature, the rotor has an inertia of its own.
+    """
+
+    name: ClassVar[str] = "rotor_backlash"
+    parameters: ClassVar[tuple[Parameter, ...]] = (*_Backlash.parameters, Parameter("I", "kg m2"), Parameter("e", ""))
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return *super().bounds(robot, site), inertia_bounds(robot, site), (0.0, 0.7)
+
+    def rotor(self, p: Arrays, moment: JointMoment) -> Array:
+        return p[1]
+
+    def restitution(self, p: Arrays) -> Array:
+        return p[2]
+
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return "backlash", {"half_gap": values["half_gap"]}

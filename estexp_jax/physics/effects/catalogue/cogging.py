@@ -1,0 +1,47 @@
+"""Cogging: a motor's magnets pull it into evenly spaced positions."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import is_slide, scalar_joint_sites
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
+
+_OFTEN, _OFTEN_SLIDE = (3.0, 60.0), (6.0, 500.0)
+"""How often it may come in a turn, over 2 pi m of a slide. What comes less often is no cog: a spring, an unbalance."""
+
+
+@final
+class Cogging(Term):
+    """tau = A sin(n q + phase)."""
+
+    name: ClassVar[str] = "cogging"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("A", "N m"),
+        Parameter("n", "1/rad", neutral=1.0),
+        Parameter("phase", "rad", signed=True),
+    )
+    equation: ClassVar[str] = "tau = A sin(n q + phase)"
+    source: ClassVar[str] = "Hanselman, Brushless Permanent Magnet Motor Design, chapter 4"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        most = 0.4 * scales.joint_torque(robot, robot.index("joint", site))
+        return (0.0, most), _OFTEN_SLIDE if is_slide(robot, site) else _OFTEN, (-2.0 * np.pi, 2.0 * np.pi)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return (
+            f"the joint {site} cogs with {values['A']:.3g} N m, {values['n']:.3g} times a turn, "
+            f"at a phase of {values['phase']:.3g} rad"
+        )
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        A, n, phase = p
+        return JointForce(force=A * jnp.sin(n * moment.q + phase)), state

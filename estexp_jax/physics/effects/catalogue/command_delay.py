@@ -1,0 +1,37 @@
+"""Command delay: a motor obeys late."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import numpy as np
+
+from estexp_jax.physics.effects.base import CommandShift, Parameter
+from estexp_jax.physics.effects.sites import ALL_ALIKE, with_all
+from estexp_jax.physics.model.robot import Robot
+
+
+@final
+class CommandDelay(CommandShift):
+    """u(t) = command(t - delay)."""
+
+    name: ClassVar[str] = "command_delay"
+    kind: ClassVar[str] = "actuator"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("delay", "s"),)
+    equation: ClassVar[str] = "u(t) = command(t - delay)"
+    source: ClassVar[str] = "transport delay"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return with_all(robot.names("actuator"))
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, 0.2),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        late = f"{1000 * values['delay']:.3g} ms late"
+        return (
+            f"all motors ({site}) obey {late}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {late}"
+        )
+
+    def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
+        own, alike = np.split(values[..., 0], [robot.model.nu], axis=-1)
+        return np.maximum(own + alike.sum(axis=-1, keepdims=True), 0.0)

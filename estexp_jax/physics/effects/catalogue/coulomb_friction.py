@@ -1,0 +1,51 @@
+"""Coulomb friction: a joint resists motion with the same torque whatever its speed."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax
+import mujoco
+from mujoco import mjx
+
+from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.sites import (
+    joint_dofs,
+    joint_sentence,
+    joints_at,
+    per_element,
+    rubbing_joint_sites,
+)
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot, spec_element
+
+
+@final
+class CoulombFriction(Edit):
+    """tau = -T sign(w), as MuJoCo's friction loss: a constraint, so that it also holds at rest and never chatters."""
+
+    name: ClassVar[str] = "coulomb_friction"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("T", "N m"),)
+    equation: ClassVar[str] = "tau = -T sign(w)"
+    in_mjcf: ClassVar[bool] = True
+    source: ClassVar[str] = "MuJoCo: joint/frictionloss"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+    flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return rubbing_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        most = max(scales.joint_torque(robot, robot.index("joint", one)) for one in joints_at(robot, site))
+        return ((0.0, 0.8 * most),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"{joint_sentence(site)} resists motion with {values['T']:.3g} N m whatever its speed"
+
+    def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
+        dofs = joint_dofs(robot)
+        return model.replace(dof_frictionloss=model.dof_frictionloss.at[dofs].add(per_element(values[:, 0], len(dofs))))
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        for one in joints_at(robot, site):
+            spec_element(spec, robot, "joint", one).frictionloss += values["T"]

@@ -1,0 +1,36 @@
+"""Crosstalk: a joint feels a share of another joint's motor."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
+from estexp_jax.physics.model.robot import Robot
+
+
+@final
+class Crosstalk(Term):
+    """tau = g * motor torque of joint `from`: tendons or cables that pass a joint on their way."""
+
+    name: ClassVar[str] = "crosstalk"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("from", "1 + joint index", refers="joint"),
+        Parameter("g", "", signed=True),
+    )
+    equation: ClassVar[str] = "tau = g (motor torque of joint `from`)"
+    source: ClassVar[str] = "coupled tendon transmissions: Siciliano et al., Robotics (2009), section 5.1"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot) if len(driven_joint_sites(robot)) > 1 else ()
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return (1.0, float(robot.model.njnt)), (-1.0, 1.0)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        share, source = 100 * values["g"], int(values["from"])
+        return f"the joint {site} receives {share:.3g} % of the motor torque of joint number {source}"
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        source, g = p
+        return JointForce(force=g * moment.torque_of(source)), state

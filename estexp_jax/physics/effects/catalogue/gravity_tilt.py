@@ -1,0 +1,57 @@
+"""Gravity tilt: the ground is not level."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from mujoco import mjx
+
+from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.model.robot import Robot
+
+
+@final
+class GravityTilt(Edit):
+    """Gravity turned about a horizontal axis u, itself turned by `axis` from x towards y.
+
+    axis = 0 is the world's x axis: sideways to a robot that walks along x, the slope of the paper.
+    """
+
+    name: ClassVar[str] = "gravity_tilt"
+    kind: ClassVar[str] = "environment"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("angle", "rad", signed=True),
+        Parameter("axis", "rad", signed=True),
+    )
+    equation: ClassVar[str] = "g = R_u(angle) g_nominal, u = (cos axis, sin axis, 0)"
+    in_mjcf: ClassVar[bool] = True
+    source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2: the floor is canted"
+    flags: ClassVar[tuple[str, ...]] = ("gravity",)
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return ("",)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return (-np.pi / 6, np.pi / 6), (-np.pi / 2, np.pi / 2)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        angle, axis = np.rad2deg(values["angle"]), np.rad2deg(values["axis"])
+        about = "x" if axis == 0.0 else f"an axis {axis:.3g} degrees from x"
+        return f"the ground tilts by {angle:.3g} degrees about {about}"
+
+    def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
+        return model.replace(opt=model.opt.replace(gravity=_turned(model.opt.gravity, values[0, 0], values[0, 1])))
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        angle, axis = (jnp.asarray(values[name]) for name in ("angle", "axis"))
+        spec.option.gravity = np.asarray(_turned(jnp.asarray(spec.option.gravity), angle, axis))
+
+
+def _turned(gravity: jax.Array, angle: jax.Array, axis: jax.Array) -> jax.Array:
+    """Rodrigues' rotation; written so that an angle of 0 changes no bit."""
+    u = jnp.stack([jnp.cos(axis), jnp.sin(axis), jnp.zeros_like(axis)])
+    across = jnp.cross(u, gravity)
+    return gravity + jnp.sin(angle) * across + (1.0 - jnp.cos(angle)) * jnp.cross(u, across)

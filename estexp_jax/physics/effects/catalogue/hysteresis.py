@@ -1,0 +1,54 @@
+"""Hysteresis: friction that builds up with displacement, like a spring that yields."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.bristles import rest, rubbed
+from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
+
+_AT_ONCE = 5e-3
+"""A presliding way, rad or m, too short for anyone to call it anything but Coulomb friction."""
+
+
+@final
+class Hysteresis(Term):
+    """dF/dq = sigma (1 - F/T sign(w)), tau = -F: Dahl friction, bristles of presliding way T / sigma."""
+
+    name: ClassVar[str] = "hysteresis"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("T", "N m"),
+        Parameter("sigma", "N m/rad", neutral=1.0),
+    )
+    equation: ClassVar[str] = "dF/dq = sigma (1 - F/T sign(w)), tau = -F"
+    source: ClassVar[str] = "Dahl, A solid friction model, Aerospace Corporation TOR-0158 (1968)"
+    n_states: ClassVar[int] = 2
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        torque = scales.joint_torque(robot, robot.index("joint", site))
+        return (0.0, 0.8 * torque), (0.01 * torque, 200.0 * torque)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return (
+            f"the joint {site} resists motion with up to {values['T']:.3g} N m, "
+            f"built up like a spring of {values['sigma']:.3g} N m/rad"
+        )
+
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        at_once = values["T"] <= _AT_ONCE * values["sigma"]
+        return ("coulomb_friction", {"T": values["T"]}) if at_once else (self.name, values)
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        return rest(q)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        T, sigma = p
+        return rubbed(T, jnp.maximum(T, 1e-9) / sigma, moment, state)

@@ -1,0 +1,35 @@
+"""Neuron fault: a hidden neuron of the controller gives only a share of its output."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax
+
+from estexp_jax.physics.effects.base import Parameter
+from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.control.network import HIDDEN, Network
+
+
+@final
+class NeuronFault(ControllerFault):
+    """output of the neuron = gain * nominal output."""
+
+    name: ClassVar[str] = "neuron_fault"
+    kind: ClassVar[str] = "controller"
+    side: ClassVar[str] = "command"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("gain", "", neutral=1.0),)
+    equation: ClassVar[str] = "hidden = gain * hidden_nominal"
+    source: ClassVar[str] = "Bongard and Lipson 2004, situation 11"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return tuple(f"hidden_{i}" for i in range(HIDDEN))
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, 1.0),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"the neuron {site} gives {100 * values['gain']:.3g} % of its output"
+
+    def damage(self, robot: Robot, network: Network, values: jax.Array) -> Network:
+        return network._replace(hidden_gain=network.hidden_gain * values[:, 0])

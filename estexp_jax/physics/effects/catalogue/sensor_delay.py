@@ -1,0 +1,35 @@
+"""Sensor delay: a reading is old."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import numpy as np
+
+from estexp_jax.physics.effects.base import Parameter, ReadingShift
+from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
+from estexp_jax.physics.model.robot import Robot
+
+
+@final
+class SensorDelay(ReadingShift):
+    """reading(t) = true(t - delay)."""
+
+    name: ClassVar[str] = "sensor_delay"
+    kind: ClassVar[str] = "sensor"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("delay", "s"),)
+    equation: ClassVar[str] = "reading(t) = true(t - delay)"
+    source: ClassVar[str] = "transport delay"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_sensor_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((0.0, 0.2),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"the sensor {site} shows what was {1000 * values['delay']:.3g} ms ago"
+
+    def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
+        late = np.zeros((*values.shape[:-2], robot.model.nsensordata))
+        late[..., scalar_sensor_columns(robot)] = np.maximum(values[..., 0], 0.0)
+        return late

@@ -1,0 +1,54 @@
+"""Stribeck friction of bristles, told as Stribeck friction."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.bristles import rest, rubbed
+from estexp_jax.physics.effects.catalogue.stribeck_friction import told_levels
+from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
+
+
+@final
+class StribeckBristles(Term):
+    """Bristles whose level of steady sliding is T + S exp(-(w / w_s)^2), with the presliding way x."""
+
+    name: ClassVar[str] = "stribeck_bristles"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("T", "N m"),
+        Parameter("S", "N m"),
+        Parameter("w_s", "rad/s", neutral=0.1),
+        Parameter("x", "rad", neutral=1e-3),
+    )
+    equation: ClassVar[str] = "dF/dq = ((T + S exp(-(w / w_s)^2)) sign(w) - F) / x, tau = -F"
+    source: ClassVar[str] = "Canudas de Wit et al., IEEE Transactions on Automatic Control 40 (1995)"
+    n_states: ClassVar[int] = 2
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        most = 0.8 * scales.joint_torque(robot, robot.index("joint", site))
+        return (0.0, most), (0.0, most), (0.005, 3.0), (5e-5, 0.02)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        low, high = values["T"], values["T"] + values["S"]
+        return (
+            f"the joint {site} resists slow motion with {high:.3g} N m and fast motion with {low:.3g} N m, "
+            f"the change coming at {values['w_s']:.3g} rad/s; it gives by {values['x']:.2g} before it slides"
+        )
+
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return told_levels(values)
+
+    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
+        return rest(q)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        T, S, w_s, x = p
+        return rubbed(T + S * jnp.exp(-jnp.square(moment.w / w_s)), x, moment, state)

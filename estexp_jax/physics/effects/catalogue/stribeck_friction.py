@@ -1,0 +1,59 @@
+"""Stribeck friction: dry friction that falls off once a joint moves."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
+
+_ONE_LEVEL = 0.02
+"""Share of T that S is at most where anyone would call it Coulomb friction."""
+
+
+def told_levels(values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    """The name, and its values, of friction with these levels: Coulomb friction, where they are one."""
+    if 0.0 < values["T"] and values["S"] <= _ONE_LEVEL * values["T"]:
+        return "coulomb_friction", {"T": values["T"]}
+    return "stribeck_friction", {name: values[name] for name in ("T", "S", "w_s")}
+
+
+@final
+class StribeckFriction(Term):
+    """tau = -(T + S exp(-(w / w_s)^2)) sign(w), as a friction loss renewed at each step from that step's speed."""
+
+    name: ClassVar[str] = "stribeck_friction"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("T", "N m"),
+        Parameter("S", "N m"),
+        Parameter("w_s", "rad/s", neutral=0.1),
+    )
+    equation: ClassVar[str] = "tau = -(T + S exp(-(w / w_s)^2)) sign(w)"
+    source: ClassVar[str] = "Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), equation 5"
+    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
+    flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        most = 0.8 * scales.joint_torque(robot, robot.index("joint", site))
+        return (0.0, most), (0.0, most), (0.005, 3.0)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        low, high = values["T"], values["T"] + values["S"]
+        return (
+            f"the joint {site} resists slow motion with {high:.3g} N m and fast motion with {low:.3g} N m, "
+            f"the change coming at {values['w_s']:.3g} rad/s"
+        )
+
+    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return told_levels(values)
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        T, S, w_s = p
+        return JointForce(friction=T + S * jnp.exp(-jnp.square(moment.w / w_s))), state

@@ -1,0 +1,40 @@
+"""Tied outputs: a motor repeats the command of another."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, final
+
+import jax
+import jax.numpy as jnp
+
+from estexp_jax.physics.effects.base import Parameter
+from estexp_jax.physics.effects.controller_fault import CommandRoute
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.control.network import Network
+
+
+@final
+class TiedOutputs(CommandRoute):
+    """command of a motor = command of motor `with`. The value array holds `with` as 1 + its index; 0 is untied."""
+
+    name: ClassVar[str] = "tied_outputs"
+    kind: ClassVar[str] = "actuator"
+    side: ClassVar[str] = "command"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("with", "1 + actuator index", refers="actuator"),)
+    equation: ClassVar[str] = "command = command of `with`"
+    source: ClassVar[str] = "Bongard and Lipson 2004, situation 12"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return robot.names("actuator")
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        return ((1.0, float(robot.model.nu)),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"the motor {site} repeats the command of motor number {int(values['with'])}"
+
+    def damage(self, robot: Robot, network: Network, values: jax.Array) -> Network:
+        source = self.route(robot, values)
+        return network._replace(output_of=jnp.where(source >= 0, source, network.output_of))
+
+    def route(self, robot: Robot, values: Any) -> Any:
+        return values[..., 0].astype(int) - 1

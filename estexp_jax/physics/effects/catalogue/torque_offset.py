@@ -1,0 +1,34 @@
+"""Torque offset: a constant torque at a joint."""
+
+from collections.abc import Mapping
+from typing import ClassVar, final
+
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.robot import Robot
+
+
+@final
+class TorqueOffset(Term):
+    """tau = T, whatever the joint does: a cable's pull, a current sensor's offset."""
+
+    name: ClassVar[str] = "torque_offset"
+    kind: ClassVar[str] = "joint"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("T", "N m", signed=True),)
+    equation: ClassVar[str] = "tau = T"
+    source: ClassVar[str] = "constant generalised force"
+
+    def sites(self, robot: Robot) -> tuple[str, ...]:
+        return scalar_joint_sites(robot)
+
+    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        most = 0.5 * scales.joint_torque(robot, robot.index("joint", site))
+        return ((-most, most),)
+
+    def sentence(self, site: str, values: Mapping[str, float]) -> str:
+        return f"a constant torque of {values['T']:+.3g} N m acts on the joint {site}"
+
+    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+        (T,) = p
+        return JointForce(force=T), state

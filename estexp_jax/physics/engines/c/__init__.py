@@ -1,0 +1,1 @@
+"""Simulation with MuJoCo's C engine on all cores."""

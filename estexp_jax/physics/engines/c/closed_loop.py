@@ -1,0 +1,232 @@
+"""Closed loops over MuJoCo's C engine, as fast as Python drives it: what the batch engines are measured against.
+
+All robots here are the nominal one, each with its own controller. Four ways: one robot at a time, with its controller
+or replaying commands (`Serial`); all on a thread pool, open loop (`OpenLoop`, `mujoco.rollout`) or closed loop
+(`Pool`, `mujoco.batch`).
+"""
+
+from __future__ import annotations
+
+import abc
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, final
+
+import mujoco
+import mujoco.batch
+import mujoco.rollout
+import numpy as np
+
+from estexp_jax.physics.engines.batching import cores
+from estexp_jax.physics.engines.controller_interface import Interface
+from estexp_jax.recovery.control.network import HIDDEN
+
+_BUFFER = 4_000_000
+"""Numbers in the buffer that `mujoco.rollout` fills before it is used again; larger ones are slower."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class BodyNow:
+    """The state in which all robots start.
+
+    Attributes:
+        qpos, qvel, warmstart: (nq,), (nv,), (nv,); the last one is the solver's.
+        sensordata: (nsensordata,) of the step before.
+    """
+
+    qpos: np.ndarray
+    qvel: np.ndarray
+    warmstart: np.ndarray
+    sensordata: np.ndarray
+
+    def into(self, data: mujoco.MjData) -> None:
+        """Put a robot into this state."""
+        data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = self.qpos, self.qvel, self.warmstart
+        data.sensordata[:], data.time = self.sensordata, 0.0
+
+
+def at_rest(model: mujoco.MjModel, qpos: np.ndarray, ctrl: np.ndarray, seconds: float) -> BodyNow:
+    """A robot after some time with one command (nu,) in force, from a configuration (nq,)."""
+    data = mujoco.MjData(model)
+    data.qpos[:], data.ctrl[:] = qpos, ctrl
+    mujoco.mj_step(model, data, max(1, round(seconds / model.opt.timestep)))
+    return BodyNow(*(np.array(x) for x in (data.qpos, data.qvel, data.qacc_warmstart, data.sensordata)))
+
+
+@final
+class Brains:
+    """The networks of many robots (n, ...), or of one of them, in numpy; see `controllers` for their form."""
+
+    def __init__(self, weights: np.ndarray, face: Interface, gain: float) -> None:
+        """For weights (n, n_weights), or (n_weights,) for one robot."""
+        i, o, head = face.n_inputs, face.n_outputs, weights.shape[:-1]
+        a, b = HIDDEN * (i + 1), HIDDEN * (i + 1) + HIDDEN * HIDDEN
+        first = gain * weights[..., :a].reshape(*head, HIDDEN, i + 1).astype(float)
+        last = gain * weights[..., b:].reshape(*head, o, HIDDEN + 1).astype(float)
+        again = gain * weights[..., a:b].reshape(*head, HIDDEN, HIDDEN)
+        # One product gives both: inputs and the neurons' last outputs side by side.
+        self._first, self._bias = np.concatenate([first[..., :-1], again], axis=-1), first[..., -1]
+        self._last, self._last_bias = last[..., :-1].copy(), last[..., -1].copy()
+        self._face, self._seen = face, np.zeros((*head, i + HIDDEN))
+        self._touch = np.flatnonzero(face.is_touch)
+        self._angle = np.flatnonzero(~face.is_touch)
+        self._columns, self._qpos = face.columns[self._touch], face.qpos[self._angle]
+        self._centre, self._scale = face.centre[self._angle], face.scale[self._angle]
+
+    def commands(self, qpos: np.ndarray, sensordata: np.ndarray) -> np.ndarray:
+        """Commands (..., nu) from configurations (..., nq) and readings (..., nsensordata) of the last step."""
+        face, seen = self._face, self._seen
+        seen[..., self._touch] = np.where(sensordata[..., self._columns] > 0.0, 1.0, -1.0)
+        angles = (qpos[..., self._qpos] - self._centre) / self._scale
+        seen[..., self._angle] = np.minimum(np.maximum(angles, -1.0), 1.0)
+        hidden = np.tanh(np.matvec(self._first, seen) + self._bias)
+        seen[..., -HIDDEN:] = hidden
+        outputs = np.tanh(np.matvec(self._last, hidden) + self._last_bias)
+        return np.minimum(np.maximum(face.ctrl_centre + face.ctrl_scale * outputs, face.ctrl_low), face.ctrl_high)
+
+
+class CWalker(abc.ABC):
+    """A way to simulate robots with the C engine."""
+
+    @abc.abstractmethod
+    def walk(self, robots: int, steps: int) -> np.ndarray:
+        """Simulate the first robots for some control steps.
+
+        Returns:
+            (robots, nq) where they end.
+        """
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What all of them are given.
+
+    Attributes:
+        model: the nominal robot.
+        face: of its controllers.
+        start: where all begin.
+        weights: (n, n_weights).
+        substeps: physics steps a control step.
+        gain: of the neurons' tanh.
+    """
+
+    model: mujoco.MjModel
+    face: Interface
+    start: BodyNow
+    weights: np.ndarray
+    substeps: int
+    gain: float = 3.0
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Serial(CWalker):
+    """One robot at a time, `mj_step` from Python.
+
+    Attributes:
+        course: what to do.
+        recorded: (n, steps, nu) commands to replay; None: the controllers give them.
+    """
+
+    course: Course
+    recorded: np.ndarray | None = None
+
+    def walk(self, robots: int, steps: int) -> np.ndarray:
+        """See `CWalker`."""
+        data = mujoco.MjData(self.course.model)
+        one = self._driven if self.recorded is None else self._replayed
+        return np.array([one(data, i, steps) for i in range(robots)])
+
+    def _driven(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
+        course = self.course
+        course.start.into(data)
+        model, n, ctrl, qpos, felt = course.model, course.substeps, data.ctrl, data.qpos, data.sensordata
+        brain = Brains(course.weights[robot], course.face, course.gain)
+        for _ in range(steps):
+            ctrl[:] = brain.commands(qpos, felt)
+            mujoco.mj_step(model, data, n)
+        return qpos.copy()
+
+    def _replayed(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
+        course, rows = self.course, self.recorded
+        assert rows is not None  # chosen by `walk`
+        course.start.into(data)
+        model, n, ctrl = course.model, course.substeps, data.ctrl
+        for row in rows[robot, :steps]:
+            ctrl[:] = row
+            mujoco.mj_step(model, data, n)
+        return data.qpos.copy()
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Pool(CWalker):
+    """All robots on all cores with their controllers in the loop: `mujoco.batch.Batch`."""
+
+    course: Course
+    _batches: dict[int, Any] = field(default_factory=dict, init=False)
+
+    def walk(self, robots: int, steps: int) -> np.ndarray:
+        """See `CWalker`."""
+        return self._walk(robots, steps, None)
+
+    def record(self, robots: int, steps: int) -> np.ndarray:
+        """The commands (robots, steps, nu) that the controllers give."""
+        rows = np.zeros((robots, steps, self.course.model.nu))
+        self._walk(robots, steps, rows)
+        return rows
+
+    def _walk(self, robots: int, steps: int, rows: np.ndarray | None) -> np.ndarray:
+        course, start = self.course, self.course.start
+        if robots not in self._batches:
+            self._batches.clear()
+            self._batches[robots] = mujoco.batch.Batch(course.model, robots, nthread=cores())
+        batch = self._batches[robots]
+        state = {name: batch.bind(name) for name in ("qpos", "qvel", "qacc_warmstart", "ctrl", "sensordata")}
+        state["qpos"][:], state["qvel"][:], state["qacc_warmstart"][:] = start.qpos, start.qvel, start.warmstart
+        felt = np.broadcast_to(start.sensordata, (robots, len(start.sensordata)))
+        brains = Brains(course.weights[:robots], course.face, course.gain)
+        for row in range(steps):
+            ctrl = brains.commands(state["qpos"], felt)
+            state["ctrl"][:] = ctrl
+            if rows is not None:
+                rows[:, row] = ctrl
+            batch.step(nstep=course.substeps)
+            felt = state["sensordata"]
+        return state["qpos"].copy()
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class OpenLoop(CWalker):
+    """All robots on all cores, replaying commands: `mujoco.rollout`.
+
+    Attributes:
+        course: what to do.
+        recorded: (n, steps, nu) commands.
+    """
+
+    course: Course
+    recorded: np.ndarray
+    _pool: Any = field(default_factory=lambda: mujoco.rollout.Rollout(nthread=cores()), init=False)
+
+    def walk(self, robots: int, steps: int) -> np.ndarray:
+        """See `CWalker`; in pieces, so that what it must record (every state) stays in a small buffer."""
+        course, model, full = self.course, self.course.model, mujoco.mjtState.mjSTATE_FULLPHYSICS
+        size = partial(mujoco.mj_stateSize, model)
+        data = mujoco.MjData(model)
+        course.start.into(data)
+        first = np.zeros(size(full))
+        mujoco.mj_getState(model, data, first, full)
+        states: Any = np.tile(first, (robots, 1))
+        warm: Any = np.tile(course.start.warmstart, (robots, 1))
+        width = len(first) + model.nsensordata
+        piece = int(np.clip(_BUFFER // (robots * width * course.substeps), 1, steps))
+        threads = [mujoco.MjData(model) for _ in range(cores())]
+        for row in range(0, steps, piece):
+            rows = np.repeat(self.recorded[:robots, row : min(row + piece, steps)], course.substeps, axis=1)
+            found: Any = self._pool.rollout(model, threads, states, rows, initial_warmstart=warm)[0]
+            states, warm = found[:, -1], None
+        return states[:, 1 : 1 + model.nq].copy()

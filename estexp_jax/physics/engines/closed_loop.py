@@ -1,0 +1,193 @@
+"""Closed loop, whatever the engine: robots with damage, each driven by its own network."""
+
+from __future__ import annotations
+
+import abc
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.effects.registry import Catalogue
+from estexp_jax.physics.engines.batching import Choice
+from estexp_jax.physics.engines.controller_interface import Interface
+from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
+from estexp_jax.physics.engines.mjx.terms import Hidden, Now
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.control.network import Network, decode, n_weights
+
+
+class BodyState(NamedTuple):
+    """Where one robot is; batched, every array has a leading axis."""
+
+    qpos: Any  #: (nq,)
+    qvel: Any  #: (nv,)
+    warmstart: Any  #: (nv,) the solver's last solution
+    sensordata: Any  #: (nsensordata,) of the last physics step
+    hidden: Hidden  #: variables of effects that have some
+
+
+class Walk(NamedTuple):
+    """What robots did; every array has the robots as first axis.
+
+    Rows are control steps; only the first `steps` of them are filled.
+    """
+
+    readings: Any  #: (robots, rows, n_inputs) raw readings before the row's command acts; touch as +1/-1
+    commands: Any  #: (robots, rows, nu)
+    position: Any  #: (robots, rows, 3) of the root, m
+    final: BodyState
+    failed: Any  #: (robots,) bool: the simulation blew up
+
+
+class Heard(NamedTuple):
+    """What networks get: `factor` times the robot's own reading, touch as +1/-1, and `added` to it.
+
+    Both (robots, steps, n_inputs), raw. Factor 0 replays what was recorded; noise is added, and turns touch readings
+    round.
+    """
+
+    factor: Any
+    added: Any
+
+
+def recorded(readings: np.ndarray) -> Heard:
+    """Readings (..., steps, n_inputs) in place of the robots' own."""
+    return Heard(np.zeros_like(readings), readings)
+
+
+def hear(factor: Any, added: Any, reading: Any) -> Any:
+    """As in `Heard`; what does not count does no harm, even where it is no number."""
+    return jnp.where(factor == 0.0, added, factor * reading + added)
+
+
+class Lane(NamedTuple):
+    """One robot to simulate; batched, every array has a leading axis."""
+
+    values: Values
+    weights: Any  #: (n_weights,)
+    start: BodyState
+
+
+@dataclass(frozen=True, eq=False)
+class Walker(abc.ABC):
+    """Simulates populations of one robot in closed loop, all with one executable.
+
+    Attributes:
+        on_mjx: the robot and its catalogue of effects.
+        interface: what controllers see and move.
+        rows: longest walk, control steps.
+        substeps: physics steps a control step.
+        gain: of the neurons' tanh.
+        width: robots in a chunk.
+        choice: which engine it is, and why.
+    """
+
+    on_mjx: MjxModel
+    interface: Interface
+    rows: int
+    substeps: int
+    gain: float
+    width: int
+    choice: Choice
+
+    @abc.abstractmethod
+    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: Heard | None) -> Walk:
+        """Simulate lanes for some control steps.
+
+        Args:
+            lanes: the robots.
+            steps: control steps.
+            active: false: all motors at home.
+            heard: what networks get; None: the robots' own readings.
+        """
+
+    @property
+    def robot(self) -> Robot:
+        """The nominal robot."""
+        return self.on_mjx.robot
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """The effects that `values` have an entry for."""
+        return self.on_mjx.catalogue
+
+    def finer(self, parts: int) -> Walker:
+        """The same simulator at a part of the physics step."""
+        on_mjx = mjx_model(self.robot.finer(parts), self.catalogue)
+        return replace(self, on_mjx=on_mjx, substeps=self.substeps * parts)
+
+    def home(self, values: Values) -> BodyState:
+        """The states of robots in their home posture, at rest, for values (robots, n_sites, n_parameters)."""
+        model, n = self.robot.model, _size(values)
+        zeros = partial(np.zeros, dtype=np.float32)
+        qpos = self.robot.home().astype(np.float32)
+        centre = self.interface.ctrl_centre.astype(np.float32)
+        now = Now(qpos, zeros(model.nv), centre, np.ones(model.nu), model.opt.timestep)
+        hidden = jax.vmap(lambda v: self.on_mjx.rested(self.on_mjx.model, v, jax.tree.map(jnp.asarray, now)))(values)
+        one = (qpos, zeros(model.nv), zeros(model.nv), zeros(model.nsensordata))
+        place, speed, warmstart, sensordata = (np.broadcast_to(x, (n, *x.shape)) for x in one)
+        return BodyState(place, speed, warmstart, sensordata, hidden)
+
+    def settle(self, values: Values, steps: int) -> BodyState:
+        """Let robots come to rest with all motors at home: the state a trial starts from.
+
+        Args:
+            values: (robots, n_sites, n_parameters) for each effect.
+            steps: control steps.
+        """
+        weights = np.zeros((_size(values), self.n_weights), np.float32)
+        return self._walk(values, weights, self.home(values), steps, active=False).final
+
+    def walk(
+        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: Heard | None = None
+    ) -> Walk:
+        """Drive robots by their networks.
+
+        Args:
+            values: (robots, n_sites, n_parameters) for each effect.
+            weights: (robots, n_weights).
+            start: batched states, as `settle` gives them.
+            steps: control steps, at most `rows`.
+            heard: what the networks get; None: the robots' own readings.
+        """
+        return self._walk(values, weights, start, steps, active=True, heard=heard)
+
+    def network(self, lane: Lane) -> Network:
+        """One robot's network, its faults in it."""
+        network = decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
+        for effect in self.catalogue:
+            if isinstance(effect, ControllerFault):
+                network = effect.damage(self.robot, network, lane.values[effect.name])
+        return network
+
+    @property
+    def n_weights(self) -> int:
+        """Length of a controller's genome."""
+        return n_weights(self.interface.n_inputs, self.interface.n_outputs)
+
+    def _walk(
+        self,
+        values: Values,
+        weights: np.ndarray,
+        start: BodyState,
+        steps: int,
+        *,
+        active: bool,
+        heard: Heard | None = None,
+    ) -> Walk:
+        if not 0 < steps <= self.rows:
+            raise ValueError(f"{steps} steps do not fit into 1..{self.rows}")
+        lanes = Lane(values, np.asarray(weights, np.float32), start)
+        heard = None if heard is None else Heard(*(np.asarray(x, np.float32)[:, :steps] for x in heard))
+        walk = self._run(lanes, steps, active=active, heard=heard)
+        return walk._replace(**{k: getattr(walk, k)[:, :steps] for k in ("readings", "commands", "position")})
+
+
+def _size(values: Values) -> int:
+    return next(iter(values.values())).shape[0]

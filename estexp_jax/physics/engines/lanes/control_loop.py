@@ -1,0 +1,192 @@
+"""The closed loop in lanes: sensors, network, motors, physics, over and over."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, final
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+
+from estexp_jax.lanes.algebra import add, total
+from estexp_jax.lanes.forces import Drive
+from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.sensors import Reader
+from estexp_jax.lanes.states import coordinates, packed, unpacked
+from estexp_jax.lanes.step import TOLERANCE, LaneState, Stepper
+from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.engines.closed_loop import BodyState, Walker, hear
+from estexp_jax.physics.engines.lanes.model import LanesModel
+from estexp_jax.physics.engines.lanes.terms import Acting
+from estexp_jax.physics.engines.mjx.terms import Hidden
+from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.recovery.control.network import HIDDEN, Network
+
+ROWS = 25
+"""Control steps in a call: XLA copies the rows of a call at each of its steps, so they are few."""
+
+
+class Batch(NamedTuple):
+    """What a rollout takes, robots last."""
+
+    fields: dict[str, Any]  #: numbers that differ from robot to robot
+    values: Values
+    network: Network
+    lost: Any  #: (n_inputs, N) bool: sensors of lost parts
+    scale: Any  #: (n_inputs, N) by what faulty sensors multiply
+    shift: Any  #: (n_inputs, N) what they add
+    start: BodyState
+
+
+class Told(NamedTuple):
+    """What the networks of a call are told from outside."""
+
+    factor: Any  #: (ROWS, n_inputs, N) by what the robots' own readings are multiplied; 0 where they do not count
+    added: Any  #: (ROWS, n_inputs, N)
+    active: Any  #: bool; false: all motors at home
+
+
+class Block(NamedTuple):
+    """What a call gives, robots last."""
+
+    final: BodyState
+    neurons: Any  #: (HIDDEN, N)
+    rows: Any  #: (ROWS, n_inputs + n_outputs + 3, N): readings, commands, position; only the steps taken are filled
+
+
+class _Carry(NamedTuple):
+    state: LaneState
+    felt: tuple[Any, ...]  # of each touch sensor, (N,)
+    hidden: Hidden
+    neurons: tuple[Any, ...]
+    rows: Any
+
+
+@final
+class ClosedLoop:
+    """Robots of one chunk, each driven by its own network."""
+
+    def __init__(self, walker: Walker, lanes: LanesModel, batch: Batch) -> None:
+        """For a batch; made while a walk is traced."""
+        self._walker, self._face, self._plan, self._batch = walker, walker.interface, lanes.plan, batch
+        self._dtype, self._n = batch.start.qpos.dtype, batch.start.qpos.shape[1]
+        numbers = Numbers(self._plan.model, batch.fields, self._dtype)
+        self._stepper = Stepper(self._plan, numbers, TOLERANCE[np.dtype(self._dtype)])
+        self._reader = Reader(self._plan, numbers, self._stepper.inertias)
+        self._acting = Acting(walker.robot, walker.catalogue, self._plan, numbers, batch.values)
+        kinds, touch = self._plan.model.sensor_type, int(mujoco.mjtSensor.mjSENS_TOUCH)
+        self._touches = np.flatnonzero(kinds == touch).tolist()
+        self._travel = travel_map(walker.robot)
+
+    def advance(self, neurons: Any, steps: Any, told: Told) -> Block:
+        """The robots some control steps later.
+
+        Args:
+            neurons: (HIDDEN, N) their last outputs.
+            steps: at most `ROWS`.
+            told: what the networks are told.
+        """
+        start, face = self._batch.start, self._face
+        columns = self._plan.model.sensor_adr[self._touches].tolist()
+        carry = _Carry(
+            packed(self._plan, start.qpos, start.qvel, start.warmstart),
+            tuple(start.sensordata[c] for c in columns),
+            start.hidden,
+            tuple(neurons[i] for i in range(HIDDEN)),
+            jnp.zeros((ROWS, face.n_inputs + face.n_outputs + 3, self._n), self._dtype),
+        )
+        carry = jax.lax.fori_loop(0, steps, lambda row, c: self._control_step(row, c, told), carry)
+        sensordata = start.sensordata
+        for column, felt in zip(columns, carry.felt, strict=True):
+            sensordata = sensordata.at[column].set(felt)
+        final = BodyState(*unpacked(self._plan, carry.state), sensordata, carry.hidden)
+        return Block(final, jnp.stack(carry.neurons), carry.rows)
+
+    def _control_step(self, row: Any, carry: _Carry, told: Told) -> _Carry:
+        qpos = coordinates(self._plan, carry.state)
+        readings = self._readings(qpos, carry.felt)
+        seen = [hear(told.factor[row, i], told.added[row, i], r) for i, r in enumerate(readings)]
+        neurons, outputs = _respond(self._batch.network, carry.neurons, self._inputs(seen), self._walker.gain)
+        commands = [self._command(i, u, told.active) for i, u in enumerate(outputs)]
+        table = jnp.stack(commands)
+        inner = (carry.state, carry.felt, carry.hidden)
+        drive, on = self._drive(commands), jnp.ones_like(table)
+        state, felt, hidden = jax.lax.fori_loop(
+            0, self._walker.substeps, lambda _, x: self._physics_step(x, drive, table, on), inner
+        )
+        return _Carry(
+            state,
+            felt,
+            hidden,
+            tuple(neurons),
+            carry.rows.at[row].set(jnp.stack([*readings, *commands, *self._place(qpos)])),
+        )
+
+    def _physics_step(self, inner: tuple[LaneState, Any, Hidden], drive: Drive, commands: Any, on: Any) -> Any:
+        state, _, hidden = inner
+        added, dt = None, float(self._plan.model.opt.timestep)
+        if self._acting.acts:
+            drive, added, hidden = self._acting.act(state, commands, on, dt, hidden)
+        state, now = self._stepper.step(state, drive, dt, added)
+        return state, tuple(self._reader.read(now, self._touches).values()), hidden
+
+    def _drive(self, commands: list[Any]) -> Drive:
+        motors = [m.ids for joint in self._plan.joints for m in joint.motors]
+        return Drive(
+            {ids: commands[ids[0]] if len(ids) == 1 else jnp.stack([commands[i] for i in ids]) for ids in motors}
+        )
+
+    def _command(self, i: int, output: Any, active: Any) -> Any:
+        """As `Interface.commands`; home where the networks are not active."""
+        face = self._face
+        centre = jnp.full_like(output, face.ctrl_centre[i])
+        moved = jnp.clip(centre + float(face.ctrl_scale[i]) * output, float(face.ctrl_low[i]), float(face.ctrl_high[i]))
+        return jnp.where(active, moved, centre)
+
+    def _readings(self, qpos: list[Any], felt: tuple[Any, ...]) -> list[Any]:
+        """Readings as the controllers get them: those of lost parts at rest, faults applied."""
+        face, batch = self._face, self._batch
+        columns = self._plan.model.sensor_adr[self._touches].tolist()
+        found = []
+        for i, column in enumerate(face.columns.tolist()):
+            if face.is_touch[i]:
+                true: Any = jnp.where(felt[columns.index(column)] > 0.0, 1.0, -1.0).astype(self._dtype)
+            else:
+                true = qpos[int(face.qpos[i])]
+            true = jnp.where(batch.lost[i], jnp.full_like(true, face.rest[i]), true)
+            found.append(true * batch.scale[i] + batch.shift[i])
+        return found
+
+    def _inputs(self, readings: list[Any]) -> list[Any]:
+        face = self._face
+        return [
+            jnp.clip((r - float(c)) / float(s), -1.0, 1.0)
+            for r, c, s in zip(readings, face.centre, face.scale, strict=True)
+        ]
+
+    def _place(self, qpos: list[Any]) -> list[Any]:
+        """Where the roots are, m."""
+        matrix, offset = self._travel
+        zero = jnp.zeros(self._n, self._dtype)
+        return [
+            add(total(float(m) * q for m, q in zip(row, qpos, strict=True) if m), float(o)) + zero
+            for row, o in zip(matrix, offset, strict=True)
+        ]
+
+
+def _respond(network: Network, hidden: tuple[Any, ...], inputs: list[Any], gain: float) -> tuple[list[Any], list[Any]]:
+    """As `controllers.respond`, each neuron one array (N,); motors that repeat others have those's weights."""
+
+    def weighed(weights: Any, xs: Any) -> Any:
+        return sum(weights[i] * x for i, x in enumerate(xs))
+
+    drives = [
+        network.w_hidden[h, len(inputs)]
+        + weighed(network.w_hidden[h], inputs)
+        + weighed(network.w_recurrent[h], hidden)
+        for h in range(HIDDEN)
+    ]
+    neurons = [jnp.tanh(gain * d) * network.hidden_gain[h] for h, d in enumerate(drives)]
+    outputs = [jnp.tanh(gain * (w[HIDDEN] + weighed(w, neurons))) for w in network.w_output]
+    return neurons, outputs

@@ -1,0 +1,113 @@
+"""What a term sees of its joints in one step, in lanes: `JointMoment` with rows (n_sites, N)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple, final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from estexp_jax.lanes.layout import Plan
+from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.step import LaneState
+from estexp_jax.physics.effects.base import JointMoment, Term
+from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.lanes.motors import Motors, Told
+from estexp_jax.physics.engines.motors import drives
+from estexp_jax.physics.model.robot import Robot
+
+
+class Now(NamedTuple):
+    """A step at its beginning: position and speed (N,) by velocity address, what motors are told, its length."""
+
+    position: Mapping[int, Any]
+    speed: Mapping[int, Any]
+    told: Told
+    dt: Any
+
+
+@final
+class Moments:
+    """Gathers what terms see, on robots of these numbers."""
+
+    def __init__(self, robot: Robot, plan: Plan, numbers: Numbers, motors: Motors) -> None:
+        """With these motors."""
+        self._robot, self._plan, self._numbers, self._motors = robot, plan, numbers, motors
+
+    def coordinates(self, state: LaneState) -> tuple[dict[int, Any], dict[int, Any]]:
+        """Position and speed (N,) of each hinge and slide, by velocity address."""
+        position, speed = {}, {}
+        for joint, q in zip(self._plan.joints, state.qpos, strict=True):
+            if not joint.free:
+                for i, address in enumerate(joint.dof):
+                    position[address], speed[address] = (_row(x, i) for x in (q[0], state.qvel[joint.dofs[0]]))
+        return position, speed
+
+    def of(self, term: Term, now: Now) -> JointMoment:
+        """What a term sees of its sites' joints."""
+        (position, speed, told, dt), dofs, motors = now, term.dofs(self._robot), None
+        if term.kind == "actuator":
+            motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)
+        there = drives(self._robot, dofs, motors)
+        at = [[int(a) for a, t in zip(*pair, strict=True) if t] for pair in zip(there.motors, there.there, strict=True)]
+        q, w = stacked(dofs, position, speed)
+
+        def torque_at(q: Any, w: Any) -> Any:
+            pairs = [(site, q[i], w[i]) for i, site in enumerate(at)]
+            return jnp.stack([self._motors.torque(*pair, told, whole=there.whole) for pair in pairs])
+
+        def torque_of(number: Any) -> Any:
+            total: Any = jnp.zeros_like(q)
+            for address in position:
+                joint = int(self._plan.model.dof_jntid[address])
+                site = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
+                one = self._motors.torque(site, position[address], speed[address], told, whole=True)
+                mine: Any = jnp.where(jnp.round(number) == joint + 1, one, 0.0)
+                total = total + mine
+            return total
+
+        def motion_of(number: Any) -> tuple[Any, Any]:
+            at: Any = jnp.zeros_like(q)
+            rate: Any = jnp.zeros_like(q)
+            for address, joint in zip(position, self._plan.model.dof_jntid[list(position)], strict=True):
+                mine: Any = (jnp.round(number) == int(joint) + 1).astype(q.dtype)
+                at, rate = at + mine * position[address], rate + mine * speed[address]
+            return at, rate
+
+        def asked() -> tuple[Any, Any]:
+            each = [self._motors.asked(site, position, speed, told) for site in at]
+            in_all, beyond = (jnp.stack(rows) for rows in zip(*each, strict=True))
+            return in_all, beyond
+
+        def switched(site: list[int]) -> Any:
+            on = jnp.zeros_like(q[0])
+            for a in site:
+                on = jnp.maximum(on, told.enable[a])
+            return on
+
+        return JointMoment(
+            q=q,
+            w=w,
+            torque=torque_at(q, w),
+            on=jnp.stack([switched(site) for site in at]),
+            dt=dt,
+            limit=jnp.asarray(there.limit(), q.dtype)[:, None],
+            armature=jnp.stack(
+                [self._numbers.get("dof_armature", [int(d)], None) + jnp.zeros_like(q[0]) for d in dofs]
+            ),
+            torque_at=torque_at,
+            torque_of=torque_of,
+            motion_of=motion_of,
+            asked=asked,
+        )
+
+
+def stacked(dofs: np.ndarray, *tables: Mapping[int, Any]) -> tuple[Any, ...]:
+    """Rows (n_sites, N) of tables by velocity address."""
+    return tuple(jnp.stack([table[int(d)] for d in dofs]) for table in tables)
+
+
+def _row(x: jax.Array, i: int) -> jax.Array:
+    return x[i] if x.ndim == 2 else x

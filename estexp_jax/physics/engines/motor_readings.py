@@ -1,0 +1,47 @@
+"""What sensors of a motor show where it turns something else than its joint: a rotor behind a spring or a gap.
+
+The joint gets what the rotor passes on, so the engine's own motor stands still; its torque is a hidden variable.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import mujoco
+
+from estexp_jax.physics.effects.base import Term
+from estexp_jax.physics.effects.registry import Catalogue
+from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.model.robot import Robot
+
+
+class Shown(NamedTuple):
+    """A hidden variable at one site, to be added to one value of `sensordata`."""
+
+    column: int
+    effect: str
+    state: int
+    row: int  # of the site
+    factor: float
+
+
+def shown_torques(robot: Robot, catalogue: Catalogue) -> list[Shown]:
+    """All that sensors of motors' forces show of a catalogue's rotors."""
+    model, found = robot.model, []
+    on_joint = {a: robot.joint_of_actuator(a) for a in driven_actuators(robot)}
+    for e in catalogue:
+        if not isinstance(e, Term) or e.shows is None:
+            continue
+        for row, dof in enumerate(e.dofs(robot)):
+            joint = int(model.dof_jntid[dof])
+            motors = [a for a, j in on_joint.items() if j == joint]
+            for sensor in range(model.nsensor):
+                kind, at = int(model.sensor_type[sensor]), int(model.sensor_objid[sensor])
+                factor = 0.0
+                if kind == int(mujoco.mjtSensor.mjSENS_ACTUATORFRC) and at in motors:
+                    factor = 1.0 / (float(model.actuator_gear[at, 0]) * len(motors))
+                elif kind == int(mujoco.mjtSensor.mjSENS_JOINTACTFRC) and at == joint:
+                    factor = 1.0
+                if factor:
+                    found.append(Shown(int(model.sensor_adr[sensor]), e.name, e.shows, row, factor))
+    return found

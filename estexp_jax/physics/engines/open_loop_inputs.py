@@ -1,0 +1,215 @@
+"""What a replay feeds an engine, lane by lane, in arrays of numpy: commands, start states, rows before the start.
+
+A lane is one hypothesis on one segment of a recording.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from estexp_jax.physics.effects.base import CommandShift, Distortion, Effect, ReadingDrift, ReadingShift
+from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.controller_fault import CommandRoute
+from estexp_jax.physics.effects.registry import Catalogue
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.window import Segment
+
+_LAG = 0.04
+"""Commands of this time tell where a servo is, s: it follows a little late."""
+
+
+class Drive(NamedTuple):
+    """Physics steps of lanes: (steps, ..., lanes)."""
+
+    length: Any  # (steps, lanes)
+    ctrl: Any
+    enable: Any
+
+
+class Roll(NamedTuple):
+    """Rows before lanes' starts: (rows, ..., lanes)."""
+
+    qpos: Any
+    qvel: Any
+    ctrl: Any
+    enable: Any
+    length: Any  # s; 0: not a row, but to fill up
+
+
+def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_steps: int) -> Drive:
+    """Steps of lanes, each with its own commands; beyond a segment's end the last ones are held.
+
+    The first step has no length: it leaves the robot as it is, under the command before the segment's first row, and so
+    gives sensors of forces what they show in that row.
+    """
+    shifts, sources = routes(robot, catalogue, values)
+    nu, punctual = robot.model.nu, _punctual(shifts, sources)
+    length = np.zeros((n_steps, len(segments)), np.float32)
+    ctrl, enable = (np.empty((n_steps, nu, len(segments)), np.float32) for _ in range(2))
+    for i, there in alike(segments, punctual):
+        s, k = segments[i], segments[i].steps.n_steps + 1
+        length[1:k, there] = s.steps.length[:, None]
+        commands = s.logged if punctual[i] else s.commands(shifts[i], sources[i])
+        for whole, own in ((ctrl, commands), (enable, s.switched_on)):
+            whole[:k, :, there], whole[k:, :, there] = own[..., None], own[-1][:, None]
+    return Drive(length, ctrl, enable)
+
+
+def alike(segments: Sequence[Segment], punctual: np.ndarray) -> Iterator[tuple[int, slice]]:
+    """Neighbouring lanes that get the same commands: the first one, and all of them."""
+    first = 0
+    for i, s in enumerate(segments):
+        if i + 1 == len(segments) or segments[i + 1] is not s or not (punctual[i] and punctual[i + 1]):
+            yield first, slice(first, i + 1)
+            first = i + 1
+
+
+def starts(
+    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
+    qpos = np.array([s.start.qpos for s in segments], np.float32)
+    qvel = np.array([s.start.qvel for s in segments], np.float32)
+    faults = [e for e in catalogue if isinstance(e, Distortion)]
+    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    drift = _drifts(robot, catalogue, values)
+    doubted = late.any(axis=1) | drift.any(axis=1) | changed(robot, faults, values)
+    for i, s in enumerate(segments):
+        if not (doubted[i] and s.start.sensed):
+            continue
+        for column, place, speed in s.start.sensed:
+            if late[i, column] > 0.0 and s.path is not None:  # true now is what is read later
+                now, then = s.steps.start[0], s.steps.start[0] + late[i, column]
+                qpos[i, place] += s.path.at(then, s.path.qpos, place) - s.path.at(now, s.path.qpos, place)
+                qvel[i, speed] += s.path.at(then, s.path.qvel, speed) - s.path.at(now, s.path.qvel, speed)
+        columns, places, speeds = map(list, zip(*s.start.sensed, strict=True))
+        now = np.zeros((2, robot.model.nsensordata))
+        now[:, columns] = qpos[i, places]
+        now[1, columns] += qvel[i, speeds]  # the reading a second later, at this speed
+        now -= drift[i] * (s.steps.start[0] - s.history.time[0] + np.array([[0.0], [1.0]]))
+        for effect in reversed(faults):
+            now = effect.restore(robot, now, values[effect.name][i])
+        blind = np.isnan(now[0, columns])
+        guess, fast = _commanded(robot, s) if blind.any() else (robot.home(), np.zeros(robot.model.nv))
+        shift = s.start.qpos - s.path.qpos[s.first] if s.path is not None else np.zeros(robot.model.nq)
+        pushed = s.start.qvel - s.path.qvel[s.first] if s.path is not None else np.zeros(robot.model.nv)
+        qpos[i, places] = np.where(blind, (guess + shift)[places], now[0, columns])
+        qvel[i, speeds] = np.where(blind, (fast + pushed)[speeds], now[1, columns] - now[0, columns])
+    return qpos, qvel
+
+
+def _commanded(robot: Robot, s: Segment) -> tuple[np.ndarray, np.ndarray]:
+    """Where servos were told to be at a segment's start, (nq,) and (nv,); home and at rest what has none.
+
+    The best guess of a joint that nothing was read of.
+    """
+    model, qpos, qvel = robot.model, robot.home().copy(), np.zeros(robot.model.nv)
+    begin = s.steps.start[0] - np.array([3.0, 1.0]) * _LAG / 2.0
+    before, now = s.history.mean(begin, np.full(2, _LAG), np.zeros(model.nu))
+    for a in range(model.nu):
+        joint, pull = robot.joint_of_actuator(a), -model.actuator_biasprm[a, 1] * model.actuator_gear[a, 0]
+        if joint in robot.scalar_joints and pull != 0.0:
+            factor = model.actuator_gainprm[a, 0] / pull
+            qpos[model.jnt_qposadr[joint]] = factor * now[a]
+            qvel[model.jnt_dofadr[joint]] = factor * (now[a] - before[a]) / _LAG
+    return qpos, qvel
+
+
+def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_rows: int) -> Roll:
+    """Rows before each segment (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
+    shifts, sources = routes(robot, catalogue, values)
+    punctual, n = _punctual(shifts, sources), n_rows + 1
+    model, length = robot.model, np.zeros((n, len(segments)), np.float32)
+    qpos, qvel, ctrl, enable = (
+        np.empty((n, width, len(segments)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
+    )
+    found = Roll(qpos, qvel, ctrl, enable, length)
+    for i, there in alike(segments, punctual):
+        past = segments[i].logged_past if punctual[i] else segments[i].past(n, shifts[i], sources[i])
+        k = min(n, len(past.length))
+        for whole, own in zip(found[:-1], past[:-1], strict=True):
+            whole[n - k :, :, there], whole[: n - k, :, there] = own[-k:, :, None], own[-k][:, None]
+        length[n - k :, there] = past.length[-k:, None]
+    return found
+
+
+def changed(robot: Robot, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Which lanes (lanes,) have one of some effects at work."""
+    found = np.zeros(_lanes(values), bool)
+    for e in effects:
+        nothing = np.array([p.neutral for p in e.parameters], np.float32)
+        found |= (np.asarray(values[e.name], np.float32) != nothing).any(axis=(1, 2))
+    return found
+
+
+def routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[np.ndarray, np.ndarray]:
+    """How late each lane's commands arrive (s) and whose commands its motors get, (lanes, nu) each."""
+    return _shifts(robot, catalogue, values, CommandShift, robot.model.nu), _sources(robot, catalogue, values)
+
+
+def _punctual(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
+    """Which lanes (lanes,) get their commands as they were logged."""
+    return ~shifts.any(axis=1) & (sources == np.arange(sources.shape[1])).all(axis=1)
+
+
+def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:
+    """Replace, in place, the readings (steps, nsensordata, lanes) of sensors that are late by older ones.
+
+    What a late sensor shows at first was true before the start; there it counts as it was recorded.
+    """
+    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    for i, column in np.argwhere(late > 0.0).tolist():
+        s, n = segments[i], segments[i].steps.n_steps
+        time = np.append(s.steps.start, s.steps.start[-1] + s.steps.length[-1])
+        read = np.interp(time - late[i, column], time, sensors[: n + 1, column, i])
+        for sensed, place, _ in s.start.sensed:
+            if sensed == column and s.path is not None:
+                before = time - late[i, column] < time[0]
+                read[before] = s.path.at(time[before], s.path.qpos, place)
+        sensors[: n + 1, column, i] = read
+
+
+def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:
+    """Add, in place, to the readings (steps, nsensordata, lanes) what they gained since the recordings began."""
+    drift = _drifts(robot, catalogue, values)
+    for i in np.flatnonzero(drift.any(axis=1)).tolist():
+        steps = segments[i].steps
+        age = np.append(steps.start, steps.start[-1] + steps.length[-1]) - segments[i].history.time[0]
+        sensors[: len(age), :, i] += age[:, None] * drift[i]
+
+
+def _drifts(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
+    """What each lane's readings gain with each second, (lanes, nsensordata)."""
+    total = np.zeros((_lanes(values), robot.model.nsensordata))
+    for effect in catalogue:
+        if isinstance(effect, ReadingDrift):
+            total += effect.rate(robot, values[effect.name])
+    return total
+
+
+def _shifts(
+    robot: Robot, catalogue: Catalogue, values: Values, kind: type[CommandShift] | type[ReadingShift], n: int
+) -> np.ndarray:
+    """How late each lane's commands or readings arrive, (lanes, n), s."""
+    total = np.zeros((_lanes(values), n))
+    for effect in catalogue:
+        if isinstance(effect, CommandShift | ReadingShift) and isinstance(effect, kind):
+            total += effect.shift(robot, values[effect.name])
+    return total
+
+
+def _sources(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
+    """Whose command each lane's motors get, (lanes, nu)."""
+    source = np.tile(np.arange(robot.model.nu), (_lanes(values), 1))
+    for effect in catalogue:
+        if isinstance(effect, CommandRoute):
+            other = effect.route(robot, values[effect.name])
+            source = np.where(other >= 0, other, source)
+    return source
+
+
+def _lanes(values: Values) -> int:
+    return next(iter(values.values())).shape[0]

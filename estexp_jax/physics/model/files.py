@@ -1,0 +1,221 @@
+"""The files of a model, MJCF or URDF: found inside the model's own folder, or refused before anything opens them.
+
+A model's folder is the one its file is in; or the ROS package around that, a folder with a `package.xml`, since there
+`urdf/` and `meshes/` stand side by side. A way out of it, by `..`, an absolute path or a link, is the user's error: a
+model from somebody else reads nothing but what came with it.
+
+Of what MuJoCo opens, included files and attached models are found in the text, all others in the description that it
+makes of the text.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+import mujoco
+
+from estexp_jax.errors import InputError, shown
+from estexp_jax.physics.model.xml_text import Element, elements
+
+_MOST_XML, _MOST_BYTES, _MOST_FILES = 16 * 2**20, 256 * 2**20, 1000
+_MOST_PIXELS = 2**26
+_PACKAGE_LEVELS = 3
+"""How far above a model's file its package's `package.xml` is looked for."""
+_OPENED = {"include": "file", "model": "file", "flexcomp": "file"}
+"""Elements whose file MuJoCo opens while it reads."""
+_SCHEMES = ("package://", "model://")
+
+
+def read_description(path: Path) -> mujoco.MjSpec:
+    """Read a model whose files are all in its own folder.
+
+    Args:
+        path: of an MJCF or a URDF.
+
+    Returns:
+        Its description, not compiled; files that it refers to are given by absolute paths.
+
+    Raises:
+        InputError: the model, or a file that it refers to, is missing, leads out of the model's folder, or is too
+            large.
+        ValueError: MuJoCo cannot read the text.
+    """
+    files = _Files(path, _folder(path))
+    models = files.read(path)
+    spec = mujoco.MjSpec.from_file(str(path))
+    for place, owner in _assets(spec):
+        for field, file in _references(owner):
+            _refer(owner, field, files.asset(file, place, owner.compiler, spec.strippath, models))
+    spec.strippath = False
+    return spec
+
+
+def _folder(path: Path) -> Path:
+    """The folder that a model may read from."""
+    own = path.absolute().parent.resolve()
+    for folder in (own, *own.parents[: _PACKAGE_LEVELS - 1]):
+        if (folder / "package.xml").is_file():
+            return folder
+    return own
+
+
+def _assets(spec: mujoco.MjSpec) -> Iterator[tuple[str, Any]]:
+    """What of a description comes from files, with its place."""
+    for kind, some in (
+        ("mesh", spec.meshes),
+        ("hfield", spec.hfields),
+        ("skin", spec.skins),
+        ("texture", spec.textures),
+    ):
+        for index, owner in enumerate(some):
+            yield f"{kind} '{owner.name or index}'", owner
+
+
+def _references(owner: Any) -> list[tuple[int | None, str]]:
+    """The files of an asset: None for its one file, 0 to 5 for the sides of a cube."""
+    found: list[tuple[int | None, str]] = [(None, owner.file)] if owner.file else []
+    return found + [(side, file) for side, file in enumerate(getattr(owner, "cubefiles", ())) if file]
+
+
+def _refer(owner: Any, side: int | None, file: Path) -> None:
+    if side is None:
+        owner.file = str(file)
+    else:
+        owner.cubefiles[side] = str(file)
+
+
+@final
+@dataclass(eq=False)
+class _Files:
+    """The files of one model.
+
+    Attributes:
+        model: its file.
+        root: the folder that all have to be in, resolved.
+    """
+
+    model: Path
+    root: Path
+
+    def __post_init__(self) -> None:
+        self._seen: set[Path] = set()
+
+    def read(self, path: Path, within: tuple[Path, ...] = (), *, attached: bool = False) -> tuple[Path, ...]:
+        """Look over a model's text and all that it includes or attaches; gives the folders of these models.
+
+        Args:
+            path: the file.
+            within: the files that led here.
+            attached: whether one of them was attached, not included: MuJoCo itself refuses rings of includes only.
+        """
+        folder = path.absolute().parent
+        self._seen.add(path.resolve())
+        if len(self._seen) > _MOST_FILES:
+            raise InputError(f"refers to more than {_MOST_FILES} files", where=str(self.model))
+        folders, text = [folder], _text(path)
+        for element in elements(text, str(path)):
+            for inner in self._opened(element, path, folder):
+                if element.tag == "flexcomp":
+                    continue
+                below, link = (*within, path.resolve()), attached or element.tag == "model"
+                if link and inner.resolve() in below:
+                    raise InputError(f"attaches {inner.name}, which it is a part of", where=f"{path}, <{element.tag}>")
+                if inner.resolve() not in self._seen:
+                    folders += self.read(inner, below, attached=link)
+        return tuple(dict.fromkeys(folders))
+
+    def _opened(self, element: Element, path: Path, folder: Path) -> Iterator[Path]:
+        """The files that MuJoCo may take an element to mean: those beside the model, and beside what includes it."""
+        file = element.attributes.get(_OPENED.get(element.tag, ""), "")
+        if not file:
+            return
+        place = f"{path}, <{element.tag}>"
+        for base in dict.fromkeys((self.model.absolute().parent, folder)):
+            for found in dict.fromkeys(
+                (base / file, Path(os.path.normpath(base / file)))
+            ):  # links before `..`, or after
+                if is_file(self._inside(found, file, place)):
+                    _sized(found, file, place, _MOST_XML if element.tag != "flexcomp" else _MOST_BYTES)
+                    yield found
+
+    def asset(self, file: str, what: str, compiler: Any, stripped: bool, models: Sequence[Path]) -> Path:
+        """The file of an asset, of any of the models that were read."""
+        place = f"{self.model}, {what}"
+        subfolder = compiler.texturedir if what.startswith("texture") else compiler.meshdir
+        named = Path(file).name if stripped else file
+        tried = [self._inside(candidate, file, place) for candidate in self._candidates(named, subfolder, models)]
+        found = list(dict.fromkeys(candidate for candidate in tried if is_file(candidate)))
+        if not found:
+            right = (
+                f"put it there, or the model beside its files; a ROS package is known by its package.xml ({self.root})"
+            )
+            raise InputError(f"there is no file {shown(file)} in the model's folder", where=place, right=right)
+        if len(found) > 1 and len({candidate.read_bytes() for candidate in found}) > 1:
+            raise InputError(f"{shown(file)} may be any of {len(found)} files", where=place, right="name them apart")
+        if found[0].suffix.lower() == ".dae":
+            raise InputError(f"{shown(file)} is a Collada file", where=place, right="convert it to OBJ, STL or MSH")
+        _sized(found[0], file, place, _MOST_BYTES)
+        _pixels(found[0], file, place)
+        return found[0]
+
+    def _candidates(self, file: str, subfolder: str, models: Sequence[Path]) -> Iterator[Path]:
+        scheme = next((s for s in _SCHEMES if file.startswith(s)), None)
+        if scheme is None:
+            yield from (folder / subfolder / file for folder in models)
+            return
+        package, _, rest = file.removeprefix(scheme).partition("/")
+        yield self.root / rest
+        yield self.root / package / rest
+
+    def _inside(self, candidate: Path, file: str, place: str) -> Path:
+        """A path with all links followed, if it is in the model's folder."""
+        try:
+            resolved = candidate.resolve()
+        except (OSError, ValueError, RuntimeError):  # a loop of links, a NUL, a name that no file can have
+            raise InputError(f"{shown(file)} is no path", where=place) from None
+        if not resolved.is_relative_to(self.root):
+            right = f"a model reads only what is in its folder, {self.root}; copy the file there"
+            raise InputError(f"{shown(file)} leads out of the model's folder", where=place, right=right)
+        return resolved
+
+
+def _text(path: Path) -> str:
+    _sized(path, path.name, str(path), _MOST_XML)
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a path that no file can have is that of none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _sized(path: Path, file: str, place: str, most: int) -> None:
+    size = path.stat().st_size
+    if size > most:
+        raise InputError(f"{shown(file)} is {size:,} bytes long", where=place, right=f"at most {most:,}")
+
+
+def _pixels(path: Path, file: str, place: str) -> None:
+    """Refuse pictures that unpack to anything."""
+    with path.open("rb") as stream:
+        head = stream.read(24)
+    if head[:8] == b"\x89PNG\r\n\x1a\n" and len(head) == 24:
+        width, height = struct.unpack(">II", head[16:])
+        if width * height > _MOST_PIXELS:
+            said = f"{shown(file)} claims {width:,} x {height:,} pixels"
+            raise InputError(said, where=place, right=f"at most {_MOST_PIXELS:,} in all")

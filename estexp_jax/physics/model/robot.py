@@ -1,0 +1,218 @@
+"""A robot: a compiled MJCF model, and its elements by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, final
+
+import mujoco
+import numpy as np
+
+from estexp_jax.errors import InputError, known
+from estexp_jax.physics.model.files import is_file, read_description
+from estexp_jax.physics.model.spec import elements, freeze, named, with_masses
+from estexp_jax.physics.model.validation import refuse_unbounded, refuse_unsound, unheard
+
+_TYPES = {
+    "body": mujoco.mjtObj.mjOBJ_BODY,
+    "joint": mujoco.mjtObj.mjOBJ_JOINT,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
+    "site": mujoco.mjtObj.mjOBJ_SITE,
+    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
+    "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
+}
+_FAILURES = (ValueError, RuntimeError, mujoco.FatalError)
+_COUNTS = {"body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "actuator": "nu", "sensor": "nsensor"}
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A robot as its MJCF or URDF describes it.
+
+    Attributes:
+        spec: the description, every element named; copied before every change, never changed in place.
+        model: `spec` compiled; read only.
+        source: where the MJCF came from, for messages.
+    """
+
+    spec: mujoco.MjSpec
+    model: mujoco.MjModel
+    source: str = "MJCF"
+
+    @classmethod
+    def from_xml(cls, path: str | Path) -> Robot:
+        """Compile the MJCF or URDF at `path`; meshes and whatever else it refers to are read from its own folder.
+
+        Raises:
+            InputError: there is no such file, it refers to what is not there or leads out of its folder, or it does not
+                compile.
+        """
+        path = Path(path)
+        if not is_file(path):
+            raise InputError(
+                "no such MJCF file", where=str(path), right="give the path of a MuJoCo XML model or a URDF"
+            )
+        try:
+            with unheard():
+                return cls.from_spec(read_description(path), str(path))
+        except _FAILURES as error:
+            raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=str(path)) from None
+
+    @classmethod
+    def from_string(cls, xml: str, source: str = "MJCF") -> Robot:
+        """Compile MJCF text.
+
+        Raises:
+            InputError: the text does not compile.
+        """
+        try:
+            with unheard():
+                return cls.from_spec(mujoco.MjSpec.from_string(xml), source)
+        except _FAILURES as error:
+            raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=source) from None
+
+    @classmethod
+    def from_spec(cls, spec: mujoco.MjSpec, source: str = "MJCF") -> Robot:
+        """Compile a description that was built or changed in memory.
+
+        Raises:
+            InputError: it claims more than any robot has, or holds what is no number.
+        """
+        refuse_unbounded(spec, source)
+        model = spec.compile()
+        refuse_unsound(model, source)
+        return cls(with_masses(named(spec), model), model, source)
+
+    def names(self, kind: str) -> tuple[str, ...]:
+        """Names of all elements of a kind, in MuJoCo's order; unnamed ones are `<kind>_<index>`.
+
+        Args:
+            kind: body, joint, geom, site, actuator or sensor. The world is left out of the bodies'
+                *choices* (see `index`), not out of this list.
+        """
+        return self._names[kind]
+
+    def index(self, kind: str, name: str) -> int:
+        """MuJoCo's index of a named element.
+
+        Raises:
+            InputError: no such element; the message lists those that exist.
+        """
+        names = self.names(kind)
+        if name not in names:
+            choices = names[1:] if kind == "body" else names
+            raise InputError(f"there is no {kind} '{name}'", where=self.source, right=known(choices))
+        return names.index(name)
+
+    @cached_property
+    def _names(self) -> dict[str, tuple[str, ...]]:
+        model = self.model
+        return {
+            kind: tuple(
+                mujoco.mj_id2name(model, _TYPES[kind], i) or f"{kind}_{i}" for i in range(getattr(model, _COUNTS[kind]))
+            )
+            for kind in _TYPES
+        }
+
+    @cached_property
+    def scalar_joints(self) -> tuple[int, ...]:
+        """Indices of the hinge and slide joints: those with one coordinate and one speed."""
+        kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+        return tuple(i for i in range(self.model.njnt) if int(self.model.jnt_type[i]) in kinds)
+
+    @property
+    def remedy(self) -> str:
+        """What to do where a robot has no actuators; empty where it has some."""
+        if self.model.nu:
+            return ""
+        return f"`estexp check {self.source} --init` writes an MJCF of it with servos and sensors, a URDF has none"
+
+    def joint_of_actuator(self, actuator: int) -> int | None:
+        """Index of the joint an actuator drives directly, or None for any other transmission."""
+        if self.model.actuator_trntype[actuator] != mujoco.mjtTrn.mjTRN_JOINT:
+            return None
+        return int(self.model.actuator_trnid[actuator, 0])
+
+    def body_of_sensor(self, sensor: int) -> int | None:
+        """Index of the body a sensor sits on, or None where it sits on none."""
+        model, types = self.model, mujoco.mjtObj
+        target = int(model.sensor_objid[sensor])
+        match types(int(model.sensor_objtype[sensor])):
+            case types.mjOBJ_JOINT:
+                return int(model.jnt_bodyid[target])
+            case types.mjOBJ_SITE:
+                return int(model.site_bodyid[target])
+            case types.mjOBJ_GEOM:
+                return int(model.geom_bodyid[target])
+            case types.mjOBJ_BODY | types.mjOBJ_XBODY:
+                return target
+            case types.mjOBJ_ACTUATOR:
+                joint = self.joint_of_actuator(target)
+                return None if joint is None else int(model.jnt_bodyid[joint])
+            case _:
+                return None
+
+    def sensor_columns(self) -> tuple[str, ...]:
+        """One name per value of `sensordata`: `<sensor>`, or `<sensor>.0 .1 ...` where it has several values."""
+        columns: list[str] = []
+        for name, dim in zip(self.names("sensor"), self.model.sensor_dim, strict=True):
+            columns += [name] if dim == 1 else [f"{name}.{k}" for k in range(dim)]
+        return tuple(columns)
+
+    def subtree(self, body: int) -> tuple[int, ...]:
+        """Indices of a body and everything that hangs from it."""
+        inside = {body}
+        for child in range(body + 1, self.model.nbody):
+            if int(self.model.body_parentid[child]) in inside:
+                inside.add(child)
+        return tuple(sorted(inside))
+
+    def floats(self, body: int) -> bool:
+        """Whether a body belongs to a tree that nothing holds: its first joint is free."""
+        model, first = self.model, int(self.model.body_rootid[body])
+        adr = int(model.body_jntadr[first])
+        return adr >= 0 and int(model.jnt_type[adr]) == int(mujoco.mjtJoint.mjJNT_FREE)
+
+    def without_contacts(self, bodies: Iterable[tuple[int, int]]) -> Robot:
+        """The robot without contacts between some pairs of its bodies; itself where there is none."""
+        spec, names, changed = self.spec.copy(), self.names("body"), False
+        for one, other in bodies:
+            spec.add_exclude(bodyname1=names[one], bodyname2=names[other])
+            changed = True
+        return Robot.from_spec(spec, self.source) if changed else self
+
+    def finer(self, parts: int) -> Robot:
+        """The robot with a physics step that is a part of its own."""
+        spec = self.spec.copy()
+        spec.option.timestep /= parts
+        return Robot.from_spec(spec, self.source)
+
+    def home(self) -> np.ndarray:
+        """The configuration to start from, (nq,): keyframe `home`, else the first keyframe, else qpos0."""
+        model = self.model
+        key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+        if key < 0 and model.nkey == 0:
+            return model.qpos0.copy()
+        return model.key_qpos[max(key, 0)].copy()
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()).removeprefix("Error: ")
+
+
+def spec_element(spec: mujoco.MjSpec, robot: Robot, kind: str, name: str) -> Any:
+    """The element of a copy of a robot's description that carries this name, to be changed; see `freeze`.
+
+    Raises:
+        InputError: the robot has no such element, or it was deleted from the copy.
+    """
+    robot.index(kind, name)
+    freeze(spec, robot.model, robot.index)
+    for element in elements(spec)[kind]:
+        if element.name == name:
+            return element
+    raise InputError(f"the {kind} '{name}' is no longer there", where=robot.source, right="change it before its part")

@@ -1,0 +1,163 @@
+"""A stretch of a recording to replay: rows, the steps between them, and the state it starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple, final
+
+import numpy as np
+
+from estexp_jax.physics.command_schedule import CommandHistory, Schedule, command_before, schedule
+from estexp_jax.physics.recording import Recording
+
+_MOMENT = 1e-6
+"""So long before a row its command is not yet there, s."""
+_LEAST = 1e-3
+"""Shortest time that a command of a past row is the mean of, s."""
+
+
+class Start(NamedTuple):
+    """A state to start from, and what of it is only known through sensors.
+
+    Attributes:
+        qpos, qvel: (nq,), (nv,).
+        sensed: (address in `sensordata`, address in qpos, address in qvel) of each joint whose position a sensor gave;
+            a hypothesis that doubts the sensor starts elsewhere.
+        covariance: (nv, 2, 2) of each degree of freedom's position (in the tangent space) and speed, as far as the
+            state was measured with noise; None: it is exact.
+    """
+
+    qpos: np.ndarray
+    qvel: np.ndarray
+    sensed: tuple[tuple[int, int, int], ...] = ()
+    covariance: np.ndarray | None = None
+
+
+class Past(NamedTuple):
+    """Rows of a recording up to the one that a segment starts at, that one last.
+
+    Attributes:
+        qpos, qvel: (rows, nq), (rows, nv).
+        ctrl, enable: (rows, nu).
+        length: (rows,) time until the next of these rows, s; of the last one 0.
+    """
+
+    qpos: np.ndarray
+    qvel: np.ndarray
+    ctrl: np.ndarray
+    enable: np.ndarray
+    length: np.ndarray
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Where a recording's sensors say that the robot was, at each row.
+
+    Attributes:
+        time: (rows,) s.
+        qpos, qvel: (rows, nq), (rows, nv); at home, at rest, what nothing measured.
+    """
+
+    time: np.ndarray
+    qpos: np.ndarray
+    qvel: np.ndarray
+
+    def at(self, when: np.ndarray, table: np.ndarray, column: int) -> np.ndarray:
+        """A column of `qpos` or `qvel` at other times; beyond the ends the last value counts."""
+        return np.interp(when, self.time, table[:, column])
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """Rows `first` to `last` (inclusive) of a recording.
+
+    Attributes:
+        recording: index of the recording among those replayed together.
+        first, last: rows.
+        steps: physics steps between the rows.
+        history: the whole recording's commands, for what arrives late.
+        enable: (rows of the recording, nu).
+        start: the state it starts from.
+        path: where the robot was in the whole recording, for what remembers it; None: at rest before the start.
+    """
+
+    recording: int
+    first: int
+    last: int
+    steps: Schedule
+    history: CommandHistory
+    enable: np.ndarray
+    start: Start
+    path: Path | None = None
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return self.last - self.first + 1
+
+    def stepped(self, timestep: float) -> Segment:
+        """The same at another step, s."""
+        return replace(self, steps=schedule(self.history.time[self.first : self.last + 1], timestep))
+
+    def commands(self, shift: np.ndarray, source: np.ndarray) -> np.ndarray:
+        """Commands (1 + steps, nu) of a moment before the first row and of each step, as `CommandHistory.mean`."""
+        start = np.concatenate([self.steps.start[:1] - _MOMENT, self.steps.start])
+        return self.history.mean(start, np.concatenate([[_MOMENT], self.steps.length]), shift, source)
+
+    @cached_property
+    def logged(self) -> np.ndarray:
+        """`commands` as they were logged."""
+        return self.commands(*self._as_logged())
+
+    @cached_property
+    def switched_on(self) -> np.ndarray:
+        """Which motors were on (1 + steps, nu), a moment before the first row and in each step."""
+        return self.enable[np.concatenate([[max(self.first - 1, 0)], self.first + self.steps.row])]
+
+    def past(self, rows: int, shift: np.ndarray, source: np.ndarray) -> Past:
+        """At most so many rows, with commands as `CommandHistory.mean`; where no path is known, only the start."""
+        path = self.path or Path(self.steps.start[:1], self.start.qpos[None], self.start.qvel[None])
+        known = self.first + 1 if self.path is not None else 1
+        at = np.arange(max(known - rows, 0), known)
+        length = np.append(np.diff(path.time[at]), 0.0)
+        ctrl = self.history.mean(path.time[at], np.maximum(length, _LEAST), shift, source)
+        return Past(path.qpos[at], path.qvel[at], ctrl, self.enable[at + self.first + 1 - known], length)
+
+    @property
+    def logged_past(self) -> Past:
+        """All of `past`, with commands as they were logged; not kept, since windows of a long recording are many."""
+        if self.path is None:
+            return self.past(1, *self._as_logged())
+        path, k = self.path, self.first + 1
+        length = np.append(np.diff(path.time[:k]), 0.0)
+        return Past(path.qpos[:k], path.qvel[:k], self.history.logged[:k], self.enable[:k], length)
+
+    def _as_logged(self) -> tuple[np.ndarray, np.ndarray]:
+        n = self.enable.shape[1]
+        return np.zeros(n), np.arange(n)
+
+
+def segment(
+    recordings: Sequence[Recording],
+    index: int,
+    rows: tuple[int, int],
+    timestep: float,
+    start: Start,
+    path: Path | None = None,
+    history: CommandHistory | None = None,
+) -> Segment:
+    """The stretch `rows` (first, last) of `recordings[index]`, whose `history_of` need be found only once."""
+    recording, (first, last) = recordings[index], rows
+    steps = schedule(recording.time[first : last + 1], timestep)
+    history = history_of(recording, path) if history is None else history
+    return Segment(index, first, last, steps, history, recording.enable, start, path)
+
+
+def history_of(recording: Recording, path: Path | None = None) -> CommandHistory:
+    """The commands of a recording, and before it as they came if it moved at the start."""
+    before = None if path is None else command_before(recording.ctrl, path.qvel)
+    return CommandHistory(recording.time, recording.ctrl, before)

@@ -1,0 +1,1 @@
+"""What is judged of recordings before anything is simulated: clock, units, saturation, excitation, servo faults."""

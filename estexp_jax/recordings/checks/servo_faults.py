@@ -1,0 +1,152 @@
+"""Faults of recordings that show where a motor's command and its joint's motion are looked at together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, final
+
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
+from estexp_jax.recordings.checks import signals
+from estexp_jax.recordings.checks.faults import FULL_TURNS, Fault
+
+SATURATED = 0.05
+"""Share of rows with the command at its limit from which on it is told."""
+LATE = 0.1
+"""A servo that follows later than this, s, is told."""
+_DEGREES, _PER_DEGREE = (30.0, 110.0), (1 / 110.0, 1 / 30.0)
+_TICKS = (125.0, 20_000.0)  # from 10 bits a turn to 16
+
+
+@final
+@dataclass(frozen=True)
+class Follower:
+    """A position servo and the encoder that shows how it follows.
+
+    Attributes:
+        actuator: index.
+        name: of the actuator.
+        column: ours, of the reading.
+    """
+
+    actuator: int
+    name: str
+    column: str
+
+
+def follower_faults(robot: Robot, recording: Recording, follower: Follower, values: np.ndarray) -> Iterator[Fault]:
+    """A reading that does not follow its servo's command: another unit, sign or clock, or stuck.
+
+    Args:
+        robot: with the recording's settings.
+        recording: its commands.
+        follower: servo and reading.
+        values: (rows,) the reading, NaN where there is no sample.
+    """
+    (time, command, reading), name = followed(robot, recording, follower.actuator, values), follower.column
+    if len(time) < 20 or float(np.ptp(command)) <= 0.0 or float(np.ptp(reading)) <= 0.0:
+        return
+    late, best, plain = signals.lag(time, command, reading)
+    if best > 0.8:
+        yield from _scale_fault(name, follower, float(np.std(reading) / np.std(command)))
+        # A single swing that is larger or smaller than asked looks shifted; several swings tell.
+        if signals.turns(command, 0.1 * float(np.ptp(command))) < 2:
+            late = 0.0
+        if late < -max(0.01, 1.5 * float(np.median(np.diff(time)))) and best > max(0.95, plain + 0.002):
+            what = f"moves {-late:.3g} s before its command"
+            remedy = "stamp both with one clock, or shift one; if the motor was off, map enable.*"
+            yield Fault("ahead", name, f"{what}: their clocks do not agree; {remedy}")
+        elif late > LATE and best > plain + 0.002:
+            what = f"follows its command {late:.2g} s later"
+            yield Fault("late", name, f"{what}: a slow motor, friction, a delay, or two clocks; use one clock for both")
+    elif signals.lag(time, -command, reading, most=0.05)[1] > 0.9 and best < 0.6:
+        yield Fault("sign", name, "moves against its command; if its sign is wrong, give scale = -1.0")
+    yield from _stuck(name, time, command, reading)
+
+
+def followed(
+    robot: Robot, recording: Recording, actuator: int, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time, commanded and read position of a servo's joint, over the longest stretch with the motor on.
+
+    Args:
+        robot: with the recording's settings.
+        recording: its commands.
+        actuator: index of the servo.
+        values: (rows,) the reading, NaN where there is no sample.
+    """
+    on = recording.enable[:, actuator] > 0.0
+    stretch = max((run for run in signals.runs(on.astype(float), 1) if on[run.start]), key=_length, default=None)
+    rows = np.flatnonzero(np.isfinite(values))
+    rows = rows[(rows >= stretch.start) & (rows < stretch.stop)] if stretch else rows[:0]
+    command = recording.ctrl[rows, actuator] / float(robot.model.actuator_gear[actuator, 0] or 1.0)
+    return recording.time[rows], command, values[rows]
+
+
+def _length(run: signals.Run) -> int:
+    return run.length
+
+
+def _scale_fault(name: str, follower: Follower, ratio: float) -> Iterator[Fault]:
+    if _TICKS[0] < ratio < _TICKS[1]:
+        what = f"moves {ratio:.4g} times as far as ctrl.{follower.name}: raw encoder ticks?"
+        yield Fault("ticks", name, f"{what} Give their scale, such as 2 pi / 4096 = 0.0015339808, and the offset")
+    elif _DEGREES[0] < ratio < _DEGREES[1]:
+        yield Fault(
+            "degrees",
+            name,
+            f'moves {ratio:.4g} times as far as ctrl.{follower.name}; is it in degrees? Then give unit = "deg"',
+        )
+    elif _PER_DEGREE[0] < ratio < _PER_DEGREE[1]:
+        what = f"moves {1 / ratio:.4g} times as far as {name} follows; is it in degrees?"
+        yield Fault("degrees", f"ctrl.{follower.name}", f'{what} Then give unit = "deg"')
+
+
+def _stuck(name: str, time: np.ndarray, command: np.ndarray, reading: np.ndarray) -> Iterator[Fault]:
+    for run in signals.runs(reading, max(20, int(0.02 * len(reading)))):
+        # Servos need some time to answer, so the run's last bit says nothing.
+        length = float(time[run.stop - 1] - time[run.start])
+        heard = time[run.start : run.stop] <= time[run.stop - 1] - min(0.5, 0.5 * length)
+        asked = float(np.ptp(command[run.start : run.stop][heard]))
+        if asked > 0.3 * float(np.ptp(command)) and length > 0.2:
+            what = f"stands still from {time[run.start]:.4g} s to {time[run.stop - 1]:.4g} s while its command moves"
+            yield Fault(
+                "stuck", name, f"{what}: a stuck sensor, or a joint that is; empty the cells, or look at the joint"
+            )
+            return
+
+
+def command_faults(
+    robot: Robot, recording: Recording, index: int, name: str, judged: Mapping[str, Any]
+) -> Iterator[Fault]:
+    """A command at its limits, in degrees, or to a motor that is never on.
+
+    Args:
+        robot: with the recording's settings.
+        recording: its commands.
+        index: of the actuator.
+        name: of the actuator.
+        judged: what is told of the command.
+    """
+    if judged["saturated"] is not None and judged["saturated"] > SATURATED:
+        what = f"at or beyond its limits in {judged['saturated']:.0%} of the rows"
+        yield Fault("saturation", f"ctrl.{name}", f"{what}; there the motor cannot show what it does: command less")
+    if judged["enabled"] == 0.0:
+        yield Fault("motor_off", f"ctrl.{name}", "the motor is off all the time; is enable.* mapped the right way?")
+    joint = robot.joint_of_actuator(index)
+    hinge = joint is not None and robot.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
+    most = float(np.abs(recording.ctrl[:, index] * robot.model.actuator_gear[index, 0]).max())
+    if hinge and is_position_servo(robot.model, index) and most > FULL_TURNS:
+        yield Fault(
+            "degrees", f"ctrl.{name}", f'commands up to {most:.4g} rad; is it in degrees? Then give unit = "deg"'
+        )
+
+
+def is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
+    """Whether an actuator's command is a position that it goes to."""
+    direct = model.actuator_dyntype[actuator] != mujoco.mjtDyn.mjDYN_INTEGRATOR
+    return bool(direct and model.actuator_biasprm[actuator, 1] != 0.0)

@@ -1,0 +1,1 @@
+"""Controllers: the recurrent network of the paper, and trials of it."""

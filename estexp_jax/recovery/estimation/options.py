@@ -1,0 +1,59 @@
+"""What the set search chooses from: places of modifications, with the range of their amounts.
+
+The paper's catalogue is its six modifications, masses growing only. The full one adds what lies outside it: masses
+that shrink, a hidden neuron's fault, motors that repeat another's command, sensors that are off by a constant or stuck,
+a slippery floor. (A joint's friction is there already: a jam is strong damping.)
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, final
+
+from estexp_jax.physics.effects.registry import PAPER
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.config import Catalogue
+from estexp_jax.recovery.estimation.edits import Place, merged, places
+from estexp_jax.recovery.estimation.genome import Items
+from estexp_jax.search.set_moves import Items as Indexed
+from estexp_jax.search.set_moves import Option
+
+EXTENDED = ("neuron_fault", "tied_outputs", "sensor_bias", "sensor_stuck", "ground_friction")
+"""What the full catalogue adds to the paper's."""
+
+_SHARE = Option(0.0, 1.0, (0.2, 0.4, 0.7, 1.0))
+_OPTIONS: dict[str, Option] = {
+    "part_lost": Option(1.0, 1.0, (1.0,)),
+    "body_mass": Option(-0.9, 1.0, (-0.6, -0.3, 0.4, 0.7, 1.0)),
+    "motor_weakness": _SHARE,
+    "sensor_gain": _SHARE,
+    "joint_jam": _SHARE,
+    "gravity_tilt": Option(-1.0, 1.0, (-1.0, -0.67, -0.33, 0.33, 0.67, 1.0)),
+    "neuron_fault": _SHARE,
+    "tied_outputs": Option(1.0, 1.0, (1.0,)),
+    "sensor_bias": Option(-1.0, 1.0, (-0.8, -0.4, -0.15, 0.15, 0.4, 0.8)),
+    "sensor_stuck": Option(-1.0, 1.0, (-1.0, -0.6, -0.2, 0.2, 0.6, 1.0)),
+    "ground_friction": Option(0.0, 0.95, (0.3, 0.5, 0.7, 0.85)),
+}
+"""Amounts of each modification: lowest, highest, and those tried first."""
+_GROWING = Option(0.0, 1.0, (0.4, 0.7, 1.0))
+
+
+@final
+class Menu(NamedTuple):
+    """A robot's options; a hypothesis of the search counts them."""
+
+    robot: Robot
+    places: tuple[Place, ...]
+    options: tuple[Option, ...]
+
+    def items(self, hypothesis: Indexed) -> Items:
+        """Places and amounts of a hypothesis, in its shortest form."""
+        return merged(self.robot, [(self.places[index], amount) for index, amount in hypothesis])
+
+
+def menu(robot: Robot, catalogue: Catalogue) -> Menu:
+    """What may differ from a robot's nominal model."""
+    names = PAPER if catalogue == "paper" else (*PAPER, *EXTENDED)
+    found = tuple(place for name in names for place in places(robot, name))
+    options = {**_OPTIONS, "body_mass": _GROWING} if catalogue == "paper" else _OPTIONS
+    return Menu(robot, found, tuple(options[place.effect] for place in found))

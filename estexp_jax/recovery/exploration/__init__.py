@@ -1,0 +1,1 @@
+"""The exploration phase: controllers evolved for the robot as diagnosed."""

@@ -1,0 +1,196 @@
+"""A robot's own recording of a trial, brought to the control steps of its controller.
+
+Robots' clocks jitter, drift, and run at other rates. At control step k, t = k dt after the first row:
+
+    angles and positions   interpolated between the samples around t: holding them would add a delay of up to a row
+    touch                  the sample nearest to t, as +1/-1
+    commands               the one in force in the middle of the step, at t + dt / 2: a row that comes a little late
+                           still counts for its own step
+
+Then it is asked what the network heard. In closed loop it gives the recorded commands for the recorded readings. If the
+robot has played the foretold commands instead, the network heard the foretold readings. If neither is so, the recording
+cannot be replayed, and it is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.physics.recording import Recording
+from estexp_jax.recovery.control.trial import AXES, Controller, Trial
+
+_SHORT = 0.02
+"""Share of a trial's time that may be missing at its end, beside a step: clocks drift."""
+_GAP = 5.0
+"""Control steps without a sample of a reading from which on that is told, and where readings are compared refused."""
+_FURTHEST = 10.0
+"""Control steps for which the first and the last measured position are held before and after."""
+_DISAGREES = 0.2
+"""Median distance, of the command's scale, at which recorded commands are not those of a controller."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """What a recording is to be a trial of.
+
+    Attributes:
+        controller: that should have driven the robot.
+        foretold: what the simulator, as diagnosed so far, does under it.
+        axis: along which the distance counts.
+        compared: control steps from the beginning whose readings are compared.
+        measured: whether the distance has to be known.
+    """
+
+    controller: Controller
+    foretold: Trial
+    axis: str
+    compared: int
+    measured: bool = False
+
+
+class Logged(NamedTuple):
+    """A trial, and what there is to say of its recording."""
+
+    trial: Trial
+    notes: tuple[str, ...]
+
+
+def logged(robot: Robot, recording: Recording, wanted: Wanted, where: str) -> Logged:
+    """The trial that a recording tells of.
+
+    Args:
+        robot: the nominal robot.
+        recording: its first row is the first control step, at rest with the motors at home; may go on after the trial.
+        wanted: what it should be.
+        where: the file, for messages.
+
+    Raises:
+        InputError: it is too short; an input of the controller has no samples where they count; the position is
+            needed and not there; or the commands are not those of the controller.
+    """
+    controller, time = wanted.controller, recording.time - recording.time[0]
+    period, grid = controller.control_step, controller.control_step * np.arange(controller.steps)
+    if time[-1] < (1.0 - _SHORT) * grid[-1] - 1.5 * period:
+        what = f"lasts {time[-1]:.3g} s, a trial {grid[-1] + period:.3g} s"
+        right = f"{controller.steps} rows, one every {period:g} s; or a run with fewer --steps"
+        raise InputError(what, where=f"{where}, column 'time'", right=right)
+    readings, notes = _readings(recording, time, grid, wanted, where)
+    last = np.searchsorted(time, grid + 0.5 * period, side="right") - 1
+    position = _position(robot, recording, time, grid, period)
+    trial = Trial(grid, readings, recording.ctrl[last], position)
+    row = float(np.median(np.diff(time)))
+    if row > 1.2 * period:
+        notes += (f"rows are {row:.3g} s apart, control steps {period:g} s",)
+    return Logged(_heard(robot, trial, wanted, where), (*notes, *_unmeasured(robot, trial, wanted, where)))
+
+
+def _readings(
+    recording: Recording, time: np.ndarray, grid: np.ndarray, wanted: Wanted, where: str
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    face, period = wanted.controller.interface, wanted.controller.control_step
+    columns, notes = [], []
+    for name, touch, values in zip(face.names, face.is_touch, recording.sensor[:, face.columns].T, strict=True):
+        told = np.isfinite(values)
+        column = f"{where}, column 'sensor.{name}'"
+        if not told.any():
+            right = f"the controller hears {', '.join(face.names)}; where a sensor is gone: what was given for it"
+            raise InputError("has no sample", where=column, right=right)
+        at, values = time[told], values[told]
+        edges = np.concatenate([[0.0], at[at <= grid[-1]], [grid[-1]]])
+        wide = np.flatnonzero(np.diff(edges) > (_GAP + 0.5) * period)
+        if len(wide):
+            start, length = edges[wide[0]], float(np.diff(edges)[wide[0]])
+            what = f"no sample for {length:.3g} s, {start:.3g} s after the first row"
+            if start < wanted.compared * period:
+                right = f"in the first {wanted.compared * period:.3g} s there have to be samples: they are compared"
+                raise InputError(what, where=column, right=right)
+            notes.append(f"sensor.{name}: {what}" + (f", and {len(wide) - 1} more gaps" if len(wide) > 1 else ""))
+        columns.append(_nearest(grid, at, np.where(values > 0.0, 1.0, -1.0)) if touch else np.interp(grid, at, values))
+    return np.stack(columns, axis=1), tuple(notes)
+
+
+def _nearest(grid: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (samples,), each at its time, as they are nearest to each time of a grid."""
+    return values[np.searchsorted(0.5 * (at[1:] + at[:-1]), grid)]
+
+
+def _position(robot: Robot, recording: Recording, time: np.ndarray, grid: np.ndarray, period: float) -> np.ndarray:
+    """The root's position (steps, 3), m; NaN where no column tells it."""
+    matrix, offset = travel_map(robot)
+    position = np.tile(offset, (len(grid), 1))
+    for component, row in enumerate(matrix):
+        for coordinate in np.flatnonzero(row):
+            values = recording.qpos[:, coordinate]
+            told = np.isfinite(values)
+            found = np.full(len(grid), np.nan)
+            if told.any():
+                at = time[told]
+                found = np.interp(grid, at, values[told])
+                # The last row of a slow clock may come after the trial's end, that of a fast one before it.
+                reach = _FURTHEST * period
+                found[(grid < at[0] - reach) | (grid > at[-1] + reach)] = np.nan
+            position[:, component] += row[coordinate] * found
+    return position
+
+
+def _unmeasured(robot: Robot, trial: Trial, wanted: Wanted, where: str) -> tuple[str, ...]:
+    """A note on a distance that nobody knows.
+
+    Raises:
+        InputError: it has to be known.
+    """
+    if np.isfinite(trial.distance(wanted.axis)):
+        return ()
+    names = " and ".join(_columns(robot, AXES[wanted.axis][0]))
+    if wanted.measured:
+        what = "the distance is not known, and --metric distance compares it"
+        raise InputError(what, where=where, right=f"at least the first and the last value of {names}, m")
+    return (f"the distance is not known; the first and the last value of {names} would tell",)
+
+
+def _columns(robot: Robot, component: int) -> list[str]:
+    """The columns of a recording that tell one component of the root's position."""
+    addresses = robot.model.jnt_qposadr.tolist()
+    found = []
+    for coordinate in np.flatnonzero(travel_map(robot)[0][component]).tolist():
+        joint = max(j for j, address in enumerate(addresses) if address <= coordinate)
+        scalar = joint in robot.scalar_joints
+        name = robot.names("joint")[joint]
+        found.append(f"qpos.{name}" if scalar else f"qpos.{name}.{coordinate - addresses[joint]}")
+    return found
+
+
+def _heard(robot: Robot, trial: Trial, wanted: Wanted, where: str) -> Trial:
+    """The trial, with what its network heard.
+
+    Raises:
+        InputError: the commands are neither the controller's nor the foretold ones.
+    """
+    controller, n = wanted.controller, min(wanted.compared, len(trial.time))
+    hidden, given = controller.rest(), np.zeros((n, controller.interface.n_outputs))
+    for row in range(n):
+        hidden, given[row] = controller.respond(hidden, trial.readings[row])
+    # Medians of each motor: where a reading comes at another row, a command jumps one row sooner or later.
+    closed, played = (
+        np.median(np.abs(commands[:n] - trial.commands[:n]) / controller.interface.ctrl_scale, axis=0)
+        for commands in (given, wanted.foretold.commands)
+    )
+    if played.max() < min(closed.max(), _DISAGREES):
+        return Trial(trial.time, trial.readings, trial.commands, trial.position, wanted.foretold.readings)
+    if closed.max() <= _DISAGREES:
+        return trial
+    worst = int(np.argmax(closed))
+    off = float(closed[worst] * controller.interface.ctrl_scale[worst])
+    column = f"{where}, column 'ctrl.{robot.names('actuator')[worst]}'"
+    what = f"commands are off by {off:.3g} from those of the controller for these readings (median of {n} steps)"
+    right = (
+        "drive the robot by the controller's file, row by row, or play the commands' file; check order, signs, units"
+    )
+    raise InputError(what, where=column, right=right)

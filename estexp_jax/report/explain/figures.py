@@ -1,0 +1,220 @@
+"""Figures of an explanation: where the error is, a test recording before and after, how all explanations rank.
+
+All are narrow and tall, so that their text stays readable on a phone.
+"""
+
+from __future__ import annotations
+
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
+from estexp_jax.discovery.selection import Explanation
+from estexp_jax.report.drawing.axes import draw_floor, log_axis, short
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_WIDTH = 5.4
+_RECORDED, _NOMINAL, _EXPLAINED, _RIVAL = "#222222", "#d95f02", "#1b6ca8", "#8c8c8c"
+_MOST_ROWS = 16
+"""So many recordings' channels are shown, those with the largest errors."""
+_MOST_PLACES = 8
+_MOST_RIVALS = 14
+_LABEL = 30
+"""Letters in a line of a label."""
+
+
+class _Strip(NamedTuple):
+    """Nominal error of one channel of one recording, window by window, as a share of the channel's range."""
+
+    label: str
+    edges: np.ndarray  # (windows + 1,) s
+    error: np.ndarray  # (windows,)
+
+
+def figure_where(diagnosis: Diagnosis) -> Figure:
+    """Where the error is: the nominal simulator's in each window of the training recordings, and ranked places."""
+    from matplotlib.figure import Figure
+
+    strips = _strips(diagnosis)
+    places = diagnosis.findings["where"][:_MOST_PLACES]
+    heights = [0.5 + 0.3 * len(strips), 0.35 + 0.3 * len(places)] if places else [0.5 + 0.3 * len(strips)]
+    figure = Figure(figsize=(_WIDTH, sum(heights) + 0.9 * len(heights)), layout="constrained")
+    panels = figure.subplots(len(heights), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
+    _draw_strips(figure, panels[0], strips)
+    if places:
+        _draw_places(panels[1], places)
+    return figure
+
+
+def figure_fit(diagnosis: Diagnosis) -> Figure:
+    """A test recording before and after: the channel that the nominal simulator misses most, and what is left of it."""
+    return figure_prediction(*worst_channel(diagnosis))
+
+
+def figure_prediction(prediction: Prediction, channel: int) -> Figure:
+    """One channel of a test recording under both simulators, and what is left of it."""
+    from matplotlib.figure import Figure
+
+    time, breaks = _with_breaks(prediction)
+    recorded, nominal, explained = (
+        np.insert(getattr(prediction, name)[:, channel].astype(float), breaks, np.nan)
+        for name in ("recorded", "nominal", "explained")
+    )
+    figure = Figure(figsize=(_WIDTH, 5.6), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 2]})
+    above.plot(time, recorded, color=_RECORDED, lw=2.4, alpha=0.35, label="recorded")
+    above.plot(time, nominal, color=_NOMINAL, lw=1.2, label="nominal simulator")
+    above.plot(time, explained, color=_EXPLAINED, lw=1.2, ls="--", label="explained simulator")
+    below.plot(time, nominal - recorded, color=_NOMINAL, lw=1.1)
+    below.plot(time, explained - recorded, color=_EXPLAINED, lw=1.1)
+    below.axhline(0.0, color="0.6", lw=0.8, zorder=0)
+    for axes in (above, below):
+        for start in prediction.time[np.flatnonzero(np.diff(prediction.window)) + 1]:
+            axes.axvline(start, color="0.9", lw=0.8, zorder=0)
+        axes.spines[["top", "right"]].set_visible(False)
+    # Names are not formulas, though they may have dollars in them.
+    title = "\n".join(wrap(f"{prediction.recording}, never fitted", 52))
+    above.set_title(title, fontsize=10, loc="left", parse_math=False)
+    above.set_ylabel("\n".join(wrap(prediction.channels[channel], 30)), parse_math=False)
+    below.set_ylabel("simulated - recorded")
+    below.set_xlabel("time (s); both restart at the pale lines")
+    figure.legend(*above.get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False, fontsize=9)
+    return figure
+
+
+def figure_ranking(diagnosis: Diagnosis) -> Figure:
+    """All explanations by their error on windows of training recordings that they were not fitted to."""
+    from matplotlib.figure import Figure
+
+    rivals = ranked(diagnosis)
+    labels = ["\n".join(wrap(label, _LABEL)) for label, _ in rivals]
+    lines = sum(label.count("\n") + 1 for label in labels)
+    figure = Figure(figsize=(_WIDTH, 1.2 + 0.12 * len(rivals) + 0.16 * lines), layout="constrained")
+    axes = figure.subplots()
+    height = np.cumsum([0.0, *(-0.75 - 0.5 * (label.count("\n") + 1) for label in labels[:-1])])
+    chosen = diagnosis.selection.chosen
+    for y, (_, explanation) in zip(height, rivals, strict=True):
+        _draw_rival(axes, y, explanation.error, _colour(diagnosis, explanation), bold=explanation is chosen)
+    axes.set_yticks(height, labels, fontsize=9, parse_math=False)
+    for tick, (_, explanation) in zip(axes.get_yticklabels(), rivals, strict=True):
+        tick.set_fontweight("bold" if explanation is chosen else "normal")
+    errors = [explanation.error for _, explanation in rivals]
+    draw_floor(axes, 1.0, errors)
+    log_axis(axes, errors)
+    axes.set_ylim(height[-1] - 1.0, 1.0)
+    axes.set_xlabel("error on held-out windows")
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+    return figure
+
+
+def worst_channel(diagnosis: Diagnosis) -> tuple[Prediction, int]:
+    """The test recording and the channel with the nominal simulator's largest error, each over the channel's range."""
+    found = [
+        (float(np.sqrt(np.mean(error**2))), i, channel)
+        for i, p in enumerate(diagnosis.predictions)
+        if p.role == "test"
+        for channel, error in enumerate(_normalised(p).T)
+        for error in [error[np.isfinite(error)]]
+        if error.size
+    ]
+    _, i, channel = max(found)
+    return diagnosis.predictions[i], channel
+
+
+def ranked(diagnosis: Diagnosis) -> list[tuple[str, Explanation]]:
+    """Nominal, parameters only, then the best of those tried, with the chosen one among them, each with its label."""
+    selection = diagnosis.selection
+    best = sorted(selection.tried, key=lambda e: e.error)[:_MOST_RIVALS]
+    if selection.chosen in selection.tried and selection.chosen not in best:
+        best[-1] = selection.chosen
+    known = [("nominal simulator", selection.nominal), ("parameters only", selection.parameters)]
+    return known + [(name_of(e), e) for e in best]
+
+
+def name_of(explanation: Explanation) -> str:
+    """`coulomb friction @ knee + armature @ knee`."""
+    return " + ".join(e.replace("_", " ") + (f" @ {s}" if s else "") for e, s in explanation.places)
+
+
+def _strips(diagnosis: Diagnosis) -> list[_Strip]:
+    found = []
+    training = [p for p in diagnosis.predictions if p.role == "train"]
+    for p in training:
+        error = _normalised(p) ** 2
+        firsts = np.flatnonzero(np.diff(p.window, prepend=-1))
+        edges = np.append(p.time[firsts], p.time[-1])
+        for channel, name in enumerate(p.channels):
+            parts = [part[np.isfinite(part)] for part in np.split(error[:, channel], firsts[1:])]
+            if any(part.size for part in parts):
+                rms = np.array([np.sqrt(part.mean()) if part.size else np.nan for part in parts])
+                found.append(_Strip(f"{p.recording}\n{name}" if len(p.channels) > 1 else p.recording, edges, rms))
+    if len(found) <= _MOST_ROWS:
+        return found
+    least = sorted((float(np.nanmean(s.error)) for s in found), reverse=True)[_MOST_ROWS - 1]
+    return [s for s in found if np.nanmean(s.error) >= least][:_MOST_ROWS]
+
+
+def _normalised(prediction: Prediction) -> np.ndarray:
+    """Nominal errors (rows, channels) over each channel's range; NaN where there is no sample."""
+    table, bad = prediction.recorded, ~np.isfinite(prediction.recorded)
+    span = np.max(np.where(bad, -np.inf, table), axis=0) - np.min(np.where(bad, np.inf, table), axis=0)
+    return (prediction.nominal - table) / np.where(np.isfinite(span) & (span > 0.0), span, 1.0)
+
+
+def _draw_strips(figure: Figure, axes: Axes, strips: list[_Strip]) -> None:
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    top = max([float(np.nanmax(s.error)) for s in strips], default=1.0) or 1.0
+    colours = ScalarMappable(Normalize(0.0, 100.0 * top), "YlOrRd")
+    for row, strip in enumerate(strips):
+        for left, right, error in zip(strip.edges[:-1], strip.edges[1:], strip.error, strict=True):
+            colour = colours.to_rgba(100.0 * error) if np.isfinite(error) else "#eeeeee"
+            axes.barh(row, right - left, left=left, height=0.8, color=colour, edgecolor="white", linewidth=0.5)
+    axes.set_yticks(range(len(strips)), [short(s.label) for s in strips], fontsize=8, parse_math=False)
+    axes.set_ylim(len(strips) - 0.4, -0.6)
+    axes.set_xlabel("time (s)")
+    axes.set_title("Error of the nominal simulator,\ntraining recordings", fontsize=10, loc="left")
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+    figure.colorbar(colours, ax=axes, label="% of the range", fraction=0.05, pad=0.02)
+
+
+def _draw_places(axes: Axes, places: list[dict[str, Any]]) -> None:
+    shares = [100.0 * p["share"] for p in places]
+    bars = axes.barh(range(len(places)), shares, height=0.6, color=[_EXPLAINED] + [_RIVAL] * (len(places) - 1))
+    axes.bar_label(bars, [f"{s:.0f} %" for s in shares], padding=4, fontsize=9)
+    names = [short(p["kind"] if p["name"] is None else f"{p['kind']} {p['name']}") for p in places]
+    axes.set_yticks(range(len(places)), names, fontsize=9, parse_math=False)
+    axes.set_ylim(len(places) - 0.4, -0.6)
+    axes.set_xlim(0.0, max(shares) * 1.15)
+    axes.set_title("Places, by the share of the error\nthat an effect there removes", fontsize=10, loc="left", pad=10)
+    axes.set_xticks([])
+    axes.spines[["top", "right", "bottom"]].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+
+
+def _draw_rival(axes: Axes, y: float, error: float, colour: str, *, bold: bool) -> None:
+    axes.plot(error, y, "o", color=colour, markersize=9 if bold else 6)
+    weight = "bold" if bold else "normal"
+    offset = {"xytext": (9, 0), "textcoords": "offset points", "va": "center"}
+    axes.annotate(f"{error:.3g}", (error, y), fontsize=8, color=colour, fontweight=weight, **offset)
+    axes.axhline(y, color="0.93", lw=0.8, zorder=0)
+
+
+def _colour(diagnosis: Diagnosis, explanation: Explanation) -> str:
+    if explanation is diagnosis.selection.chosen:
+        return _EXPLAINED
+    return _NOMINAL if explanation is diagnosis.selection.nominal else _RIVAL
+
+
+def _with_breaks(prediction: Prediction) -> tuple[np.ndarray, np.ndarray]:
+    """Times (rows + windows - 1,) with a NaN before each window but the first, and where those were put in."""
+    breaks = np.flatnonzero(np.diff(prediction.window)) + 1
+    return np.insert(prediction.time.astype(float), breaks, np.nan), breaks

@@ -1,0 +1,1 @@
+"""Figures, advice and page of a proposed experiment."""

@@ -1,0 +1,78 @@
+"""The report of a proposed motion: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from estexp_jax.discovery.contest import Rival
+from estexp_jax.experiment_design.propose import PLAIN, Proposed
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.report.pages import capital, image, number, render
+from estexp_jax.report.propose.figures import figure_commands, figure_predictions
+from estexp_jax.report.propose.text import (
+    again,
+    caution,
+    motion,
+    opening,
+    reaches,
+    rows,
+    signs,
+    standing,
+    verdict,
+)
+
+
+def page(proposed: Proposed) -> str:
+    """HTML of a proposal."""
+    return render(
+        "propose_page.html",
+        model=Path(proposed.robot.source).name,
+        headline=headline(proposed),
+        verdict=verdict(proposed),
+        opening=opening(proposed),
+        rivals=[_rival(n, rival) for n, rival in enumerate(proposed.contest.rivals, start=1)],
+        motion=motion(proposed),
+        caution=caution(proposed),
+        reaches=reaches(proposed),
+        plain=f"{PLAIN:g}",
+        pairs=[_pair(pair) for pair in rows(proposed)],
+        signs=signs(proposed),
+        command=again(proposed),
+        commands=image(figure_commands(proposed)),
+        predictions=image(figure_predictions(proposed)),
+        cost=f"{proposed.robot_steps / 1e6:.3g} million robot steps; seed {proposed.config.seed}; "
+        f"engine {proposed.engine[0]}.",
+    )
+
+
+def headline(proposed: Proposed) -> str:
+    """Whether the motion settles it, in a sentence."""
+    pairs = rows(proposed)
+    plain = sum(pair["told_apart"] for pair in pairs)
+    if plain == len(pairs):
+        return "Record this motion: it tells the explanations apart."
+    if plain:
+        return f"Record this motion: it tells {plain} of {len(pairs)} pairs of explanations apart."
+    return "No motion found within the limits tells the explanations plainly apart."
+
+
+def _rival(place: int, rival: Rival) -> dict[str, Any]:
+    return {
+        "number": place,
+        "label": rival.label,
+        "sentence": capital(rival.sentence),
+        "standing": capital(standing(rival)),
+        "refuted": not rival.open,
+        "equations": list(dict.fromkeys(effect(claim.effect).equation for claim in rival.claims)),
+    }
+
+
+def _pair(pair: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "pair": f"{pair['rival']}, {pair['other']}",
+        "separation": number(pair["separation"]),
+        "random": number(pair["random"]),
+        "moment": f"{pair['sensor']} at {pair['time']:.2f} s: {abs(pair['difference']):.2g} {pair['unit']}".rstrip(),
+        "told_apart": pair["told_apart"],
+    }

@@ -1,0 +1,1 @@
+"""Figure, film, files and page of a recovery."""

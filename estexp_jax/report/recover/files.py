@@ -1,0 +1,75 @@
+"""What a recovery run writes besides its report: its record, its generations, its trials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import IO, Any
+
+import numpy as np
+
+from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.engines.controller_interface import Interface
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.state import RunState
+
+_COLUMNS = ("pass", "phase", "generation", "best", "median", "dominant")
+
+
+def record(
+    state: RunState, axis: str, planted: Sequence[Change], config: Mapping[str, Any], *, stands_in: bool = False
+) -> dict[str, Any]:
+    """The contents of `run.json`, versions apart; distances in m, forward positive.
+
+    Args:
+        state: the run.
+        axis: of the distance.
+        planted: what was wrong.
+        config: of the run; has `seed`.
+        stands_in: nobody knows how the robot was before: what the state tells of that is the simulator's.
+    """
+    before = None if state.before is None or stands_in else state.before.distance(axis)
+    return {
+        "config": dict(config),
+        "seed": config["seed"],
+        "planted": [change.to_json() for change in planted],
+        "distance": {
+            "before": before,
+            "damaged": state.trials[0].distance(axis) if state.trials else None,
+        },
+        "passes": [
+            {
+                "simulated_m": each.simulated,
+                "diagnosis": [change.to_json() for change in each.diagnosis],
+                "probability": each.probability,
+                "rivals": [
+                    {"diagnosis": [change.to_json() for change in diagnosis], "probability": p}
+                    for diagnosis, p in each.rivals
+                ],
+                "alarm": each.alarm,
+                "hardware_m": each.hardware,
+            }
+            for each in state.passes(axis)
+        ],
+    }
+
+
+def write_history(stream: IO[bytes], state: RunState) -> None:
+    """`history.parquet`: one row a generation."""
+    import pyarrow
+    import pyarrow.parquet
+
+    columns = list(zip(*state.history, strict=True)) or [[] for _ in _COLUMNS]
+    table = pyarrow.table(dict(zip(_COLUMNS, (list(column) for column in columns), strict=True)))
+    pyarrow.parquet.write_table(table, stream)
+
+
+def write_traces(stream: IO[bytes], state: RunState, robot: Robot, interface: Interface) -> None:
+    """`traces.npz`: the damaged robot's trials; trial 0 is the one in which it was damaged."""
+    arrays: dict[str, Any] = {}
+    for number, trial in enumerate(state.trials):
+        arrays[f"trial_{number}/time"] = trial.time
+        for name, column in zip(interface.names, trial.readings.T, strict=True):
+            arrays[f"trial_{number}/{name}"] = column
+        for name, column in zip(robot.names("actuator"), trial.commands.T, strict=True):
+            arrays[f"trial_{number}/ctrl/{name}"] = column
+    np.savez(stream, **arrays)

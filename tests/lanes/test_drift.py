@@ -1,0 +1,68 @@
+"""How far lanes in single precision drift from the C engine over 1000 steps, beside what rounding alone does to C.
+
+Prints the table of experiments/bench/README.md: pytest -m slow -s tests/physics/engines/test_lanes_drift.py
+"""
+
+import mujoco
+import numpy as np
+import pytest
+
+from estexp_jax.physics.effects.changes import encode, stack
+from estexp_jax.physics.effects.registry import catalogue
+from estexp_jax.physics.engines.choice import walker
+from estexp_jax.physics.engines.closed_loop import BodyState, Walk, Walker
+from estexp_jax.physics.model.travel import travel_map
+from tests.physics.robots import robot
+
+N, STEPS = 32, (1, 10, 100, 1000)
+SETTLE = 200
+ROUNDING = 2.0**-24
+"""Largest relative error of a number rounded to single precision."""
+
+
+def walked(name: str) -> tuple[Walker, BodyState, Walk]:
+    """Robots with random controllers, one physics step a control step."""
+    one = robot(name)
+    walks = walker(
+        one,
+        catalogue(["body_mass"]),
+        rows=STEPS[-1] + 1,
+        control_step=one.model.opt.timestep,
+        population=2 * N,
+        engine="lanes",
+    )
+    values = stack([encode(one, walks.catalogue, ())] * N)
+    start = walks.settle(values, SETTLE)
+    weights = np.random.default_rng(7).uniform(-1.0, 1.0, (N, walks.n_weights))
+    return walks, start, walks.walk(values, weights, start, STEPS[-1] + 1)
+
+
+def in_c(walks: Walker, start: BodyState, commands: np.ndarray, scale: float) -> np.ndarray:
+    """Where the roots are (N, rows, 3) under the same commands in the C engine, from `scale` times the start."""
+    model, (matrix, offset) = walks.robot.model, travel_map(walks.robot)
+    places = []
+    for i in range(N):
+        data, rows = mujoco.MjData(model), []
+        data.qpos[:], data.qvel[:] = (scale * x[i].astype(float) for x in (start.qpos, start.qvel))
+        data.qacc_warmstart[:] = start.warmstart[i]
+        for row in commands[i]:
+            rows.append(matrix @ data.qpos + offset)
+            data.ctrl[:] = row
+            mujoco.mj_step(model, data)
+        places.append(rows)
+    return np.array(places)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cartpole", "quadruped"])
+def test_lanes_drift_no_more_than_rounding_makes_c_drift(name: str) -> None:
+    walks, start, walk = walked(name)
+    exact, moved = (in_c(walks, start, walk.commands, scale) for scale in (1.0, 1.0 + ROUNDING))
+    at = list(STEPS)
+    apart, own = (np.linalg.norm(x - exact, axis=-1)[:, at] for x in (walk.position, moved))
+    went = np.linalg.norm(exact - exact[:, :1], axis=-1)[:, at]
+    for k, step in enumerate(at):
+        cells = [f"{np.quantile(x[:, k], q):.0e}" for x in (apart, own) for q in (0.5, 0.9)]
+        print(f"| {name} | {step} | {np.median(went[:, k]):.2g} | {' | '.join(cells)} |")
+    assert np.median(apart[:, 1]) < 1e-5
+    assert np.median(apart[:, -1]) < max(10.0 * np.median(own[:, -1]), 1e-3)

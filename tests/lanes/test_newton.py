@@ -1,0 +1,72 @@
+"""The solver's settings are good enough for all that a quadruped meets, and one iteration is not."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import jax
+import mujoco
+import numpy as np
+import pytest
+from mujoco import mjx
+
+from estexp_jax.physics.effects.changes import neutral, stack
+from estexp_jax.physics.effects.registry import ALL
+from tests.physics.conftest import Lab
+from tests.recovery.control.controller_twin import N_WEIGHTS, Body, Twin
+from tests.physics.reference import States, converged
+from tests.physics.robots import robot
+
+N_CONTROLLERS, CONTROL_STEPS = 16, 120
+REQUIRED = 1e-3
+"""m/s (and rad/s), 99th percentile of one-step velocity errors."""
+
+
+@pytest.fixture(scope="module")
+def visited() -> States:
+    """States of quadrupeds driven by random networks; some start on their side or back."""
+    quadruped = robot("quadruped")
+    rng = np.random.default_rng(7)
+    model, rows = converged(quadruped.spec.copy().compile()), []
+    for k in range(N_CONTROLLERS):
+        body, twin = Body(quadruped, model), Twin(rng.uniform(-1.0, 1.0, N_WEIGHTS).round(2))
+        start = quadruped.home()
+        if k % 4 == 3:
+            start[2:7] = [0.3, *rng.normal(size=4)]
+            start[3:7] /= np.linalg.norm(start[3:7])
+        body.place(start, np.zeros(model.nv), np.zeros(model.nv), np.zeros(4))
+        for t in range(CONTROL_STEPS):
+            commands = twin.respond(body.readings())
+            if t >= 10 and t % 7 == k % 7:
+                rows.append(_one(body.data, model, commands))
+            body.step(commands)
+    return States(*(np.array(column) for column in zip(*rows, strict=True)))
+
+
+def _one(data: mujoco.MjData, model: mujoco.MjModel, ctrl: np.ndarray) -> tuple:
+    now, after = (data.qpos.copy(), data.qvel.copy(), ctrl, data.qacc_warmstart.copy()), mujoco.MjData(model)
+    after.qpos[:], after.qvel[:], after.ctrl[:], after.qacc_warmstart[:] = now
+    mujoco.mj_step(model, after)
+    return *now, after.qvel.copy(), after.qpos.copy(), after.ncon
+
+
+def test_the_states_hold_all_contact_situations(visited: States) -> None:
+    assert len(visited.qpos) >= 200
+    assert {0, 1, 2, 3, 4} <= set(visited.contacts.tolist())
+    assert visited.contacts.max() >= 5
+
+
+def test_one_step_errors_are_below_a_millimetre_a_second(lab: Callable[[str], Lab], visited: States) -> None:
+    here = lab("quadruped")
+    nominal = stack([neutral(here.on_mjx.robot, ALL)] * len(visited.qpos))
+    settled = np.abs(here.run(nominal, visited)["next_qvel"] - visited.next_qvel).max(axis=1)
+    assert np.quantile(settled, 0.99) < REQUIRED
+
+    single = here.on_mjx.model.tree_replace({"opt.iterations": 1})
+    step = jax.jit(jax.vmap(partial(_next, single, here.on_mjx.data)))
+    hasty = np.abs(step(*(np.asarray(x, np.float32) for x in visited[:4])) - visited.next_qvel).max(axis=1)
+    assert np.quantile(hasty, 0.99) > 100 * REQUIRED, "the bound tells one iteration from enough of them"
+
+
+def _next(model: Any, data: mjx.Data, qpos, qvel, ctrl, warmstart) -> jax.Array:  # noqa: ANN001
+    return mjx.step(model, data.replace(qpos=qpos, qvel=qvel, ctrl=ctrl, qacc_warmstart=warmstart)).qvel

@@ -1,0 +1,63 @@
+"""Models whose numbers are none, or that claim too much: refused with one message, and nothing on stderr."""
+
+import mujoco
+import pytest
+
+from estexp_jax.errors import InputError
+from estexp_jax.physics.model.robot import Robot
+
+ARM = """<mujoco>{}<worldbody><body><joint name="elbow" axis="0 1 0"/><geom size="{}"/></body></worldbody>
+<actuator><position joint="elbow" kp="{}"/></actuator><sensor><jointpos joint="elbow"/>{}</sensor></mujoco>"""
+
+
+def arm(option: str = "", size: str = ".1", kp: str = "1", sensor: str = "") -> str:
+    return ARM.format(option, size, kp, sensor)
+
+
+@pytest.mark.parametrize(
+    ("xml", "told"),
+    [
+        (arm('<option timestep="nan"/>'), "timestep: a step of nan s"),
+        (arm('<option timestep="1e-300"/>'), "1e-06 to 1 s"),
+        (arm('<option timestep="1e300"/>'), "1e-06 to 1 s"),
+        (arm('<option gravity="0 0 inf"/>'), "gravity"),
+        (arm(size="nan"), "nan size"),
+        (arm(size="1e200"), "holds what is no number|does not compile"),
+        (arm(kp="inf"), "actuator_gainprm"),
+        (arm(kp="1e300"), "actuator_gainprm"),
+        (arm(sensor='<user dim="2000000000"/>'), "claim 2,000,000,000 values; at most 100,000"),
+    ],
+)
+def test_what_is_no_number_is_told_once(xml, told, capfd):
+    with pytest.raises(InputError, match=told) as caught:
+        Robot.from_string(xml, "arm.xml")
+    assert "arm.xml" in str(caught.value) and "\n" not in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_sound_ones_pass_and_warnings_are_heard_again():
+    heard: list[str] = []
+    mujoco.set_mju_user_warning(heard.append)
+    try:
+        Robot.from_string(arm())
+        mujoco.mju_warning("hello") if hasattr(mujoco, "mju_warning") else heard.append("hello")
+        assert mujoco.get_mju_user_warning() is not None and "hello" in heard[-1]
+    finally:
+        mujoco.set_mju_user_warning(None)
+
+
+def test_a_warning_while_a_model_is_read_is_not_heard(tmp_path, recwarn):
+    twice = '<mujoco><worldbody><body><joint/><joint/><geom size="0.1"/></body></worldbody></mujoco>'
+    with pytest.warns(UserWarning, match="singular"):
+        mujoco.MjSpec.from_string(twice).compile()
+    (tmp_path / "twice.xml").write_text(twice)
+    recwarn.clear()
+    with pytest.raises(InputError, match="twice.xml: the inertia matrix is singular at the joint 'joint_0'"):
+        Robot.from_xml(tmp_path / "twice.xml")
+    assert not recwarn.list
+
+
+def test_joints_that_move_alike_are_sound_once_they_have_armature():
+    twice = '<joint name="one" armature=".1"/><joint name="two" armature=".1"/>'
+    xml = arm().replace('<joint name="elbow" axis="0 1 0"/>', twice).replace('"elbow"', '"one"')
+    assert Robot.from_string(xml).model.njnt == 2

@@ -1,0 +1,35 @@
+"""What the set search chooses from."""
+
+from estexp_jax.physics.effects.changes import encode
+from estexp_jax.physics.effects.registry import PAPER, catalogue
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.estimation.edits import Place, change_of, merged
+from estexp_jax.recovery.estimation.options import EXTENDED, menu
+
+
+def test_every_option_can_be_simulated(quadruped: Robot) -> None:
+    found, effects = menu(quadruped, "full"), catalogue([*PAPER, *EXTENDED])
+    assert {place.effect for place in found.places} == {*PAPER, *EXTENDED}
+    for index, option in enumerate(found.options):
+        for amount in option.coarse:
+            [(place, same)] = found.items(((index, amount),))
+            encode(quadruped, effects, [change_of(quadruped, place, same)])
+
+
+def test_the_papers_catalogue_is_its_six_modifications_with_growing_masses(quadruped: Robot) -> None:
+    found = menu(quadruped, "paper")
+    assert {place.effect for place in found.places} == set(PAPER)
+    masses = [o for p, o in zip(found.places, found.options, strict=True) if p.effect == "body_mass"]
+    assert all(option.low == 0.0 for option in masses)
+    assert menu(quadruped, "full").places[: len(found.places)] == found.places
+
+
+def test_a_motor_repeats_one_other(quadruped: Robot) -> None:
+    ties = [(Place("tied_outputs", "hip_f", partner), 1.0) for partner in (2, 3)]
+    assert merged(quadruped, ties) == (ties[0],)
+    assert merged(quadruped, [*ties, (Place("part_lost", "upper_f"), 1.0)]) == ((Place("part_lost", "upper_f"), 1.0),)
+
+
+def test_a_sensor_can_be_stuck_at_zero(quadruped: Robot) -> None:
+    stuck = ((Place("sensor_stuck", "angle_f"), 0.0),)
+    assert merged(quadruped, stuck) == stuck
