@@ -17,12 +17,12 @@ class InputError(Exception):
     """
 
     def __init__(self, what: str, *, where: str = "", right: str = "") -> None:
-        self.what, self.where, self.right = (plain(text) for text in (what, where, right))
+        self.what, self.where, self.right = (printable(text) for text in (what, where, right))
         message = f"{self.where}: {self.what}" if where else self.what
         super().__init__(f"{message}; {self.right}" if right else message)
 
 
-def plain(text: str) -> str:
+def printable(text: str) -> str:
     """A text from somebody's file on one line, its control characters written out: a terminal would obey them."""
     if text.isprintable():
         return text
@@ -43,10 +43,10 @@ def listing(names: Iterable[str]) -> str:
     """Names with commas between them, and how many more there are than a message should list."""
     every = list(names)
     more = f" and {len(every) - MOST_LISTED} more" if len(every) > MOST_LISTED else ""
-    return plain(", ".join(every[:MOST_LISTED])) + more
+    return printable(", ".join(every[:MOST_LISTED])) + more
 
 
-def shown(value: object) -> str:
+def abbreviated(value: object) -> str:
     """A value as a message shows it: its beginning, since the user's file may hold one of any size."""
     try:
         text = repr(value)

@@ -23,14 +23,14 @@ from estexp_jax.benchmark.engines import (
     agreement_json,
     runner,
 )
-from estexp_jax.benchmark.estimation import estimation
+from estexp_jax.benchmark.estimation import estimation_time
 from estexp_jax.benchmark.process import alone
-from estexp_jax.benchmark.subject import Field, Race, load
+from estexp_jax.benchmark.subject import BenchmarkRobots, BenchmarkTask, load
 from estexp_jax.benchmark.sweep import sweep
 from estexp_jax.errors import InputError
 from estexp_jax.physics.engines.batching import cores
 from estexp_jax.physics.engines.devices import accelerated, device
-from estexp_jax.runs import Progress, enable_compilation_cache, versions
+from estexp_jax.runs import ProgressDisplay, enable_compilation_cache, versions
 
 _CONTROL_STEP = 0.01
 """s, as shipped."""
@@ -43,7 +43,7 @@ class BenchConfig:
     """What is measured.
 
     Attributes:
-        model, feet, population, steps, seed: as in `Race`.
+        model, feet, population, steps, seed: as in `BenchmarkTask`.
         substeps: physics steps a control step, of one race each; empty: as shipped, and 1.
         repeats: how often each engine is timed.
         sweep: whether to go through populations from 1 to 6400.
@@ -66,7 +66,7 @@ class BenchConfig:
             if least < 1:
                 raise InputError(f"is {least}", where=f"--{name}", right="at least 1")
 
-    def races(self) -> list[Race]:
+    def races(self) -> list[BenchmarkTask]:
         """One for each number of physics steps.
 
         Raises:
@@ -74,7 +74,7 @@ class BenchConfig:
         """
         step = load(self.model, feet=self.feet).model.opt.timestep
         shipped = max(1, round(_CONTROL_STEP / step))
-        race = Race(self.model, self.feet, self.population, self.steps, shipped, self.seed)
+        race = BenchmarkTask(self.model, self.feet, self.population, self.steps, shipped, self.seed)
         return [replace(race, substeps=n) for n in dict.fromkeys(self.substeps or (shipped, 1))]
 
 
@@ -83,7 +83,7 @@ def quick(config: BenchConfig) -> BenchConfig:
     return replace(config, population=min(config.population, 48), steps=min(config.steps, 100), repeats=2)
 
 
-def bench(config: BenchConfig, progress: Progress, made: Made = runner) -> dict[str, Any]:
+def bench(config: BenchConfig, progress: ProgressDisplay, made: Made = runner) -> dict[str, Any]:
     """Measure.
 
     Args:
@@ -110,7 +110,7 @@ def bench(config: BenchConfig, progress: Progress, made: Made = runner) -> dict[
     trusted = [e["name"] for e in main["engines"] if not e["refused"]]
     if config.estimation and "lanes" in trusted:
         progress.stage("an estimation generation")
-        result["estimation"] = estimation(races[0], config.repeats)
+        result["estimation"] = estimation_time(races[0], config.repeats)
     if config.sweep:
         result["sweep"] = sweep(races[0], trusted, progress, made)
     machine = {"cores": cores(), "device": device(), "load_average_before": load_before}
@@ -118,9 +118,9 @@ def bench(config: BenchConfig, progress: Progress, made: Made = runner) -> dict[
     return {**result, **about, "notes": _notes(), "versions": versions()}
 
 
-def _race(race: Race, repeats: int, progress: Progress, made: Made) -> dict[str, Any]:
+def _race(race: BenchmarkTask, repeats: int, progress: ProgressDisplay, made: Made) -> dict[str, Any]:
     """Check all engines, time those that agree; the entries of `engines`."""
-    field, title = Field(race), f"{race.substeps} physics step(s) a control step"
+    field, title = BenchmarkRobots(race), f"{race.substeps} physics step(s) a control step"
     entries, runners = [], []
     for name in (*C_ENGINES, *JAX_ENGINES):
         progress.stage(f"{title}: checking {name}")
@@ -137,7 +137,7 @@ def _race(race: Race, repeats: int, progress: Progress, made: Made) -> dict[str,
     return {**times, "arithmetic_peak_flops": peak, "engines": entries}
 
 
-def _checked(name: str, field: Field, made: Made) -> tuple[dict[str, Any], Runner | None]:
+def _checked(name: str, field: BenchmarkRobots, made: Made) -> tuple[dict[str, Any], Runner | None]:
     """An engine's entry, and the engine unless it is refused."""
     blank = dict.fromkeys(
         ("robot_steps_per_s", "ratio_to_serial", "ratio_to_c_all_cores", "compile_s", "first_result_s", "peak_mb")
@@ -155,7 +155,7 @@ def _checked(name: str, field: Field, made: Made) -> tuple[dict[str, Any], Runne
 
 
 def timed(
-    runners: Sequence[Runner], substeps: int, repeats: int, progress: Progress
+    runners: Sequence[Runner], substeps: int, repeats: int, progress: ProgressDisplay
 ) -> tuple[dict[str, list[float]], dict[str, list[float]], float]:
     """Robot steps of each engine, one number a repeat, per second and per second of processor time (of all threads).
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.recovery.hardware.onboard import ARRAYS, Onboard
+from estexp_jax.recovery.hardware.onboard import ARRAYS, OnboardController
 
 _BROKEN = (OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError, MemoryError)
 _BROKEN += (zipfile.BadZipFile, zlib.error)
 
 
-def load_controller(path: str | Path) -> Onboard:
+def load_controller(path: str | Path) -> OnboardController:
     """A controller, ready to drive a robot.
 
     ```python
@@ -37,7 +37,7 @@ def load_controller(path: str | Path) -> Onboard:
         raise InputError("no such controller", where=str(path), right="a controller_<i>.npz of estexp recover")
     try:
         with np.load(path, allow_pickle=False) as archive:
-            return Onboard.from_arrays({name: archive[name] for name in ARRAYS})
+            return OnboardController.from_arrays({name: archive[name] for name in ARRAYS})
     except _BROKEN as error:
         right = "a controller_<i>.npz of estexp recover"
         raise InputError(f"is no controller: {error}", where=str(path), right=right) from None

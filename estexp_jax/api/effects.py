@@ -9,7 +9,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects import registry
 from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.effects.checks import faults
+from estexp_jax.physics.effects.checks import effect_faults
 from estexp_jax.physics.model.robot import Robot
 
 _E = TypeVar("_E", bound=Effect)
@@ -34,11 +34,11 @@ def register(effect: _E, robots: Sequence[Robot] = ()) -> _E:
         InputError: a law that every effect obeys does not hold: places that exist, finite bounds, a sentence that names
             place and numbers, no change at neutral values, ...; or the program has an effect of that name.
     """
-    found = faults(effect)
+    found = effect_faults(effect)
     if not found:
         registry.add(effect)
         tried = robots or [Robot.from_xml(model_path(name)) for name in _TRIED]
-        found = next((wrong for wrong in (faults(effect, robot) for robot in tried) if wrong), [])
+        found = next((wrong for wrong in (effect_faults(effect, robot) for robot in tried) if wrong), [])
     if found:
         registry.drop(effect)
         raise InputError(found[0], where=f"the effect {type(effect).__name__}", right="see docs/effects.md")

@@ -21,7 +21,7 @@ from estexp_jax.runs import count_compilations, enable_compilation_cache, forget
 
 @final
 @dataclass(frozen=True, eq=False)
-class Explanation:
+class ExplainResult:
     """What `explain` found; prints itself as a table in a notebook.
 
     Attributes:
@@ -34,19 +34,19 @@ class Explanation:
 
     def summary(self) -> str:
         """The verdict, what is missing, and how much better unseen recordings are predicted."""
-        from estexp_jax.report.explain.text import summary
+        from estexp_jax.report.explain.text import explain_summary
 
-        return summary(self.findings)
+        return explain_summary(self.findings)
 
     def table(self) -> Any:
         """The claimed effects, one parameter a row: a DataFrame where pandas is present, else a list of dicts."""
-        from estexp_jax.report.explain.text import rows
+        from estexp_jax.report.explain.text import explain_rows
 
         try:
             from pandas import DataFrame  # pyright: ignore[reportMissingImports] (a guest, not a dependency)
         except ImportError:
-            return rows(self.findings)
-        return DataFrame(rows(self.findings))
+            return explain_rows(self.findings)
+        return DataFrame(explain_rows(self.findings))
 
     def plot_where(self) -> Picture:
         """Where the error is."""
@@ -62,9 +62,9 @@ class Explanation:
 
     def plot_rivals(self) -> Picture:
         """Test and training errors of the nominal simulator, the rivals and the explanation."""
-        from estexp_jax.report.explain.competing_models import figure_rivals
+        from estexp_jax.report.explain.competing_models import figure_competing_models
 
-        return Picture(figure_rivals(self.findings))
+        return Picture(figure_competing_models(self.findings))
 
     def plot_ranking(self) -> Picture:
         """All explanations tried, by how they predict held-out windows."""
@@ -105,9 +105,9 @@ class Explanation:
         return self.summary()
 
     def _repr_html_(self) -> str:
-        from estexp_jax.report.explain.text import html_table
+        from estexp_jax.report.explain.text import explain_table
 
-        return html_table(self.findings)
+        return explain_table(self.findings)
 
 
 def explain(
@@ -122,7 +122,7 @@ def explain(
     seed: int = 0,
     engine: str = "auto",
     progress: Callable[[Step], None] | None = None,
-) -> Explanation:
+) -> ExplainResult:
     """Find the physics that a simulator lacks, from recordings of the robot.
 
     Args:
@@ -141,7 +141,7 @@ def explain(
         InputError: a file is wrong or the model cannot be simulated.
     """
     inputs = read_inputs([str(model), *map_str(recordings)], test=map_str(test), maps=list(map))
-    config = config_of(window, most, effects, seed, engine)
+    config = explain_config_of(window, most, effects, seed, engine)
     return run_explanation(inputs, config, {}, progress or _ignore)
 
 
@@ -150,7 +150,7 @@ def map_str(paths: Sequence[str | Path]) -> list[str]:
     return [str(path) for path in paths]
 
 
-def config_of(
+def explain_config_of(
     window: float, most: int, effects: Sequence[str] | None, seed: int, engine: str = "auto"
 ) -> ExplainConfig:
     """The configuration of these choices.
@@ -188,7 +188,7 @@ def case_of(inputs: Inputs) -> Case:
 
 def run_explanation(
     inputs: Inputs, config: ExplainConfig, memory: dict[str, Any], report: Callable[[Step], None]
-) -> Explanation:
+) -> ExplainResult:
     """Explain, timing it.
 
     Args:
@@ -209,7 +209,7 @@ def run_explanation(
                 diagnosis: Diagnosis = end.value
                 break
     cost = {**diagnosis.findings["cost"], "wall_s": perf_counter() - begin, "compile_s": compiled.seconds}
-    return Explanation(diagnosis, {**diagnosis.findings, "cost": cost, "versions": versions()})
+    return ExplainResult(diagnosis, {**diagnosis.findings, "cost": cost, "versions": versions()})
 
 
 def _ignore(_: Step) -> None:

@@ -39,7 +39,7 @@ def write_results(
     from estexp_jax.report.drawing.gl import NoGlError
     from estexp_jax.report.explain.ghosts import ghosts_of
     from estexp_jax.report.explain.marked import guilty, marked_of
-    from estexp_jax.report.explain.page import page
+    from estexp_jax.report.explain.page import explain_page
 
     ghosts, marked, missing = None, None, ""
     try:
@@ -63,7 +63,7 @@ def write_results(
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
-    write_text(report, page(diagnosis, findings, ghosts=ghosts, marked=marked))
+    write_text(report, explain_page(diagnosis, findings, ghosts=ghosts, marked=marked))
     return report, missing
 
 

@@ -10,7 +10,7 @@ import mujoco
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.portable import ASSETS, portable
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.model.spec import elements
+from estexp_jax.physics.model.spec import spec_elements
 from estexp_jax.runs import write_text
 
 _SWAY = {mujoco.mjtJoint.mjJNT_HINGE: 0.1, mujoco.mjtJoint.mjJNT_SLIDE: 0.01}
@@ -36,7 +36,7 @@ def first_model(robot: Robot) -> mujoco.MjSpec:
     if not robot.scalar_joints:
         raise InputError("the robot has no hinge and no slide joint", where=robot.source)
     driven = {robot.joint_of_actuator(a) for a in range(model.nu)}
-    sensors = {element.name for element in elements(spec)["sensor"]}
+    sensors = {element.name for element in spec_elements(spec)["sensor"]}
     seen = model.sensor_objid[model.sensor_type == int(mujoco.mjtSensor.mjSENS_JOINTPOS)].tolist()
     for joint in robot.scalar_joints:
         name = robot.names("joint")[joint]

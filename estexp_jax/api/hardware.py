@@ -24,11 +24,11 @@ from estexp_jax.recordings.write import write_csv
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Controller, Trial
 from estexp_jax.recovery.estimation.error_model import SAMPLES
-from estexp_jax.recovery.hardware.log import Wanted, logged
-from estexp_jax.recovery.hardware.onboard import Onboard
-from estexp_jax.runs import Progress
+from estexp_jax.recovery.hardware.log import ExpectedTrial, trial_of_recording
+from estexp_jax.recovery.hardware.onboard import OnboardController
+from estexp_jax.runs import ProgressDisplay
 from estexp_jax.runs.files import replacing
-from estexp_jax.runs.lock import Hold, hold
+from estexp_jax.runs.lock import FolderLock, lock_folder
 
 POLL = 0.5
 """Time between two looks for a recording, s."""
@@ -38,7 +38,7 @@ _OURS, _THEIRS = ("controller_*.npz", "commands_*.csv"), ("trial_*.csv", "health
 
 
 @final
-class Hardware:
+class HardwareTarget:
     """See the module; `recovery.target.Remote` says what it does.
 
     Args:
@@ -56,7 +56,7 @@ class Hardware:
         robot: Robot,
         settings: Settings,
         folder: Path,
-        progress: Progress,
+        progress: ProgressDisplay,
         recording: str = "trial",
         *,
         poll: float = POLL,
@@ -82,7 +82,7 @@ class Hardware:
         say(f"wanted: {log}, a recording of {who}, {duration:g} s from rest at home under {asked.name}")
         self._progress.stage(f"waiting for {log}")
         settings = self._settings
-        wanted = Wanted(
+        wanted = ExpectedTrial(
             controller,
             foretold,
             settings.axis,
@@ -100,9 +100,9 @@ class Hardware:
         # The controller comes last: where it is, the commands are too.
         write_csv(self._folder / f"commands_{number}.csv", {"time": foretold.time, **columns})
         with replacing(asked) as stream:
-            np.savez(stream, **Onboard.of(controller, motors).to_arrays(), allow_pickle=False)
+            np.savez(stream, **OnboardController.of(controller, motors).to_arrays(), allow_pickle=False)
 
-    def _awaited(self, log: Path, wanted: Wanted) -> tuple[Trial, tuple[str, ...]]:
+    def _awaited(self, log: Path, wanted: ExpectedTrial) -> tuple[Trial, tuple[str, ...]]:
         """The trial, as soon as its file stays the same from one look to the next.
 
         A logger that writes now and then leaves a file alone while it is not complete, so an error counts only after
@@ -116,7 +116,7 @@ class Hardware:
             else:
                 try:
                     recording = read_recording(self._robot, log)
-                    trial, notes = logged(self._robot, recording, wanted, str(log))
+                    trial, notes = trial_of_recording(self._robot, recording, wanted, str(log))
                     return trial, (*recording.notes, *notes)
                 except InputError:
                     if time.monotonic() - since >= self._patience:
@@ -124,7 +124,7 @@ class Hardware:
             time.sleep(self._poll)
 
 
-def take_folder(folder: Path, *, fresh: bool, force: bool) -> Hold:
+def lock_exchange_folder(folder: Path, *, fresh: bool, force: bool) -> FolderLock:
     """Make a folder for the files, or take one; as long as the result lives, no other process gets it.
 
     Args:
@@ -136,10 +136,10 @@ def take_folder(folder: Path, *, fresh: bool, force: bool) -> Hold:
         InputError: it holds recordings of an earlier run, or its controllers and `force` is not given; or it cannot be
             used.
     """
-    check_folder(folder, fresh=fresh, force=force)
+    check_exchange_folder(folder, fresh=fresh, force=force)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        held = hold(folder)
+        held = lock_folder(folder)
         for path in _found(folder, _OURS) if fresh else ():
             path.unlink()
     except OSError as error:
@@ -147,8 +147,8 @@ def take_folder(folder: Path, *, fresh: bool, force: bool) -> Hold:
     return held
 
 
-def check_folder(folder: Path, *, fresh: bool, force: bool) -> None:
-    """As `take_folder`, without touching anything."""
+def check_exchange_folder(folder: Path, *, fresh: bool, force: bool) -> None:
+    """As `lock_exchange_folder`, without touching anything."""
     if folder.exists() and not folder.is_dir():
         raise InputError("is a file", where=str(folder), right="a folder for controllers and trials")
     if not fresh:

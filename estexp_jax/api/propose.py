@@ -1,4 +1,4 @@
-"""`propose` from Python and Jupyter."""
+"""`search_experiment` from Python and Jupyter."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.api.explain_files import RIVALS_SCHEMA
-from estexp_jax.api.results import DAMAGE, damaged, read_results
+from estexp_jax.api.results import DAMAGE, read_results, unreadable_result
 from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.errors import InputError, known
-from estexp_jax.experiment_design.propose import ProposeConfig, Proposed
-from estexp_jax.experiment_design.propose import propose as _propose
+from estexp_jax.experiment_design.propose import ProposeConfig, ProposedExperiment
+from estexp_jax.experiment_design.propose import search_experiment as _propose
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.choice import ENGINES
 from estexp_jax.physics.model.robot import Robot
@@ -25,13 +25,13 @@ from estexp_jax.runs import enable_compilation_cache, forget_programs
 @final
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """What `propose` found; prints itself as a table in a notebook.
+    """What `search_experiment` found; prints itself as a table in a notebook.
 
     Attributes:
         proposed: everything, with its arrays.
     """
 
-    proposed: Proposed
+    proposed: ProposedExperiment
 
     @property
     def time(self) -> np.ndarray:
@@ -45,19 +45,19 @@ class Proposal:
 
     def summary(self) -> str:
         """The rivals, and how far apart the proposed motion brings them."""
-        from estexp_jax.report.propose.text import summary
+        from estexp_jax.report.propose.text import propose_summary
 
-        return summary(self.proposed)
+        return propose_summary(self.proposed)
 
     def table(self) -> Any:
         """The pairs of rivals, one a row: a DataFrame where pandas is present, else a list of dicts."""
-        from estexp_jax.report.propose.text import rows
+        from estexp_jax.report.propose.text import propose_rows
 
         try:
             from pandas import DataFrame  # pyright: ignore[reportMissingImports] (a guest, not a dependency)
         except ImportError:
-            return rows(self.proposed)
-        return DataFrame(rows(self.proposed))
+            return propose_rows(self.proposed)
+        return DataFrame(propose_rows(self.proposed))
 
     def write(self, out: str | Path, *, force: bool = False) -> Path:
         """Write commands, predictions, advice and report into a folder, as the command does; gives the report's path.
@@ -74,14 +74,14 @@ class Proposal:
         return self.summary()
 
     def _repr_html_(self) -> str:
-        from estexp_jax.report.propose.text import html_table
+        from estexp_jax.report.propose.text import propose_table
 
-        return html_table(self.proposed)
+        return propose_table(self.proposed)
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Open:
+class OpenQuestions:
     """What `explain` left open.
 
     Attributes:
@@ -119,11 +119,11 @@ def propose(
     Raises:
         InputError: the folder holds no explanation, or one without rivals; a number makes no sense.
     """
-    config = config_of(duration, margin, speed, seed, engine)
-    return run_proposal(read_open(folder), config, progress or _ignore)
+    config = propose_config_of(duration, margin, speed, seed, engine)
+    return run_proposal(read_open_questions(folder), config, progress or _ignore)
 
 
-def config_of(duration: float, margin: float, speed: float, seed: int, engine: str) -> ProposeConfig:
+def propose_config_of(duration: float, margin: float, speed: float, seed: int, engine: str) -> ProposeConfig:
     """The configuration of these choices.
 
     Raises:
@@ -134,7 +134,7 @@ def config_of(duration: float, margin: float, speed: float, seed: int, engine: s
     return ProposeConfig(duration=duration, margin=margin, speed=speed, seed=seed, engine=engine)
 
 
-def read_open(folder: str | Path) -> Open:
+def read_open_questions(folder: str | Path) -> OpenQuestions:
     """What the explanation in a folder left open.
 
     Raises:
@@ -146,9 +146,9 @@ def read_open(folder: str | Path) -> Open:
         contest = Contest.from_json(kept)
         robot, finer = Robot.from_xml(Path(folder) / kept["nominal"]), int(kept["finer"])
     except DAMAGE as error:
-        raise damaged(path, error) from None
+        raise unreadable_result(path, error) from None
     _check(contest, robot, path)
-    return Open(robot, contest, finer)
+    return OpenQuestions(robot, contest, finer)
 
 
 def _check(contest: Contest, robot: Robot, path: Path) -> None:
@@ -163,7 +163,7 @@ def _check(contest: Contest, robot: Robot, path: Path) -> None:
         raise InputError("the explanation has no rivals", where=str(path), right=right)
 
 
-def run_proposal(left: Open, config: ProposeConfig, report: Callable[[Step], None]) -> Proposal:
+def run_proposal(left: OpenQuestions, config: ProposeConfig, report: Callable[[Step], None]) -> Proposal:
     """Search.
 
     Args:

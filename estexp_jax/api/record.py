@@ -11,16 +11,16 @@ import mujoco
 import numpy as np
 
 from estexp_jax.api.explain_files import write_model
-from estexp_jax.api.simulator import Simulator, Traces
+from estexp_jax.api.simulator import ExplainedSimulator, Traces
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.errors import InputError
-from estexp_jax.experiment_design.computed_torque_controller import holding, planned_path, torque_motors
-from estexp_jax.experiment_design.excitation import multisine, steps
+from estexp_jax.experiment_design.computed_torque_controller import controlled_commands, planned_path, torque_motors
+from estexp_jax.experiment_design.excitation import multisine, random_steps
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.physics.model.clearance import meet
+from estexp_jax.physics.model.clearance import pairs_that_touch
 from estexp_jax.physics.model.portable import portable
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import COORDINATES
@@ -89,14 +89,14 @@ def record(
                 f"'{change.effect}' acts in a controller, and commands are replayed here", where="--effect"
             )
     write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
-    real = Simulator(robot, tuple(changes), _FINER)
+    real = ExplainedSimulator(robot, tuple(changes), _FINER)
     time = np.arange(int(round(config.duration * config.rate))) / config.rate
     motors = torque_motors(robot)
     motions = _motions(robot, motors, time, config)
     for i, (name, planned) in enumerate(motions):
         begun(f"simulating {name}")
         if motors:
-            holder = holding(robot, motors, planned, 1.0 / config.rate)
+            holder = controlled_commands(robot, motors, planned, 1.0 / config.rate)
             traces, commands = real.steered(holder, len(time), period=1.0 / config.rate)
         else:
             traces, commands = real.rollout(planned, period=1.0 / config.rate), planned
@@ -115,11 +115,11 @@ def _motions(
     for share in _SHARES:
         motions = (
             ("train_0.csv", multisine(robot, time, 0.6 * share, config.seed)),
-            ("train_1.csv", steps(robot, time, 0.6 * share, config.seed + 1)),
+            ("train_1.csv", random_steps(robot, time, 0.6 * share, config.seed + 1)),
             ("test_0.csv", multisine(robot, time, 0.9 * share, config.seed + 2)),
         )
         paths = [planned_path(robot, motors, commands, 1.0 / config.rate) for _, commands in motions]
-        if not bolted or not meet(robot, paths):
+        if not bolted or not pairs_that_touch(robot, paths):
             break
     return motions
 

@@ -1,4 +1,4 @@
-"""`recover` and `rollout` from Python and Jupyter."""
+"""`recover_run` and `population_rollout` from Python and Jupyter."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.physics.engines.closed_loop import Walk
+from estexp_jax.physics.engines.closed_loop import Rollout
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery import population_rollout as front
 from estexp_jax.recovery.target import Target
@@ -29,7 +29,7 @@ def recover(robot: Robot, /, *, target: Target | None = None, quick: bool = Fals
         InputError: the robot or a setting cannot be used.
     """
     enable_compilation_cache()
-    return recover_run.recover(robot, target=target, quick=quick, **settings)
+    return recover_run.recover_run(robot, target=target, quick=quick, **settings)
 
 
 def rollout(
@@ -38,7 +38,7 @@ def rollout(
     controllers: np.ndarray,
     steps: int = 1000,
     **settings: Any,
-) -> Walk:
+) -> Rollout:
     """Simulate many robots, each with its own damage and controller, in one batch; see `recovery.front.rollout`."""
     enable_compilation_cache()
-    return front.rollout(robot, edits, controllers, steps, **settings)
+    return front.population_rollout(robot, edits, controllers, steps, **settings)

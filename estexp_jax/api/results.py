@@ -38,6 +38,6 @@ def read_results(path: Path, schema: str, what: str) -> dict[str, Any]:
     return kept
 
 
-def damaged(path: Path, error: Exception) -> InputError:
+def unreadable_result(path: Path, error: Exception) -> InputError:
     """What to tell of a document of the right schema that does not hold what it should."""
     return InputError(f"is damaged ({type(error).__name__}: {error})", where=str(path), right="explain again")

@@ -10,16 +10,16 @@ from typing import NamedTuple, final
 import numpy as np
 
 from estexp_jax.api.explain_files import EFFECTS_SCHEMA
-from estexp_jax.api.results import DAMAGE, damaged, read_results
+from estexp_jax.api.results import DAMAGE, read_results, unreadable_result
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, Values, encode, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.open_loop import Controller, Replay, Replayer
-from estexp_jax.physics.model.clearance import ROWS, TOGETHER, kept_apart
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.open_loop import Controller, OpenLoopRollout, OpenLoopSimulator
+from estexp_jax.physics.model.clearance import ROWS, TOGETHER, without_collisions
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment, Start, segment
+from estexp_jax.physics.window import InitialState, Window, window_of
 from estexp_jax.runs import enable_compilation_cache, forget_programs
 
 
@@ -34,7 +34,7 @@ class Traces(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Simulator:
+class ExplainedSimulator:
     """A robot's simulator with changes in it.
 
     Attributes:
@@ -53,7 +53,7 @@ class Simulator:
         *,
         period: float = 0.01,
         enable: np.ndarray | None = None,
-        start: Start | None = None,
+        start: InitialState | None = None,
     ) -> Traces:
         """Simulate commands.
 
@@ -95,23 +95,23 @@ class Simulator:
         nothing = np.zeros((rows, self.robot.model.nu))
         stretch, given = self._stretch(nothing, np.ones_like(nothing), period, None), [nothing]
 
-        def play(player: Replayer, values: Values) -> Replay:
+        def play(player: OpenLoopSimulator, values: Values) -> OpenLoopRollout:
             found, given[0] = player.steered(values, stretch, controller)
             return found
 
         replay = self._simulated(stretch, play, int(np.diff(stretch.steps.sample).max()))
         return Traces(stretch.history.time, replay.sensors[0], replay.qpos[0], replay.qvel[0]), given[0]
 
-    def _stretch(self, commands: np.ndarray, enable: np.ndarray, period: float, start: Start | None) -> Segment:
+    def _stretch(self, commands: np.ndarray, enable: np.ndarray, period: float, start: InitialState | None) -> Window:
         model, rows = self.robot.model, len(commands)
         sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
         recording = Recording("rollout", period * np.arange(rows), commands, enable, sensor, qpos, qvel)
-        begin = Start(self.robot.home(), np.zeros(model.nv)) if start is None else start
-        return segment([recording], 0, (0, rows - 1), float(model.opt.timestep) / self.finer, begin)
+        begin = InitialState(self.robot.home(), np.zeros(model.nv)) if start is None else start
+        return window_of([recording], 0, (0, rows - 1), float(model.opt.timestep) / self.finer, begin)
 
     def _simulated(
-        self, stretch: Segment, play: Callable[[Replayer, Values], Replay], block: int | None = None
-    ) -> Replay:
+        self, stretch: Window, play: Callable[[OpenLoopSimulator, Values], OpenLoopRollout], block: int | None = None
+    ) -> OpenLoopRollout:
         """One motion, without contacts that do not occur in it: engines have none of meshes, or slow ones.
 
         First those are left out that are apart at the start; what met nevertheless is given back.
@@ -123,19 +123,19 @@ class Simulator:
             effects = catalogue(["viscous_friction"])  # a catalogue needs one; it stays neutral
         values = stack([encode(self.robot, effects, self.changes)])
         near = TOGETHER + 2.0 * float(self.robot.model.geom_margin.max(initial=0.0))
-        apart = kept_apart(self.robot, [np.asarray(stretch.start.qpos, float)[None]], near)
+        apart = without_collisions(self.robot, [np.asarray(stretch.start.qpos, float)[None]], near)
         while True:
             robot = self.robot.without_contacts(apart)
-            replay = play(replayer(robot, effects, [robot], width=1, block=block), values)
+            replay = play(open_loop_simulator(robot, effects, [robot], width=1, block=block), values)
             path = replay.qpos[0].astype(float)
             path = path[np.isfinite(path).all(axis=1)]
-            far = kept_apart(self.robot, [path[i : i + ROWS] for i in range(0, len(path), ROWS)], near)
+            far = without_collisions(self.robot, [path[i : i + ROWS] for i in range(0, len(path), ROWS)], near)
             if set(apart) <= set(far):
                 return replay
             apart = [pair for pair in apart if pair in far]
 
 
-def load_explained(folder: str | Path) -> Simulator:
+def load_explained(folder: str | Path) -> ExplainedSimulator:
     """The simulator that `estexp explain` left in a folder.
 
     Raises:
@@ -150,5 +150,5 @@ def load_explained(folder: str | Path) -> Simulator:
             raise ValueError(f"finer is {finer}")
         encode(robot, catalogue(dict.fromkeys(change.effect for change in changes)), changes)
     except DAMAGE as error:
-        raise damaged(path, error) from None
-    return Simulator(robot, changes, finer)
+        raise unreadable_result(path, error) from None
+    return ExplainedSimulator(robot, changes, finer)

@@ -12,15 +12,21 @@ import jax
 import mujoco
 import numpy as np
 
-from estexp_jax.benchmark.subject import EFFECTS, Field
+from estexp_jax.benchmark.subject import EFFECTS, BenchmarkRobots
 from estexp_jax.physics.effects.changes import encode, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.agreement import Agreement, agreement, agreement_of, commands_of, converged_speeds
-from estexp_jax.physics.engines.c.closed_loop import CWalker, OpenLoop, Pool, Serial
-from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.closed_loop import Walker
+from estexp_jax.physics.engines.agreement import (
+    Agreement,
+    closed_loop_agreement,
+    commands_of,
+    converged_speeds,
+    engine_agreement,
+)
+from estexp_jax.physics.engines.c.closed_loop import CSimulator, OpenLoopPool, PooledSimulator, SerialSimulator
+from estexp_jax.physics.engines.choice import closed_loop_simulator
+from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.devices import accelerated
-from estexp_jax.physics.engines.lanes.closed_loop import LanesWalker
+from estexp_jax.physics.engines.lanes.closed_loop import LanesClosedLoop
 
 C_ENGINES = ("serial", "serial_open", "rollout", "batch")
 JAX_ENGINES = ("mjx", "lanes")
@@ -62,24 +68,24 @@ class Runner(abc.ABC):
 class CRunner(Runner):
     """The C engine, on nominal robots."""
 
-    def __init__(self, name: str, field: Field) -> None:
+    def __init__(self, name: str, field: BenchmarkRobots) -> None:
         self.name, self._field, race = name, field, field.race
         few = max(1, SLOW // (race.steps * race.substeps))
         self.robots = min(race.population, few) if name.startswith("serial") else race.population
         self.steps = race.steps
 
     @cached_property
-    def _walker(self) -> CWalker:
+    def _walker(self) -> CSimulator:
         course = self._field.course
         match self.name:
             case "serial":
-                return Serial(course)
+                return SerialSimulator(course)
             case "serial_open":
-                return Serial(course, self._field.recorded)
+                return SerialSimulator(course, self._field.recorded)
             case "rollout":
-                return OpenLoop(course, self._field.recorded)
+                return OpenLoopPool(course, self._field.recorded)
             case _:
-                return Pool(course)
+                return PooledSimulator(course)
 
     def walk(self, robots: int, steps: int) -> None:
         """See `Runner`."""
@@ -90,18 +96,18 @@ class CRunner(Runner):
         field, race = self._field, self._field.race
         robots, steps = min(8, race.population), min(5, race.steps)
         same = np.allclose(
-            self._walker.walk(robots, steps), Serial(field.course).walk(robots, steps), rtol=0.0, atol=1e-9
+            self._walker.walk(robots, steps), SerialSimulator(field.course).walk(robots, steps), rtol=0.0, atol=1e-9
         )
         expected = converged_speeds(field.robot, field.face, field.states, race.substeps)
         found = _own_speeds(field) if same else np.full_like(expected, np.nan)
-        return agreement(found, expected, race.substeps)
+        return engine_agreement(found, expected, race.substeps)
 
 
 @final
 class JaxRunner(Runner):
     """A batch engine, on robots each with its own edits."""
 
-    def __init__(self, name: str, field: Field, rows: int | None = None) -> None:
+    def __init__(self, name: str, field: BenchmarkRobots, rows: int | None = None) -> None:
         """With walks of at most `rows` control steps; None: those of the race.
 
         Raises:
@@ -110,7 +116,7 @@ class JaxRunner(Runner):
         self.name, self._field, race = name, field, field.race
         step = race.substeps * field.robot.model.opt.timestep
         # Twice the population: all robots are new each time, so that they fill one chunk a core.
-        self.walker: Walker = walker(
+        self.walker: ClosedLoopSimulator = closed_loop_simulator(
             field.robot,
             catalogue(EFFECTS),
             rows=rows or race.steps,
@@ -139,11 +145,11 @@ class JaxRunner(Runner):
 
     def agreement(self) -> Agreement:
         """The executable that is timed, on robots with edits, against recompiled models."""
-        return agreement_of(self.walker, self._field.states, [(), *self._field.sets[: _SETS - 1]])
+        return closed_loop_agreement(self.walker, self._field.states, [(), *self._field.sets[: _SETS - 1]])
 
     def facts(self) -> dict[str, Any]:
         """Width of a chunk, work of a step, and whether XLA took the options that make lanes fast."""
-        lanes = self.walker if isinstance(self.walker, LanesWalker) else None
+        lanes = self.walker if isinstance(self.walker, LanesClosedLoop) else None
         return {
             "width": self.walker.width,
             "flops_per_robot_step": lanes and lanes.flops,
@@ -151,7 +157,7 @@ class JaxRunner(Runner):
         }
 
 
-def runner(name: str, field: Field) -> Runner:
+def runner(name: str, field: BenchmarkRobots) -> Runner:
     """An engine by name.
 
     Raises:
@@ -160,7 +166,7 @@ def runner(name: str, field: Field) -> Runner:
     return CRunner(name, field) if name in C_ENGINES else JaxRunner(name, field)
 
 
-Made = Callable[[str, Field], Runner]
+Made = Callable[[str, BenchmarkRobots], Runner]
 """Gives an engine by name, as `runner` does."""
 
 
@@ -169,7 +175,7 @@ def agreement_json(found: Agreement) -> dict[str, Any]:
     return {**asdict(found), "agrees": found.agrees}
 
 
-def _own_speeds(field: Field) -> np.ndarray:
+def _own_speeds(field: BenchmarkRobots) -> np.ndarray:
     """Velocities after a control step with the model's own solver settings."""
     model, states, found = field.robot.model, field.states, []
     for k, ctrl in enumerate(commands_of(field.face, states.outputs)):

@@ -8,16 +8,16 @@ from typing import Any
 import jax
 import numpy as np
 
-from estexp_jax.benchmark.subject import Race, load, small_changes
+from estexp_jax.benchmark.subject import BenchmarkTask, load, small_changes
 from estexp_jax.physics.effects.changes import encode, stack
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.simulator import simulator
+from estexp_jax.recovery.simulator import damage_simulator
 
 _TRIALS, _SAMPLES = 4, 21
 """Of a generation at its largest: controllers, control steps."""
 
 
-def estimation(race: Race, repeats: int) -> dict[str, Any]:
+def estimation_time(race: BenchmarkTask, repeats: int) -> dict[str, Any]:
     """Time of one generation of the estimation phase once compiled: each genome under each of four controllers.
 
     Returns:
@@ -25,7 +25,7 @@ def estimation(race: Race, repeats: int) -> dict[str, Any]:
     """
     robot, rng = load(race.model, feet=race.feet), np.random.default_rng(race.seed)
     settings = Settings(population=max(4, race.population))
-    world = simulator(robot, settings)
+    world = damage_simulator(robot, settings)
     sets = [small_changes(robot, rng) for _ in range(settings.population)]
     weights = rng.uniform(-1.0, 1.0, (_TRIALS, world.n_weights)).astype(np.float32)
     start = jax.tree.map(lambda x: np.repeat(x, _TRIALS, axis=0), world.settled(sets))

@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from estexp_jax.benchmark.subject import Race
+    from estexp_jax.benchmark.subject import BenchmarkTask
 
 _ROOT = Path(__file__).resolve().parents[2]
 
 
-def alone(name: str, race: Race) -> dict[str, Any]:
+def alone(name: str, race: BenchmarkTask) -> dict[str, Any]:
     """An engine in fresh processes: for JAX first without any compiled program on disk, then with them.
 
     Returns:
@@ -39,7 +39,7 @@ def alone(name: str, race: Race) -> dict[str, Any]:
     return {"compile_s": cold["first_result_s"], "xla_s": cold["xla_s"], **{k: warm[k] for k in warm if k != "xla_s"}}
 
 
-def _ask(name: str, race: Race, cache: str) -> dict[str, Any]:
+def _ask(name: str, race: BenchmarkTask, cache: str) -> dict[str, Any]:
     question = json.dumps({"engine": name, "race": asdict(race), "cache": cache})
     paths = [str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "JAX_COMPILATION_CACHE_DIR": cache}
@@ -53,7 +53,7 @@ def _ask(name: str, race: Race, cache: str) -> dict[str, Any]:
 def _answer(question: dict[str, Any]) -> dict[str, float]:
     begin = time.perf_counter()
     from estexp_jax.benchmark.engines import runner
-    from estexp_jax.benchmark.subject import Field, Race
+    from estexp_jax.benchmark.subject import BenchmarkRobots, BenchmarkTask
     from estexp_jax.runs import count_compilations
 
     if question["cache"]:
@@ -62,7 +62,7 @@ def _answer(question: dict[str, Any]) -> dict[str, float]:
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
         jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     imported, before = time.perf_counter(), peak_mb()
-    field = Field(Race(**question["race"]))
+    field = BenchmarkRobots(BenchmarkTask(**question["race"]))
     if question["engine"] in ("serial_open", "rollout"):
         field.recorded.sum()  # no part of the engine
     start = time.perf_counter()

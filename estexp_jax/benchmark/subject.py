@@ -14,11 +14,11 @@ from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.sites import actuator_sites, body_sites, scalar_joint_sites
-from estexp_jax.physics.engines.agreement import Visited, visited
-from estexp_jax.physics.engines.c.closed_loop import BodyNow, Course, Pool, at_rest
+from estexp_jax.physics.engines.agreement import SampledStates, sample_states
+from estexp_jax.physics.engines.c.closed_loop import CRollouts, PooledSimulator, StartState, at_rest
 from estexp_jax.physics.engines.controller_interface import Interface, interface_of
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.physics.model.travel import root_position_map
 from estexp_jax.recovery.control.network import n_weights
 
 EFFECTS = ("body_mass", "motor_weakness", "joint_jam", "gravity_tilt")
@@ -30,7 +30,7 @@ _FEET = "foot"
 
 @final
 @dataclass(frozen=True)
-class Race:
+class BenchmarkTask:
     """What all engines are given.
 
     Attributes:
@@ -51,38 +51,38 @@ class Race:
 
 
 @final
-class Field:
+class BenchmarkRobots:
     """The robots of a race."""
 
-    def __init__(self, race: Race) -> None:
+    def __init__(self, race: BenchmarkTask) -> None:
         """Load and draw them.
 
         Raises:
             InputError: the model cannot be used.
         """
         self.race, self.robot = race, load(race.model, feet=race.feet)
-        travel_map(self.robot)  # refuses robots that cannot travel, as any engine would later
+        root_position_map(self.robot)  # refuses robots that cannot travel, as any engine would later
         self.face: Interface = interface_of(self.robot)
         self.rng = np.random.default_rng(race.seed)
         size = (race.population, n_weights(self.face.n_inputs, self.face.n_outputs))
         self.weights = self.rng.uniform(-1.0, 1.0, size).astype(np.float32)
         self.sets = [small_changes(self.robot, self.rng) for _ in range(min(race.population, _DRAWN))]
-        self.start: BodyNow = at_rest(self.robot.model, self.robot.home(), self.face.ctrl_centre, _REST)
+        self.start: StartState = at_rest(self.robot.model, self.robot.home(), self.face.ctrl_centre, _REST)
 
     @property
-    def course(self) -> Course:
+    def course(self) -> CRollouts:
         """What the C engine is given: the nominal robot."""
-        return Course(self.robot.model, self.face, self.start, self.weights, self.race.substeps)
+        return CRollouts(self.robot.model, self.face, self.start, self.weights, self.race.substeps)
 
     @cached_property
     def recorded(self) -> np.ndarray:
         """Commands (population, steps, nu) for replays: those of the closed loop."""
-        return Pool(self.course).record(self.race.population, self.race.steps)
+        return PooledSimulator(self.course).record(self.race.population, self.race.steps)
 
     @cached_property
-    def states(self) -> Visited:
+    def states(self) -> SampledStates:
         """Where engines are compared."""
-        return visited(self.robot, self.face, _STATES, self.race.seed)
+        return sample_states(self.robot, self.face, _STATES, self.race.seed)
 
 
 def load(model: str | None, *, feet: bool) -> Robot:

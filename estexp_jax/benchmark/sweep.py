@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.benchmark.engines import Made, Runner
-from estexp_jax.benchmark.subject import Field, Race
+from estexp_jax.benchmark.subject import BenchmarkRobots, BenchmarkTask
 from estexp_jax.physics.engines.lanes.closed_loop import lanes_width
-from estexp_jax.runs import Progress
+from estexp_jax.runs import ProgressDisplay
 
 POPULATIONS = (1, 2, 4, 8, 16, 32, 64, 100, 128, 200, 256, 400, 512, 800, 1024, 1600, 2048, 3200, 4096, 6400)
 FEW = {"mjx": (1, 50, 200, 800), "batch": (1, 8, 64, 200, 800, 3200), "lanes": POPULATIONS}
@@ -21,7 +21,7 @@ _ROWS, _LEAST_S, _MOST, _ROUNDS = 100, 0.2, 500_000, 3
 
 
 def sweep(
-    race: Race, names: Sequence[str], progress: Progress, made: Made, largest: int = 6400
+    race: BenchmarkTask, names: Sequence[str], progress: ProgressDisplay, made: Made, largest: int = 6400
 ) -> list[dict[str, Any]]:
     """Robot steps per second over the population, each point the median of some rounds through all points.
 
@@ -49,7 +49,9 @@ def sweep(
     return [{**one, "share_of_neighbours": _share(one, found)} for one in found]
 
 
-def _cast(race: Race, points: Sequence[tuple[str, int]], progress: Progress, made: Made) -> dict[Any, Runner]:
+def _cast(
+    race: BenchmarkTask, points: Sequence[tuple[str, int]], progress: ProgressDisplay, made: Made
+) -> dict[Any, Runner]:
     """An engine for each point, warm; lanes whose chunks are equally wide share one executable, as does all of MJX."""
     groups: dict[Any, list[tuple[str, int]]] = {}
     for name, n in points:
@@ -58,7 +60,7 @@ def _cast(race: Race, points: Sequence[tuple[str, int]], progress: Progress, mad
     cast: dict[Any, Runner] = {}
     progress.stage("sweep: compiling", len(groups))
     for (name, _), members in groups.items():
-        each = made(name, Field(replace(race, population=max(n for _, n in members))))
+        each = made(name, BenchmarkRobots(replace(race, population=max(n for _, n in members))))
         for point in members:
             each.walk(point[1], 1)
             cast[point] = each

@@ -55,7 +55,7 @@ def run(options: Options) -> int:
     """
     from estexp_jax.api.bench import BenchConfig, bench, quick
     from estexp_jax.report.bench.figures import bench_figure
-    from estexp_jax.runs import Progress, open_run, write_json
+    from estexp_jax.runs import ProgressDisplay, open_run, write_json
     from estexp_jax.runs.files import replacing
 
     names = ("feet", "population", "steps", "substeps", "repeats", "sweep", "seed")
@@ -65,7 +65,7 @@ def run(options: Options) -> int:
     config.races()
     marker = {"command": "bench", "config": vars(config)}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
-    with Progress() as progress:
+    with ProgressDisplay() as progress:
         result = bench(config, progress)
     numbers = folder.file("bench.json")
     write_json(numbers, result)

@@ -111,14 +111,14 @@ def _judge(inputs: Inputs) -> list[dict[str, Any]]:
 
 
 def _write(folder: Any, inputs: Inputs, judged: list[dict[str, Any]]) -> None:
-    from estexp_jax.cli.check_figure import draw
+    from estexp_jax.cli.check_figure import draw_check
     from estexp_jax.recordings.checks.excitation import missing
     from estexp_jax.runs import versions, write_json
 
     numbers, figure = folder.file("check.json"), folder.file("check.png")
     advice = list(missing(judged))
     write_json(numbers, {"model": inputs.model, "recordings": judged, "advice": advice, "versions": versions()})
-    draw(inputs.robot, inputs.recordings, figure)
+    draw_check(inputs.robot, inputs.recordings, figure)
     print(f"Numbers: {numbers}\nFigure: {figure}")
 
 

@@ -22,7 +22,7 @@ MOST_ROWS, MOST_COLUMNS = 24, 8
 _COMMAND, _READING, _MISSING, _OFF = "#1f5fa8", "#333333", "#e0483e", "#999999"
 
 
-def draw(robot: Robot, recordings: Sequence[Recording], path: Path) -> None:
+def draw_check(robot: Robot, recordings: Sequence[Recording], path: Path) -> None:
     """Draw one row of axes a channel, one column a recording; gaps of the clock red, motors off grey.
 
     Args:

@@ -11,7 +11,7 @@ import tyro
 from estexp_jax.errors import InputError
 
 if TYPE_CHECKING:
-    from estexp_jax.api.explain import Explanation
+    from estexp_jax.api.explain import ExplainResult
     from estexp_jax.api.inputs import Inputs
     from estexp_jax.discovery.diagnosis import ExplainConfig
     from estexp_jax.runs import RunFolder
@@ -60,12 +60,14 @@ def run(options: Options) -> int:
     Raises:
         InputError: an input or option is wrong, or DIR cannot be used.
     """
-    from estexp_jax.api.explain import config_of
+    from estexp_jax.api.explain import explain_config_of
     from estexp_jax.api.explain_files import write_results
     from estexp_jax.api.inputs import read_inputs
     from estexp_jax.runs import open_run
 
-    config = config_of(_window(options.window), options.most, options.effects or None, options.seed, options.engine)
+    config = explain_config_of(
+        _window(options.window), options.most, options.effects or None, options.seed, options.engine
+    )
     tests = [path for group in options.test for path in group]
     inputs = read_inputs(options.files, test=tests, maps=options.map)
     files = {"files": options.files, "test": tests, "map": options.map, "window": options.window}
@@ -92,20 +94,20 @@ def _window(text: str) -> float:
         raise InputError(f"'{text}' is no length", where="--window", right="a number of seconds, or 'full'") from None
 
 
-def _explained(inputs: Inputs, config: ExplainConfig, folder: RunFolder) -> Explanation:
+def _explained(inputs: Inputs, config: ExplainConfig, folder: RunFolder) -> ExplainResult:
     """Explain with progress, keeping after each step what an interruption would lose."""
     from estexp_jax.api.explain import run_explanation
-    from estexp_jax.physics.engines.mjx.capabilities import within_mjx
-    from estexp_jax.runs import Progress, load_checkpoint, save_checkpoint
+    from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
+    from estexp_jax.runs import ProgressDisplay, load_checkpoint, save_checkpoint
 
     kept = folder.file("checkpoint.npz")
     memory: dict[str, Any] = (load_checkpoint(kept) or {}) if folder.resumed else {}
     if not isinstance(memory, dict):
         raise InputError("the checkpoint is damaged", where=str(kept), right="begin anew with --force")
     running = ""
-    with Progress() as progress:
+    with ProgressDisplay() as progress:
         progress.say(f"Explaining {len(inputs.recordings)} recordings of {inputs.model.name}")
-        for part in within_mjx(inputs.robot).left_out:
+        for part in reduced_to_mjx(inputs.robot).left_out:
             progress.say(f"Simulated without {part}")
         progress.stage("replaying the nominal simulator")
 

@@ -43,12 +43,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = _parsed(arguments)
     except SystemExit as end:  # after --help, or after telling what is wrong
         return end.code if isinstance(end.code, int) else DONE
-    from estexp_jax.physics.model.validation import unlogged
+    from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
     from estexp_jax.runs import quiet_xla
 
     quiet_xla()
     try:
-        with unlogged():
+        with mujoco_warnings_suppressed():
             return _module_of(options).run(options)
     except InputError as error:
         print(f"estexp: error: {error}", file=sys.stderr)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 if TYPE_CHECKING:
-    from estexp_jax.api.propose import Open, Proposal
+    from estexp_jax.api.propose import OpenQuestions, Proposal
     from estexp_jax.experiment_design.propose import ProposeConfig
 
 
@@ -50,12 +50,12 @@ def run(options: Options) -> int:
     Raises:
         InputError: the folder holds no explanation with rivals, an option is wrong, or DIR cannot be used.
     """
-    from estexp_jax.api.propose import config_of, read_open
+    from estexp_jax.api.propose import propose_config_of, read_open_questions
     from estexp_jax.api.propose_files import write_proposal
     from estexp_jax.runs import open_run
 
-    config = config_of(options.duration, options.margin, options.speed, options.seed, options.engine)
-    left = read_open(options.folder)
+    config = propose_config_of(options.duration, options.margin, options.speed, options.seed, options.engine)
+    left = read_open_questions(options.folder)
     marker = {"command": "propose", "config": {"folder": str(options.folder), **vars(config)}}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     proposal = _proposed(left, config)
@@ -65,13 +65,13 @@ def run(options: Options) -> int:
     return 0
 
 
-def _proposed(left: Open, config: ProposeConfig) -> Proposal:
+def _proposed(left: OpenQuestions, config: ProposeConfig) -> Proposal:
     """Search with progress."""
     from estexp_jax.api.propose import run_proposal
-    from estexp_jax.runs import Progress
+    from estexp_jax.runs import ProgressDisplay
 
     running = ""
-    with Progress() as progress:
+    with ProgressDisplay() as progress:
 
         def report(step: Any) -> None:
             nonlocal running

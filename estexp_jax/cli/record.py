@@ -49,18 +49,18 @@ def run(options: Options) -> int:
     """
     from estexp_jax.api.record import RecordConfig, record
     from estexp_jax.physics.effects.changes import parse_change
-    from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+    from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
     from estexp_jax.physics.model.robot import Robot
-    from estexp_jax.runs import Progress, open_run
+    from estexp_jax.runs import ProgressDisplay, open_run
 
     config = RecordConfig(options.duration, options.rate, options.bits, options.noise, options.seed)
     robot = Robot.from_xml(options.model)
     changes = [parse_change(text, robot) for text in options.effect]
     marker = {"command": "record", "config": {"model": str(options.model), "effect": options.effect, **vars(config)}}
-    for part in within_mjx(robot).left_out:
+    for part in reduced_to_mjx(robot).left_out:
         print(f"Simulated without {part}")
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
-    with Progress() as progress:
+    with ProgressDisplay() as progress:
         manifest = record(robot, changes, config, folder, progress.stage)
     for change in changes:
         print(f"The robot differs from its model: {change.sentence()}.")

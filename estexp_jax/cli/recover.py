@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from estexp_jax.recovery.config import Settings
     from estexp_jax.recovery.cycle import Job
     from estexp_jax.recovery.state import RunState
-    from estexp_jax.runs import Progress, RunFolder
+    from estexp_jax.runs import ProgressDisplay, RunFolder
 
 _CHECKPOINT = "checkpoint.npz"
 
@@ -111,7 +111,7 @@ def settings_of(options: Options) -> Settings:
     Raises:
         InputError: they are not possible.
     """
-    from estexp_jax.recovery.config import Settings, quick
+    from estexp_jax.recovery.config import Settings, quick_settings
 
     if options.hardware is not None:
         _refuse_simulated(options)
@@ -136,7 +136,7 @@ def settings_of(options: Options) -> Settings:
         next_trial=options.next_trial,
     )
     numbers = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
-    return replace(quick(settings) if options.quick else settings, **numbers)
+    return replace(quick_settings(settings) if options.quick else settings, **numbers)
 
 
 def _refuse_simulated(options: Options) -> None:
@@ -154,22 +154,22 @@ def run(options: Options) -> int:
     Raises:
         InputError: the robot, the damage, the settings or DIR cannot be used.
     """
-    from estexp_jax.api.hardware import check_folder, take_folder
-    from estexp_jax.cli.recover_results import write_results
+    from estexp_jax.api.hardware import check_exchange_folder, lock_exchange_folder
+    from estexp_jax.cli.recover_results import write_recover_results
     from estexp_jax.cli.recover_story import Story
     from estexp_jax.package_data import model_path
-    from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+    from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
     from estexp_jax.physics.model.robot import Robot
     from estexp_jax.recovery.state import RunState
-    from estexp_jax.runs import Progress, enable_compilation_cache, load_checkpoint, open_run
+    from estexp_jax.runs import ProgressDisplay, enable_compilation_cache, load_checkpoint, open_run
 
-    settings, progress = settings_of(options), Progress()
+    settings, progress = settings_of(options), ProgressDisplay()
     fresh = not options.resume or not any(options.out.glob(f"{_CHECKPOINT}*"))
     if options.hardware is not None:  # before --force removes anything
-        check_folder(options.hardware, fresh=fresh, force=options.force)
+        check_exchange_folder(options.hardware, fresh=fresh, force=options.force)
     model = options.model or model_path("quadruped")
     robot = Robot.from_xml(model)
-    for part in within_mjx(robot).left_out:
+    for part in reduced_to_mjx(robot).left_out:
         progress.say(f"Simulated without {part}")
     job = _job(robot, settings, options, progress)
     config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.walker.choice.engine}
@@ -177,7 +177,7 @@ def run(options: Options) -> int:
         config |= {"robot": "hardware", "healthy": options.healthy}
     marker = {"command": "recover", "config": config}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
-    held = options.hardware and take_folder(options.hardware, fresh=fresh, force=options.force)
+    held = options.hardware and lock_exchange_folder(options.hardware, fresh=fresh, force=options.force)
     enable_compilation_cache()
     saved = load_checkpoint(folder.file(_CHECKPOINT))
     state = RunState() if saved is None else _state(saved, options.out)
@@ -186,18 +186,18 @@ def run(options: Options) -> int:
         story.begin(model.name, state)
         state = _run(job, state, folder, story)
         story.end(state)
-        write_results(folder, job, state, config, progress, pictures=options.pictures)
+        write_recover_results(folder, job, state, config, progress, pictures=options.pictures)
     return 0
 
 
-def _job(robot: Robot, settings: Settings, options: Options, progress: Progress) -> Job:
-    from estexp_jax.api.hardware import Hardware
+def _job(robot: Robot, settings: Settings, options: Options, progress: ProgressDisplay) -> Job:
+    from estexp_jax.api.hardware import HardwareTarget
     from estexp_jax.recovery.cycle import job_of
 
     if options.hardware is None:
         return job_of(robot, settings)
-    target = Hardware(robot, settings, options.hardware, progress)
-    healthy = Hardware(robot, settings, options.hardware, progress, "healthy") if options.healthy else None
+    target = HardwareTarget(robot, settings, options.hardware, progress)
+    healthy = HardwareTarget(robot, settings, options.hardware, progress, "healthy") if options.healthy else None
     return job_of(robot, settings, target, healthy=healthy)
 
 
@@ -213,7 +213,7 @@ def _state(saved: Any, out: Path) -> RunState:
 
 def _run(job: Job, state: RunState, folder: RunFolder, story: Any) -> RunState:
     """Each state saved before it is told, so that what was told is never lost."""
-    from estexp_jax.recovery.cycle import run as run_cycle
+    from estexp_jax.recovery.cycle import run_cycle as run_cycle
     from estexp_jax.runs import save_checkpoint
 
     for reached in run_cycle(job, state):

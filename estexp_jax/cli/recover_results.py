@@ -8,15 +8,15 @@ if TYPE_CHECKING:
     from estexp_jax.recovery.cycle import Job
     from estexp_jax.recovery.state import RunState
     from estexp_jax.report.recover.film import Film
-    from estexp_jax.runs import Progress, RunFolder
+    from estexp_jax.runs import ProgressDisplay, RunFolder
 
 
-def write_results(
-    folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: Progress, *, pictures: bool
+def write_recover_results(
+    folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: ProgressDisplay, *, pictures: bool
 ) -> None:
-    """Write `run.json`, `history.parquet`, `traces.npz`, the report and, where asked for, the pictures."""
-    from estexp_jax.report.recover.files import record, write_history, write_traces
-    from estexp_jax.report.recover.page import page
+    """Write `run_cycle.json`, `history.parquet`, `traces.npz`, the report and, where asked for, the pictures."""
+    from estexp_jax.report.recover.files import run_record, write_history, write_traces
+    from estexp_jax.report.recover.page import recover_page
     from estexp_jax.runs import versions, write_json
     from estexp_jax.runs.files import replacing
 
@@ -25,17 +25,17 @@ def write_results(
         write_history(stream, state)
     with replacing(folder.file("traces.npz")) as stream:
         write_traces(stream, state, simulator.robot, simulator.walker.interface)
-    told = record(state, axis, job.planted, config, stands_in=job.stands_in)
+    told = run_record(state, axis, job.planted, config, stands_in=job.stands_in)
     write_json(folder.file("run.json"), {**told, "versions": versions()})
     film = _film(folder, job, state, progress) if pictures else None
     title = f"{config['model']}: recovery, seed {job.settings.seed}"
     planted = None if config["robot"] == "hardware" else job.planted
     with replacing(folder.file("report.html")) as stream:
-        stream.write(page(title, planted, state, axis, config, film, stands_in=job.stands_in).encode())
+        stream.write(recover_page(title, planted, state, axis, config, film, stands_in=job.stands_in).encode())
     progress.say(f"Report: {folder.path / 'report.html'}")
 
 
-def _film(folder: RunFolder, job: Job, state: RunState, progress: Progress) -> Film | None:
+def _film(folder: RunFolder, job: Job, state: RunState, progress: ProgressDisplay) -> Film | None:
     """How it walks, written; None, and said why, where it cannot be drawn."""
     from estexp_jax.report.drawing.film import can_film
     from estexp_jax.report.drawing.gl import NoGlError

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import final
 
 from estexp_jax.recovery.cycle import Job
-from estexp_jax.recovery.estimation.choice import estimation
+from estexp_jax.recovery.estimation.choice import estimation_of
 from estexp_jax.recovery.situations import TABLE
 from estexp_jax.recovery.state import RunState
-from estexp_jax.recovery.target import Remote
+from estexp_jax.recovery.target import RemoteTarget
 from estexp_jax.report.pages import metres
-from estexp_jax.runs import Progress
+from estexp_jax.runs import ProgressDisplay
 
 
 @final
@@ -22,14 +22,14 @@ class Story:
         job: what runs.
     """
 
-    def __init__(self, progress: Progress, job: Job) -> None:
+    def __init__(self, progress: ProgressDisplay, job: Job) -> None:
         self._progress, self._job = progress, job
 
     def begin(self, model: str, state: RunState) -> None:
         """What is going to happen, or to go on."""
         settings = self._job.settings
         what = TABLE[settings.situation] if settings.situation is not None else "damage of your choice"
-        if isinstance(self._job.target, Remote):
+        if isinstance(self._job.target, RemoteTarget):
             what = "a robot of yours"
         self._progress.say(f"{model}, seed {settings.seed}: {what}")
         engine, reason = self._job.simulator.walker.choice
@@ -97,7 +97,7 @@ class Story:
             case "exploration":
                 self._progress.stage(f"exploration {number} of {settings.passes}", settings.generations)
             case "estimation":
-                rounds = estimation(self._job.simulator, settings, number).rounds()
+                rounds = estimation_of(self._job.simulator, settings, number).rounds()
                 self._progress.stage(f"estimation {number} of {settings.passes}", rounds)
             case "damage" | "trial":
                 self._progress.stage("trial")

@@ -13,9 +13,9 @@ import numpy as np
 
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.effects.changes import neutral, stack
-from estexp_jax.physics.engines.open_loop import Replay, is_acceleration
-from estexp_jax.physics.engines.open_loop_inputs import Drive, drive_of
-from estexp_jax.physics.window import Segment
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout, is_acceleration
+from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, command_steps
+from estexp_jax.physics.window import Window
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(qpos (lanes, nq), qvel (lanes, nv), ctrl (lanes, nu), motor torque (lanes, nv)) -> force (lanes, nv), N m or N."""
@@ -58,7 +58,7 @@ class _Lane:
     """
 
     def __init__(
-        self, model: mujoco.MjModel, s: Segment, drive: Drive, acceleration: np.ndarray, known: Switched
+        self, model: mujoco.MjModel, s: Window, drive: CommandSteps, acceleration: np.ndarray, known: Switched
     ) -> None:
         self.models = switched(model, drive.enable, known)
         self.length, self.ctrl = np.asarray(drive.length, float), np.asarray(drive.ctrl, float)
@@ -98,19 +98,23 @@ def simulated_with(problem: Problem, models: Sequence[mujoco.MjModel], law: Law,
     segments = [problem.replays.cut.fine[w] for w in windows]
     robot, effects = problem.replayer.robot, problem.replayer.catalogue
     nothing = stack([neutral(robot, effects)] * len(segments))
-    drive = drive_of(robot, effects, nothing, segments, max(s.steps.n_steps for s in segments) + 2)
+    drive = command_steps(robot, effects, nothing, segments, max(s.steps.n_steps for s in segments) + 2)
     own = [models[s.recording] for s in segments]
     problem.counted[0] += sum(s.steps.n_steps for s in segments)
     return problem.channels.simulated(_replay(law, own, segments, drive, is_acceleration(robot)))
 
 
 def _replay(
-    law: Law, models: Sequence[mujoco.MjModel], segments: Sequence[Segment], drive: Drive, acceleration: np.ndarray
-) -> Replay:
+    law: Law,
+    models: Sequence[mujoco.MjModel],
+    segments: Sequence[Window],
+    drive: CommandSteps,
+    acceleration: np.ndarray,
+) -> OpenLoopRollout:
     """Replay windows, each with its robot, all by the same law."""
     known: Switched = {}
     lanes = [
-        _Lane(m, s, Drive(*(x[..., i] for x in drive)), acceleration, known)
+        _Lane(m, s, CommandSteps(*(x[..., i] for x in drive)), acceleration, known)
         for i, (m, s) in enumerate(zip(models, segments, strict=True))
     ]
     going = lanes
@@ -125,7 +129,7 @@ def _replay(
         forces = law(qpos, qvel, np.stack([lane.ctrl[k + 1] for lane in going]), motor)
         for lane, force in zip(going, forces, strict=True):
             lane.step(k, force)
-    return Replay(*(_together([lane.seen[i] for lane in lanes]) for i in range(3)))
+    return OpenLoopRollout(*(_together([lane.seen[i] for lane in lanes]) for i in range(3)))
 
 
 def _sane(qvel: np.ndarray) -> bool:

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from estexp_jax.discovery.problem import Member, Problem
-from estexp_jax.estimation.missing_commands import recommanded
-from estexp_jax.physics.window import Segment
+from estexp_jax.estimation.missing_commands import with_other_commands
+from estexp_jax.physics.window import Window
 
 _BEFORE, _BETWEEN, _AFTER = -1, 0, 1
 _CLEARLY = 0.9
@@ -43,16 +43,16 @@ def commanded(problem: Problem, member: Member) -> Problem:
     return _with_commands(problem, sides)
 
 
-def _lost(problem: Problem, s: Segment) -> bool:
+def _lost(problem: Problem, s: Window) -> bool:
     """Whether commands of a window were lost."""
     guessed = problem.recordings[s.recording].guessed
     return guessed is not None and bool(guessed[s.first : s.last + 1].any())
 
 
 def _with_commands(problem: Problem, sides: list[np.ndarray]) -> Problem:
-    recordings = tuple(recommanded(r, side) for r, side in zip(problem.recordings, sides, strict=True))
+    recordings = tuple(with_other_commands(r, side) for r, side in zip(problem.recordings, sides, strict=True))
 
-    def retold(segments: tuple[Segment, ...]) -> tuple[Segment, ...]:
+    def retold(segments: tuple[Window, ...]) -> tuple[Window, ...]:
         return tuple(replace(s, history=s.history.told(recordings[s.recording].ctrl)) for s in segments)
 
     cut = problem.replays.cut

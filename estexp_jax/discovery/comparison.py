@@ -17,14 +17,14 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.recorded import deviations
 from estexp_jax.discovery.replays import Replays
 from estexp_jax.estimation.channels import channels_of
-from estexp_jax.estimation.missing_commands import bridged
-from estexp_jax.estimation.windows import cut_of, fitting_window
+from estexp_jax.estimation.missing_commands import with_missing_rows
+from estexp_jax.estimation.windows import fitting_window, window_set_of
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.open_loop import Replayer
-from estexp_jax.physics.model.clearance import NEAR, TOGETHER, kept_apart
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
+from estexp_jax.physics.model.clearance import NEAR, TOGETHER, without_collisions
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.window import Segment
+from estexp_jax.physics.window import Window
 
 _WINDOWS, _WORK = (16, 48), 144_000
 """Fewest and most windows that are fitted of long recordings, and how often forces at a robot's joints are computed in
@@ -37,10 +37,10 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    recordings = tuple(map(bridged, case.recordings))
+    recordings = tuple(map(with_missing_rows, case.recordings))
     every = singles(case.robot, catalogue(claimable(config.effects)))
     places = tuple(p for p in every if possible(case.robot, p, recordings))
-    cut = cut_of(case.robots, recordings, config.window)
+    cut = window_set_of(case.robots, recordings, config.window)
     simulator = replayer_of(case, config, simulated(config.effects), apart_in(case, cut.whole, case.indices("train")))
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
@@ -50,18 +50,18 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
 
 def replayer_of(
     case: Case, config: ExplainConfig, effects: Sequence[str], apart: Sequence[tuple[int, int]]
-) -> Replayer:
+) -> OpenLoopSimulator:
     """Of the robots with effects of these names, without contacts between some pairs of their bodies."""
     robot, *robots = _each(lambda r: r.without_contacts(apart), (case.robot, *case.robots))
-    return replayer(robot, catalogue(effects), robots, engine=config.engine)
+    return open_loop_simulator(robot, catalogue(effects), robots, engine=config.engine)
 
 
 def apart_in(
-    case: Case, segments: Sequence[Segment], recordings: Sequence[int], near: float = NEAR
+    case: Case, segments: Sequence[Window], recordings: Sequence[int], near: float = NEAR
 ) -> list[tuple[int, int]]:
     """Pairs of bodies that some recordings, whose paths are known, never brought near each other."""
     paths = {s.recording: s.path.qpos for s in segments if s.path is not None and s.recording in recordings}
-    return kept_apart(case.robot, list(paths.values()), near) if len(paths) == len(recordings) else []
+    return without_collisions(case.robot, list(paths.values()), near) if len(paths) == len(recordings) else []
 
 
 def shown_of(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
@@ -75,7 +75,7 @@ def shown_of(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     return replace(whole, replays=replace(whole.replays, replayer=simulator))
 
 
-def _most_windows(robot: Robot, segments: Sequence[Segment]) -> int:
+def _most_windows(robot: Robot, segments: Sequence[Window]) -> int:
     """So many windows are fitted at most: minutes of one motion teach little more, and cost as much more.
 
     A robot of more joints has more hypotheses, too, each dearer to simulate.
@@ -90,12 +90,12 @@ def to_fit(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     window = fitting_window(case.robot, config.window)
     if window == config.window:
         return whole
-    return whole.with_windows(cut_of(case.robots, whole.recordings, window))
+    return whole.with_windows(window_set_of(case.robots, whole.recordings, window))
 
 
 def shortened(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     """The comparison in shorter windows than usual."""
-    cut = cut_of(case.robots, whole.recordings, SHARE * config.window)
+    cut = window_set_of(case.robots, whole.recordings, SHARE * config.window)
     memory = whole.memory.setdefault("shorter windows", {})
     return replace(whole.with_windows(cut), memory=memory, most=_most_windows(case.robot, cut.whole), hairs=True)
 

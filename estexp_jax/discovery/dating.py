@@ -23,7 +23,7 @@ from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import Progress, fit
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.estimation.windows import cut_of
+from estexp_jax.estimation.windows import window_set_of
 
 _SHORT, _SHARE_OF_ALL = 0.2, 0.005
 """Least length of a window, s; and as a share of the longest recording."""
@@ -53,7 +53,7 @@ def short_windows(case: Case, problem: Problem) -> Problem:
         case: what is explained.
         problem: the comparison.
     """
-    cut = cut_of(case.robots, problem.recordings, _short(problem))
+    cut = window_set_of(case.robots, problem.recordings, _short(problem))
     return replace(problem.with_windows(cut), most=sys.maxsize)
 
 

@@ -18,11 +18,11 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.estimation.missing_commands import miscommanded
+from estexp_jax.estimation.missing_commands import interpolation_error
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.model.scales import joint_span
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment, Start
+from estexp_jax.physics.window import InitialState, Window
 
 _POSITION = int(mujoco.mjtSensor.mjSENS_JOINTPOS)
 _AROUND, _PER_SECOND = 0.02, 10.0
@@ -33,7 +33,7 @@ _INFLATED = 2.0
 """Factor on the states' variance: jolts are smoothed away more than steady motion."""
 
 
-def other_starts(model: mujoco.MjModel, segments: Sequence[Segment], off: float = 1.0) -> list[list[Segment]]:
+def other_starts(model: mujoco.MjModel, segments: Sequence[Window], off: float = 1.0) -> list[list[Window]]:
     """Each segment started `off` deviations away: two copies of all of them for each degree of freedom."""
     return [
         [replace(s, start=_shifted(model, s.start, dof, k, off)) for s in segments]
@@ -43,7 +43,7 @@ def other_starts(model: mujoco.MjModel, segments: Sequence[Segment], off: float 
     ]
 
 
-def blinded(robot: Robot, hypothesis: Hypothesis, segments: Sequence[Segment]) -> Sequence[Segment]:
+def blinded(robot: Robot, hypothesis: Hypothesis, segments: Sequence[Window]) -> Sequence[Window]:
     """Segments with starts as uncertain as a hypothesis makes them: what a stuck sensor shows tells nothing."""
     stuck = [robot.index("sensor", site) for name, site in hypothesis.places if name == "sensor_stuck"]
     joints = [int(robot.model.sensor_objid[s]) for s in stuck if robot.model.sensor_type[s] == _POSITION]
@@ -51,7 +51,7 @@ def blinded(robot: Robot, hypothesis: Hypothesis, segments: Sequence[Segment]) -
     return [replace(s, start=_widened(s.start, wide)) for s in segments] if wide else segments
 
 
-def _widened(start: Start, wide: Mapping[int, float]) -> Start:
+def _widened(start: InitialState, wide: Mapping[int, float]) -> InitialState:
     if start.covariance is None:
         return start
     covariance = start.covariance.copy()
@@ -60,7 +60,7 @@ def _widened(start: Start, wide: Mapping[int, float]) -> Start:
     return start._replace(covariance=covariance)
 
 
-def _shifted(model: mujoco.MjModel, start: Start, dof: int, k: int, off: float) -> Start:
+def _shifted(model: mujoco.MjModel, start: InitialState, dof: int, k: int, off: float) -> InitialState:
     """A start with `off` times column `k` of the square root of its covariance added to one degree of freedom."""
     if start.covariance is None:
         return start
@@ -73,13 +73,13 @@ def _shifted(model: mujoco.MjModel, start: Start, dof: int, k: int, off: float) 
     return start._replace(qpos=qpos, qvel=qvel)
 
 
-def other_commands(recordings: Sequence[Recording], segments: Sequence[Segment]) -> list[list[Segment | None]]:
+def other_commands(recordings: Sequence[Recording], segments: Sequence[Window]) -> list[list[Window | None]]:
     """Each segment with the command of a lost row a deviation off: a copy for each of these, None where one has fewer.
 
     Of a segment with many lost rows only some count, those where the command changes most.
     """
-    found: list[list[Segment]] = [[] for _ in segments]
-    spread = [miscommanded(r) for r in recordings]
+    found: list[list[Window]] = [[] for _ in segments]
+    spread = [interpolation_error(r) for r in recordings]
     for s, copies in zip(segments, found, strict=True):
         recording = recordings[s.recording]
         for row in _lost_rows(recording, s):
@@ -91,7 +91,7 @@ def other_commands(recordings: Sequence[Recording], segments: Sequence[Segment])
     return [[copies[k] if k < len(copies) else None for copies in found] for k in range(most)]
 
 
-def _lost_rows(recording: Recording, s: Segment) -> list[int]:
+def _lost_rows(recording: Recording, s: Window) -> list[int]:
     """Rows of a segment whose commands nobody logged, at most `_MOST_LOST`."""
     if recording.guessed is None:
         return []

@@ -10,13 +10,13 @@ import numpy as np
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.estimation.channels import spans
+from estexp_jax.estimation.channels import channel_ranges
 from estexp_jax.physics.effects import units
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -69,7 +69,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
             "value": value,
             "low": float(intervals[rows[name], 0]),
             "high": float(intervals[rows[name], 1]),
-            "unit": units.told_of(robot, e.kind, change.name, own_units[name]),
+            "unit": units.unit_at(robot, e.kind, change.name, own_units[name]),
         }
         for name, value in told.parameters.items()
     }
@@ -79,7 +79,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         "name": change.name,
         "probability": probability,
         "in_mjcf": effect(told.effect).in_mjcf,
-        "sentence": units.told_of(robot, e.kind, change.name, told.sentence()),
+        "sentence": units.unit_at(robot, e.kind, change.name, told.sentence()),
         "equation": effect(told.effect).numbered(told.parameters),
         "parameters": parameters,
     }
@@ -175,7 +175,7 @@ def data_entries(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
 def engine_advice(robot: Robot) -> list[str]:
     """A line on each thing of a model that is left out of its simulation, contacts of what came near included."""
     return [
-        f"See that this does not matter to your motions: simulated without {x}." for x in within_mjx(robot).left_out
+        f"See that this does not matter to your motions: simulated without {x}." for x in reduced_to_mjx(robot).left_out
     ]
 
 
@@ -185,7 +185,7 @@ def noise_advice(problem: Problem) -> list[str]:
     for recording, noise in zip(problem.recordings, problem.noise, strict=True):
         quiet = np.sort(noise[np.isfinite(noise)])
         usual = quiet[(len(quiet) - 1) // 2] if len(quiet) else np.inf
-        shares = noise / spans(problem.channels, recording)
+        shares = noise / channel_ranges(problem.channels, recording)
         for name, own, share in zip(problem.channels.names, noise, shares, strict=True):
             if share > _LOUD and own > _LOUDER * usual:
                 loud[name] = max(share, loud.get(name, 0.0))

@@ -24,7 +24,7 @@ from estexp_jax.discovery.c_replay import switched
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.engines.motors import asked_torques, limited_commands
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Path
+from estexp_jax.physics.window import StateEstimate
 
 _MEAN = 0.03
 """Length of time over which forces are averaged, s."""
@@ -58,7 +58,7 @@ class ForceResidual:
     on: np.ndarray
 
 
-def force_residual(model: mujoco.MjModel, recording: Recording, path: Path) -> ForceResidual:
+def force_residual(model: mujoco.MjModel, recording: Recording, path: StateEstimate) -> ForceResidual:
     """What a model's joints lack to move along a path.
 
     Args:

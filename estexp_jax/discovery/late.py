@@ -16,7 +16,7 @@ from estexp_jax.discovery.onset import helps_before, onsets
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection
-from estexp_jax.estimation.windows import cut_of, fitting_window
+from estexp_jax.estimation.windows import fitting_window, window_set_of
 
 _MEMORY = "from the onset on"
 _LIKELY = 5
@@ -75,7 +75,7 @@ def starting_late(case: Case, config: ExplainConfig, problem: Problem, began: Ma
         began: the onset in each training recording, s.
     """
     window = fitting_window(case.robot, config.window)
-    cut = cut_of(case.robots, problem.recordings, window, began)
+    cut = window_set_of(case.robots, problem.recordings, window, began)
     memory = problem.memory.setdefault(_MEMORY, {})
     places = tuple(place for place in problem.places if place[0] not in _GROWING)
     return replace(problem.with_windows(cut, began), memory=memory, places=places)

@@ -11,7 +11,7 @@ import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.physics.effects.base import JointMoment
+from estexp_jax.physics.effects.base import JointState
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
 from estexp_jax.physics.effects.registry import effect
@@ -177,7 +177,7 @@ def force_of(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> np.n
         return of_others(number)[2]
 
     told, asked = samples.told[:, None], samples.asked[:, None]
-    moment = JointMoment(
+    moment = JointState(
         q=q,
         w=w,
         torque=motor,

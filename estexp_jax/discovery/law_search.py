@@ -18,7 +18,7 @@ from estexp_jax.discovery.screening import keeping
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.physics.effects.registry import every
-from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 
 TERMS = 8
@@ -81,7 +81,9 @@ def simulated(kept: Sequence[Explanation], places: Sequence[Place]) -> list[str]
     return [e.name for e in every() if e.name in names]
 
 
-def among(problem: Problem, simulator: Replayer, places: Sequence[Place], starts: Mapping[Place, Vectors]) -> Problem:
+def among(
+    problem: Problem, simulator: OpenLoopSimulator, places: Sequence[Place], starts: Mapping[Place, Vectors]
+) -> Problem:
     """The comparison among other claims, by a simulator that knows them."""
     memory = problem.memory.setdefault(_MEMORY, {})
     replays = replace(problem.replays, replayer=simulator)

@@ -39,7 +39,7 @@ from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -50,7 +50,7 @@ _PROMISE = 0.6
 
 
 def unknown_law(
-    unnamed: Unnamed, replayer: Callable[[Sequence[str]], Replayer]
+    unnamed: Unnamed, replayer: Callable[[Sequence[str]], OpenLoopSimulator]
 ) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
     """The explanation by an unknown law and the comparison about it; None where there is none to believe.
 
@@ -88,7 +88,7 @@ def unknown_law(
 
 
 def unknown_law_nearer(
-    unnamed: Unnamed, nearer: Unnamed, replayer: Callable[[Sequence[str]], Replayer]
+    unnamed: Unnamed, nearer: Unnamed, replayer: Callable[[Sequence[str]], OpenLoopSimulator]
 ) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
     """The unknown law that shorter windows choose, if the usual ones are predicted enough better by it.
 

@@ -9,7 +9,7 @@ import numpy as np
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.starts import Seen
-from estexp_jax.estimation.noise import noise_deviation
+from estexp_jax.estimation.noise import noise_std_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -51,4 +51,4 @@ def _still(robot: Robot, recording: Recording, sensor: str, begin: float) -> boo
     if len(known) < 5:
         return True
     rounding = 1e-9 * float(np.abs(known).max())
-    return bool(known.std() <= _STILL * noise_deviation(time, samples) + rounding)
+    return bool(known.std() <= _STILL * noise_std_of(time, samples) + rounding)

@@ -16,11 +16,11 @@ from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
 from estexp_jax.discovery.starts import Seen, Vectors
 from estexp_jax.estimation.channels import Channels
-from estexp_jax.estimation.noise import correlation_rows, loudness
-from estexp_jax.estimation.windows import Cut, parts_soon
-from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.estimation.noise import correlation_rows, noise_std
+from estexp_jax.estimation.windows import WindowSet, is_sensitive_to_start
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment
+from estexp_jax.physics.window import Window
 
 _BLOWN_UP = 10.0
 """Normalised error of a simulation that is no longer a number: worse than any that stays on its scale."""
@@ -72,7 +72,7 @@ class Problem:
     hairs: bool = False
 
     @property
-    def replayer(self) -> Replayer:
+    def replayer(self) -> OpenLoopSimulator:
         """The simulator, of the robot and the catalogue."""
         return self.replays.replayer
 
@@ -84,7 +84,7 @@ class Problem:
     @property
     def parting(self) -> bool:
         """Whether motions soon part for good from those of a robot that differs a little."""
-        return self.hairs or parts_soon(self.replayer.robot)
+        return self.hairs or is_sensitive_to_start(self.replayer.robot)
 
     @property
     def counted(self) -> list[int]:
@@ -92,7 +92,7 @@ class Problem:
         return self.replays.counted
 
     @property
-    def segments(self) -> tuple[Segment, ...]:
+    def segments(self) -> tuple[Window, ...]:
         """The windows at the model's own step."""
         return self.replays.cut.whole
 
@@ -101,7 +101,7 @@ class Problem:
         """The readings in the windows, and what counts as one deviation of them."""
         return Recorded(self.recordings, self.channels, self.segments, self.noise, self.rough)
 
-    def with_windows(self, cut: Cut, began: Mapping[int, float] | None = None) -> Problem:
+    def with_windows(self, cut: WindowSet, began: Mapping[int, float] | None = None) -> Problem:
         """The same comparison in other windows, of whose steps and starts nothing is known yet.
 
         Args:
@@ -202,7 +202,7 @@ class Problem:
         for recording in {self.segments[w].recording for w in windows}:
             own = np.array([self.segments[w].recording == recording for w in windows])
             noise[recording] = np.fmax(
-                noise[recording], np.fmin(loudness(difference[own]), _LOUDEST * noise[recording])
+                noise[recording], np.fmin(noise_std(difference[own]), _LOUDEST * noise[recording])
             )
         return replace(self, noise=noise)
 

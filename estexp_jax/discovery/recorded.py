@@ -9,10 +9,10 @@ from typing import final
 import numpy as np
 
 from estexp_jax.estimation.accuracy import nrmse
-from estexp_jax.estimation.channels import Channels, spans
-from estexp_jax.estimation.noise import median, noise_deviation
+from estexp_jax.estimation.channels import Channels, channel_ranges
+from estexp_jax.estimation.noise import median, noise_std_of
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment
+from estexp_jax.physics.window import Window
 
 _LEAST_SHARE = 5e-4
 """Of a channel's range in a recording, or in the usual training recording: no simulator is right to more."""
@@ -23,12 +23,11 @@ def deviations(channels: Channels, recordings: Sequence[Recording]) -> np.ndarra
 
     A small motion is simulated no more exactly than a large one of the same robot, and must not outweigh all of these.
     """
-    span = np.array([spans(channels, recording) for recording in recordings])
+    span = np.array([channel_ranges(channels, recording) for recording in recordings])
     train = span[[recording.role == "train" for recording in recordings]]
     usual = np.array([median(column) for column in train.T])
     noise = [
-        [noise_deviation(recording.time, column) for column in channels.recorded(recording).T]
-        for recording in recordings
+        [noise_std_of(recording.time, column) for column in channels.recorded(recording).T] for recording in recordings
     ]
     return np.hypot(np.nan_to_num(noise), _LEAST_SHARE * np.fmax(span, usual))
 
@@ -48,7 +47,7 @@ class Recorded:
 
     recordings: tuple[Recording, ...]
     channels: Channels
-    segments: tuple[Segment, ...]
+    segments: tuple[Window, ...]
     noise: np.ndarray
     rough: np.ndarray | None
 
@@ -85,7 +84,9 @@ class Recorded:
 
     def span(self, windows: np.ndarray) -> np.ndarray:
         """Ranges of the readings in each window's recording (windows, channels), 1 where there are none."""
-        each = {r: spans(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}}
+        each = {
+            r: channel_ranges(self.channels, self.recordings[r]) for r in {self.segments[w].recording for w in windows}
+        }
         return np.nan_to_num(np.array([each[self.segments[w].recording] for w in windows]), nan=1.0)
 
     def deviation(self, windows: np.ndarray, rows: int) -> np.ndarray:

@@ -17,9 +17,9 @@ import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis, lanes
 from estexp_jax.estimation.channels import Channels
-from estexp_jax.estimation.windows import Cut
-from estexp_jax.physics.engines.open_loop import Replayer
-from estexp_jax.physics.window import Segment
+from estexp_jax.estimation.windows import WindowSet
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
+from estexp_jax.physics.window import Window
 
 Member = tuple[Hypothesis, np.ndarray]
 """A hypothesis with a vector (n_free,) of its parameters."""
@@ -41,13 +41,13 @@ class Replays:
         began: index of a recording to the time before which nothing that is claimed acts in it, s.
     """
 
-    replayer: Replayer
+    replayer: OpenLoopSimulator
     channels: Channels
-    cut: Cut
+    cut: WindowSet
     counted: list[int] = field(default_factory=lambda: [0])
     began: Mapping[int, float] = field(default_factory=dict)
 
-    def readings(self, members: Sequence[Member], windows: np.ndarray, segments: Sequence[Segment]) -> np.ndarray:
+    def readings(self, members: Sequence[Member], windows: np.ndarray, segments: Sequence[Window]) -> np.ndarray:
         """Readings (members, windows, rows, channels) in some of these segments, NaN beyond a window's end."""
         found = []
         step = max(1, _MOST_LANES // len(windows))
@@ -60,7 +60,7 @@ class Replays:
         self.counted[0] += len(members) * sum(segments[w].steps.n_steps for w in windows)
         return np.concatenate(found)
 
-    def _early(self, s: Segment) -> bool:
+    def _early(self, s: Window) -> bool:
         """Whether a window lies before what is claimed begins; of one that holds the onset, its middle counts."""
         return 0.5 * (s.steps.start[0] + s.steps.start[-1]) < self.began.get(s.recording, -np.inf)
 

@@ -31,13 +31,13 @@ from estexp_jax.discovery.screening import instead, keeping
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of, simplest, worth
 from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
-from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 
 _MEMORY = "a single term"
 
 
 def single_term(
-    unnamed: Unnamed, joint: str, replayer: Callable[[Sequence[str]], Replayer]
+    unnamed: Unnamed, joint: str, replayer: Callable[[Sequence[str]], OpenLoopSimulator]
 ) -> Generator[Progress, None, tuple[Selection, Problem] | None]:
     """One term of a law in the place of all that is named about a joint, where that is to be believed: see `outdoes`.
 

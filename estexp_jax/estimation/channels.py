@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.engines.open_loop import Replay
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -34,7 +34,7 @@ class Channels:
         """Readings (rows, channels) of a recording, NaN where there is no sample."""
         return np.concatenate([recording.sensor[:, self.sensors], recording.qpos[:, self.coordinates]], axis=1)
 
-    def simulated(self, replay: Replay) -> np.ndarray:
+    def simulated(self, replay: OpenLoopRollout) -> np.ndarray:
         """Readings (lanes, rows, channels) of a replay."""
         return np.concatenate([replay.sensors[..., self.sensors], replay.qpos[..., self.coordinates]], axis=2)
 
@@ -58,7 +58,7 @@ def channels_of(robot: Robot, recordings: Sequence[Recording]) -> Channels:
     return Channels(tuple(names), sensors, coordinates)
 
 
-def spans(channels: Channels, recording: Recording) -> np.ndarray:
+def channel_ranges(channels: Channels, recording: Recording) -> np.ndarray:
     """Range (channels,) of each channel in a recording, by which errors are scaled; NaN where it has no sample.
 
     A channel that never moves is scaled by its size, or by 1 if it is zero.

@@ -8,11 +8,11 @@ from typing import final
 import mujoco
 import numpy as np
 
-from estexp_jax.estimation.noise import noise_deviation
-from estexp_jax.estimation.smoother import Track, smoothed
+from estexp_jax.estimation.noise import noise_std_of
+from estexp_jax.estimation.smoother import SmoothedTrack, smooth
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Path, Start
+from estexp_jax.physics.window import InitialState, StateEstimate
 
 _Source = tuple[np.ndarray | None, int | None]
 _FREE, _BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
@@ -20,26 +20,26 @@ _FREE, _BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 
 @final
 @dataclass(frozen=True, eq=False)
-class Motion:
+class EstimatedMotion:
     """The robot's state at every row of a recording.
 
     Attributes:
         path: positions and speeds; as in the home keyframe, at rest, what nothing measured.
         covariance: (rows, nv, 2, 2) of each degree of freedom's position (in the tangent space) and speed; 0 where
             nothing measured it.
-        sensed: as in `Start`.
+        sensed: as in `InitialState`.
     """
 
-    path: Path
+    path: StateEstimate
     covariance: np.ndarray
     sensed: tuple[tuple[int, int, int], ...]
 
-    def start(self, row: int) -> Start:
+    def start(self, row: int) -> InitialState:
         """The state at a row."""
-        return Start(self.path.qpos[row].copy(), self.path.qvel[row].copy(), self.sensed, self.covariance[row])
+        return InitialState(self.path.qpos[row].copy(), self.path.qvel[row].copy(), self.sensed, self.covariance[row])
 
 
-def motion_of(robot: Robot, recording: Recording) -> Motion:
+def estimate_motion(robot: Robot, recording: Recording) -> EstimatedMotion:
     """The state at every row.
 
     Joint positions and speeds come from `qpos` columns, else from a joint position sensor, with measured speeds
@@ -51,8 +51,8 @@ def motion_of(robot: Robot, recording: Recording) -> Motion:
         recording: what was measured.
     """
     model, rows = robot.model, recording.rows
-    path = Path(recording.time, np.tile(robot.home(), (rows, 1)), np.zeros((rows, model.nv)))
-    found = Motion(path, np.zeros((rows, model.nv, 2, 2)), _scalar_joints(robot, recording, path))
+    path = StateEstimate(recording.time, np.tile(robot.home(), (rows, 1)), np.zeros((rows, model.nv)))
+    found = EstimatedMotion(path, np.zeros((rows, model.nv, 2, 2)), _scalar_joints(robot, recording, path))
     _read_scalar(robot, recording, found)
     for joint in range(model.njnt):
         if int(model.jnt_type[joint]) in (_FREE, _BALL):
@@ -60,8 +60,8 @@ def motion_of(robot: Robot, recording: Recording) -> Motion:
     return found
 
 
-def _scalar_joints(robot: Robot, recording: Recording, path: Path) -> tuple[tuple[int, int, int], ...]:
-    """`Start.sensed` of a recording."""
+def _scalar_joints(robot: Robot, recording: Recording, path: StateEstimate) -> tuple[tuple[int, int, int], ...]:
+    """`InitialState.sensed` of a recording."""
     model = robot.model
     found = []
     for joint in robot.scalar_joints:
@@ -71,7 +71,7 @@ def _scalar_joints(robot: Robot, recording: Recording, path: Path) -> tuple[tupl
     return tuple(found)
 
 
-def _read_scalar(robot: Robot, recording: Recording, found: Motion) -> None:
+def _read_scalar(robot: Robot, recording: Recording, found: EstimatedMotion) -> None:
     """Fill in hinge and slide joints, in place."""
     model, nothing = robot.model, np.full(recording.rows, np.nan)
     places, speeds, samples, slopes = [], [], [], []
@@ -93,11 +93,9 @@ def _read_scalar(robot: Robot, recording: Recording, found: Motion) -> None:
         found.covariance[:, speeds] = track.covariance
 
 
-def _track(recording: Recording, samples: np.ndarray, slopes: np.ndarray) -> Track:
-    noise, slope_noise = (
-        np.array([noise_deviation(recording.time, c) for c in table.T]) for table in (samples, slopes)
-    )
-    return smoothed(recording.time, samples, np.nan_to_num(noise), slopes, slope_noise)
+def _track(recording: Recording, samples: np.ndarray, slopes: np.ndarray) -> SmoothedTrack:
+    noise, slope_noise = (np.array([noise_std_of(recording.time, c) for c in table.T]) for table in (samples, slopes))
+    return smooth(recording.time, samples, np.nan_to_num(noise), slopes, slope_noise)
 
 
 def _position_samples(robot: Robot, recording: Recording, joint: int) -> _Source:
@@ -123,7 +121,7 @@ def _samples(robot: Robot, recording: Recording, joint: int, column: np.ndarray,
     return None, None
 
 
-def _read_freely(model: mujoco.MjModel, joint: int, recording: Recording, found: Motion) -> None:
+def _read_freely(model: mujoco.MjModel, joint: int, recording: Recording, found: EstimatedMotion) -> None:
     """Fill in a free or ball joint from its columns, in place."""
     q, v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
     if int(model.jnt_type[joint]) == _FREE:
@@ -132,7 +130,7 @@ def _read_freely(model: mujoco.MjModel, joint: int, recording: Recording, found:
     _read_turn(recording, slice(q, q + 4), slice(v, v + 3), found)
 
 
-def _read_point(recording: Recording, place: slice, speed: slice, found: Motion) -> None:
+def _read_point(recording: Recording, place: slice, speed: slice, found: EstimatedMotion) -> None:
     """A free joint's position and the speed in world axes."""
     samples, slopes = recording.qpos[:, place], recording.qvel[:, speed]
     if np.isfinite(samples).any(axis=0).all():
@@ -141,7 +139,7 @@ def _read_point(recording: Recording, place: slice, speed: slice, found: Motion)
         found.covariance[:, speed] = track.covariance
 
 
-def _read_turn(recording: Recording, place: slice, speed: slice, found: Motion) -> None:
+def _read_turn(recording: Recording, place: slice, speed: slice, found: EstimatedMotion) -> None:
     """A quaternion, and the speed in body axes: measured, else from the quaternion's slope."""
     samples, spin = recording.qpos[:, place], recording.qvel[:, speed]
     nothing = np.full_like(samples, np.nan)

@@ -14,7 +14,7 @@ _REGULAR = 0.3
 """Largest deviation from whole periods, in periods."""
 
 
-def bridged(recording: Recording) -> Recording:
+def with_missing_rows(recording: Recording) -> Recording:
     """The recording with the rows that are missing from its clock put back, without readings.
 
     A robot was commanded at every tick; a log that lost a row holds the command before it one tick too long, and that
@@ -52,7 +52,7 @@ def bridged(recording: Recording) -> Recording:
     )
 
 
-def recommanded(recording: Recording, side: np.ndarray) -> Recording:
+def with_other_commands(recording: Recording, side: np.ndarray) -> Recording:
     """A bridged recording with other commands in the rows that were lost.
 
     Args:
@@ -72,7 +72,7 @@ def recommanded(recording: Recording, side: np.ndarray) -> Recording:
     return replace(recording, ctrl=ctrl)
 
 
-def miscommanded(recording: Recording) -> np.ndarray:
+def interpolation_error(recording: Recording) -> np.ndarray:
     """How far off a command (nu,) half-way between its neighbours is, root mean square over the logged rows."""
     ctrl = recording.ctrl if recording.guessed is None else recording.ctrl[~recording.guessed]
     if len(ctrl) < 3:

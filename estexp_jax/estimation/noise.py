@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from estexp_jax.estimation.channels import Channels, spans
+from estexp_jax.estimation.channels import Channels, channel_ranges
 from estexp_jax.physics.recording import Recording
 
 _ORDERS = (3, 4, 5, 6)
 _NINE = 9
 
 
-def noise_deviation(time: np.ndarray, samples: np.ndarray) -> float:
+def noise_std_of(time: np.ndarray, samples: np.ndarray) -> float:
     """Standard deviation of the noise in a slowly changing signal, in its unit; NaN for fewer than five samples.
 
     Divided differences of order d remove motion that is locally a polynomial of lower degree, on any clock; scaled so
@@ -63,7 +63,7 @@ def correlation_rows(residuals: np.ndarray) -> float:
     return float(1.0 + 2.0 * correlation[1 : int(small[0]) if len(small) else rows].sum())
 
 
-def loudness(differences: np.ndarray) -> np.ndarray:
+def noise_std(differences: np.ndarray) -> np.ndarray:
     """Standard deviation (channels,) of what is left of signals beside parabolas through nine samples at a time.
 
     Median size counts, so that jolts do not. White noise keeps its deviation; noise that lasts for a few rows keeps
@@ -93,11 +93,9 @@ def noise_floor(channels: Channels, recordings: Sequence[Recording]) -> float:
     """The error that noise alone gives a perfect simulator, in the unit of `accuracy.nrmse`; 0 for no recording."""
     shares = []
     for recording in recordings:
-        table, span = channels.recorded(recording), spans(channels, recording)
+        table, span = channels.recorded(recording), channel_ranges(channels, recording)
         shares += [
-            noise_deviation(recording.time, table[:, c]) / span[c]
-            for c in range(table.shape[1])
-            if np.isfinite(span[c])
+            noise_std_of(recording.time, table[:, c]) / span[c] for c in range(table.shape[1]) if np.isfinite(span[c])
         ]
     found = np.array([s for s in shares if np.isfinite(s)])
     return float(np.sqrt(np.mean(found**2))) if found.size else 0.0

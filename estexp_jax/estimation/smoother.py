@@ -30,7 +30,7 @@ _LEAST_NOISE = 1e-6
 
 @final
 @dataclass(frozen=True, eq=False)
-class Track:
+class SmoothedTrack:
     """A motion as its samples show it, for n coordinates at each row.
 
     Attributes:
@@ -43,9 +43,9 @@ class Track:
     covariance: np.ndarray
 
 
-def smoothed(
+def smooth(
     time: np.ndarray, samples: np.ndarray, noise: np.ndarray, slopes: np.ndarray, slope_noise: np.ndarray
-) -> Track:
+) -> SmoothedTrack:
     """The track of coordinates that were sampled with noise, and whose slopes perhaps were too.
 
     Args:
@@ -68,7 +68,7 @@ def smoothed(
     mean, cov = _backward(gaps, _filtered(gaps, seen, known, wide, drift), drift)
     scale = np.array([1.0, 1.0 / period])
     covariance = cov[..., :2, :2] * (unit**2)[:, None, None] * (scale[:, None] * scale[None, :])
-    return Track(first + unit * mean[..., 0], unit * mean[..., 1] / period, covariance)
+    return SmoothedTrack(first + unit * mean[..., 0], unit * mean[..., 1] / period, covariance)
 
 
 def _drift(gaps: np.ndarray, seen: np.ndarray, known: np.ndarray, wide: np.ndarray) -> np.ndarray:

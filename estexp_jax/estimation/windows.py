@@ -9,10 +9,10 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from estexp_jax.estimation.initial_state import Motion, motion_of
+from estexp_jax.estimation.initial_state import EstimatedMotion, estimate_motion
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment, history_of, segment
+from estexp_jax.physics.window import Window, command_history_of, window_of
 
 FINER = 4
 """The finest steps of fitted windows are this part of the model's own."""
@@ -20,18 +20,18 @@ _STRIDE = 0.4
 """Longest window, s, that is fitted where a floating robot touches the ground."""
 
 
-class Cut(NamedTuple):
+class WindowSet(NamedTuple):
     """The same windows at the model's own step, at half of it and at its part `parts`.
 
     The finest stand for the time that a robot does not cut into steps; the others tell how far they can be trusted.
     """
 
-    whole: tuple[Segment, ...]
-    half: tuple[Segment, ...]
-    fine: tuple[Segment, ...]
+    whole: tuple[Window, ...]
+    half: tuple[Window, ...]
+    fine: tuple[Window, ...]
     parts: int = FINER
 
-    def finer(self, steps: Sequence[float], parts: int) -> Cut:
+    def finer(self, steps: Sequence[float], parts: int) -> WindowSet:
         """The same with other finest steps.
 
         Args:
@@ -41,9 +41,9 @@ class Cut(NamedTuple):
         fine = tuple(s.stepped(steps[s.recording] / parts) for s in self.whole)
         return self._replace(fine=fine, parts=parts)
 
-    def exact(self) -> Cut:
+    def exact(self) -> WindowSet:
         """All at the finest step."""
-        return Cut(self.fine, self.fine, self.fine, self.parts)
+        return WindowSet(self.fine, self.fine, self.fine, self.parts)
 
 
 def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> list[tuple[int, int]]:
@@ -77,10 +77,10 @@ def fitting_window(robot: Robot, longest: float) -> float:
         robot: the nominal robot.
         longest: length of the windows that are shown, s.
     """
-    return min(longest, _STRIDE) if parts_soon(robot) else longest
+    return min(longest, _STRIDE) if is_sensitive_to_start(robot) else longest
 
 
-def parts_soon(robot: Robot) -> bool:
+def is_sensitive_to_start(robot: Robot) -> bool:
     """Whether a robot soon parts for good from one that differs a little, as robots on legs do."""
     floats = bool((robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
     touches = bool((robot.model.geom_contype | robot.model.geom_conaffinity).any())
@@ -88,18 +88,18 @@ def parts_soon(robot: Robot) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _motion(robot: Robot, recording: Recording) -> Motion:
-    """`motion_of`, found once for all windows and steps that a recording is cut into."""
-    return motion_of(robot, recording)
+def _motion(robot: Robot, recording: Recording) -> EstimatedMotion:
+    """`estimate_motion`, found once for all windows and steps that a recording is cut into."""
+    return estimate_motion(robot, recording)
 
 
-def segments_of(
+def windows_of(
     robots: Sequence[Robot],
     recordings: Sequence[Recording],
     length: float,
     finer: int = 1,
     cuts: Mapping[int, float] | None = None,
-) -> list[Segment]:
+) -> list[Window]:
     """All windows of all recordings, each started from the state estimated at its first row.
 
     Args:
@@ -109,21 +109,21 @@ def segments_of(
         finer: part of the model's step to take.
         cuts: index of a recording to a time at which a window begins in it, s.
     """
-    found: list[Segment] = []
+    found: list[Window] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
         motion, step = _motion(robot, recording), float(robot.model.opt.timestep) / finer
-        history = history_of(recording, motion.path)
+        history = command_history_of(recording, motion.path)
         for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
-            found.append(segment(recordings, i, rows, step, motion.start(rows[0]), motion.path, history))
+            found.append(window_of(recordings, i, rows, step, motion.start(rows[0]), motion.path, history))
     return found
 
 
-def cut_of(
+def window_set_of(
     robots: Sequence[Robot],
     recordings: Sequence[Recording],
     length: float,
     cuts: Mapping[int, float] | None = None,
-) -> Cut:
-    """`segments_of` at all steps."""
-    whole, half, fine = (tuple(segments_of(robots, recordings, length, finer, cuts)) for finer in (1, 2, FINER))
-    return Cut(whole, half, fine)
+) -> WindowSet:
+    """`windows_of` at all steps."""
+    whole, half, fine = (tuple(windows_of(robots, recordings, length, finer, cuts)) for finer in (1, 2, FINER))
+    return WindowSet(whole, half, fine)

@@ -10,7 +10,7 @@ from typing import final
 import mujoco
 import numpy as np
 
-from estexp_jax.experiment_design.excitation import command_reach, is_servo
+from estexp_jax.experiment_design.excitation import excitation_range, is_position_command
 from estexp_jax.physics.model.robot import Robot
 
 _REACH = {int(mujoco.mjtJoint.mjJNT_HINGE): 0.6, int(mujoco.mjtJoint.mjJNT_SLIDE): 0.2}
@@ -40,7 +40,9 @@ def torque_motors(robot: Robot) -> tuple[int, ...]:
     return tuple(a for a in alone if driven[a] in robot.scalar_joints)
 
 
-def holding(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period: float) -> Holder:
+def controlled_commands(
+    robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period: float
+) -> ComputedTorqueController:
     """What moves motors' joints as far within their reach as commands would go within the motors' own.
 
     Args:
@@ -49,23 +51,27 @@ def holding(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period:
         commands: (rows, nu) of an excitation; those of other actuators are given as they are.
         period: s between rows.
     """
-    at, (centre, usual), (middle, reach) = list(motors), command_reach(robot), _joint_reach(robot, motors)
+    at, (centre, usual), (middle, reach) = list(motors), excitation_range(robot), _joint_reach(robot, motors)
     share = (commands[:, at] - centre[at]) / usual[at]
-    return Holder(robot, commands, motors, middle + reach * share, period)
+    return ComputedTorqueController(robot, commands, motors, middle + reach * share, period)
 
 
 def planned_path(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period: float) -> np.ndarray:
-    """Configurations (rows, nq) that commands ask for: of motors as `holding` has them, of position servos their own.
+    """Configurations (rows, nq) that commands ask for.
 
-    All other joints stay at home. Arguments as of `holding`.
+    Of motors as `controlled_commands` has them, of position servos their own.
+
+    All other joints stay at home. Arguments as of `controlled_commands`.
     """
     model, path = robot.model, np.tile(robot.home(), (len(commands), 1))
     for a in range(model.nu):
         joint, gear = robot.joint_of_actuator(a), model.actuator_gear[a, 0]
-        if joint in robot.scalar_joints and is_servo(model, a) and gear != 0.0:
+        if joint in robot.scalar_joints and is_position_command(model, a) and gear != 0.0:
             path[:, model.jnt_qposadr[joint]] = commands[:, a] / gear
     if motors:
-        path[:, model.jnt_qposadr[_joints(robot, motors)]] = holding(robot, motors, commands, period).path[0]
+        path[:, model.jnt_qposadr[_joints(robot, motors)]] = controlled_commands(robot, motors, commands, period).path[
+            0
+        ]
     return path
 
 
@@ -89,7 +95,7 @@ def _joints(robot: Robot, motors: Sequence[int]) -> list[int]:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Holder:
+class ComputedTorqueController:
     """Commands that have torque motors move their joints as planned: computed torque, from the nominal model.
 
     What the real robot has more than that, such as friction, it follows with an error.

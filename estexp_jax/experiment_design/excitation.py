@@ -34,9 +34,9 @@ def multisine(robot: Robot, time: np.ndarray, strength: float, seed: int) -> np.
     return _commands(robot, time, strength, seed, sines)
 
 
-def steps(robot: Robot, time: np.ndarray, strength: float, seed: int) -> np.ndarray:
+def random_steps(robot: Robot, time: np.ndarray, strength: float, seed: int) -> np.ndarray:
     """Random levels held for 0.4 to 1.2 s, reached by ramps of 0.2 s; arguments and result as of `multisine`."""
-    return _commands(robot, time, strength, seed, levels)
+    return _commands(robot, time, strength, seed, random_levels)
 
 
 def sines(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
@@ -48,7 +48,7 @@ def sines(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
     return waves / np.abs(waves).max()
 
 
-def levels(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+def random_levels(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
     """Random levels (rows,) in -1..1 held for 0.4 to 1.2 s, reached by ramps of 0.2 s."""
     edges = time[0] + np.cumsum(draw.uniform(0.4, 1.2, int(np.ptp(time) / 0.4) + 2))
     heights = draw.uniform(-1.0, 1.0, len(edges))
@@ -64,21 +64,21 @@ def ramps(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
     return sign * np.interp(time, knots, np.tile([0.0, 1.0, 0.0, -1.0], sweeps + 1)[: len(knots)])
 
 
-def held(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+def ramp_and_hold(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
     """One level (rows,) in -1..1, reached by a ramp of a second: what creeps or sags shows in it."""
     return float(draw.uniform(-1.0, 1.0)) * np.clip(time - time[0], 0.0, 1.0)
 
 
 def _commands(robot: Robot, time: np.ndarray, strength: float, seed: int, wave: Wave) -> np.ndarray:
     draw = np.random.default_rng(seed)
-    centre, reach = command_reach(robot)
+    centre, reach = excitation_range(robot)
     commands = np.empty((len(time), robot.model.nu))
     for a in range(robot.model.nu):
         commands[:, a] = centre[a] + strength * reach[a] * wave(time, draw)
     return commands
 
 
-def command_reach(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+def excitation_range(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """Centre and largest sensible deviation of each actuator's command, (nu,) each.
 
     Servos go from home to the nearer end of their range; motors to their limit.
@@ -87,7 +87,7 @@ def command_reach(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     centre, reach = np.zeros(model.nu), np.ones(model.nu)
     for a in range(model.nu):
         joint = robot.joint_of_actuator(a)
-        if is_servo(model, a) and joint in robot.scalar_joints:
+        if is_position_command(model, a) and joint in robot.scalar_joints:
             centre[a] = home[model.jnt_qposadr[joint]] * model.actuator_gear[a, 0]
             reach[a] = _REACH
         elif model.actuator_forcelimited[a]:
@@ -100,7 +100,7 @@ def command_reach(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     return centre, reach
 
 
-def is_servo(model: mujoco.MjModel, actuator: int) -> bool:
+def is_position_command(model: mujoco.MjModel, actuator: int) -> bool:
     """Whether an actuator's command is a position."""
     biased = int(model.actuator_biastype[actuator]) != int(mujoco.mjtBias.mjBIAS_NONE)
     return bool(biased and model.actuator_biasprm[actuator, 1] != 0.0)

@@ -12,16 +12,16 @@ from estexp_jax.discovery.contest import Contest, Rival
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.errors import InputError, known
 from estexp_jax.estimation.channels import Channels
-from estexp_jax.estimation.windows import parts_soon
-from estexp_jax.experiment_design.separation import Limits, separation, separation_beside
+from estexp_jax.estimation.windows import is_sensitive_to_start
+from estexp_jax.experiment_design.separation import Limits, pairwise_separation, pairwise_separation_sensitive
 from estexp_jax.physics.effects.base import NEVER
 from estexp_jax.physics.effects.changes import Change, Values, encode, stack
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.physics.engines.open_loop import Replay, Replayer
-from estexp_jax.physics.model.clearance import kept_apart
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator
+from estexp_jax.physics.model.clearance import without_collisions
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment, Start, segment
+from estexp_jax.physics.window import InitialState, Window, window_of
 
 _ORDINARY = 0.03
 """Share by which a claimed effect's values may be off; of the model's own, `hypotheses` knows."""
@@ -35,7 +35,7 @@ _ROWS = 40
 
 @final
 @dataclass(frozen=True, eq=False)
-class Shown:
+class PredictedReadings:
     """What rivals do under some commands.
 
     Attributes:
@@ -51,7 +51,7 @@ class Shown:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Rehearsal:
+class PredictiveSimulation:
     """Rivals ready to be simulated.
 
     Attributes:
@@ -68,7 +68,7 @@ class Rehearsal:
         counted: robot steps simulated so far, a list of one number.
     """
 
-    replayer: Replayer
+    replayer: OpenLoopSimulator
     channels: Channels
     deviations: np.ndarray
     probabilities: np.ndarray
@@ -85,54 +85,54 @@ class Rehearsal:
         """Simulations of each motion."""
         return len(self.probabilities) + len(self.varied)
 
-    def finer(self, parts: int) -> Rehearsal:
+    def finer(self, parts: int) -> PredictiveSimulation:
         """The same at a part of the step."""
         return replace(self, timestep=self.timestep / parts)
 
-    def shown(self, time: np.ndarray, commands: Sequence[np.ndarray], limits: Limits) -> list[Shown]:
+    def shown(self, time: np.ndarray, commands: Sequence[np.ndarray], limits: Limits) -> list[PredictedReadings]:
         """What rivals do under each of some commands (rows, nu), from home, at rest."""
         lanes = self.lanes
         at_once = max(1, _MOST_LANES // lanes)
-        found: list[Shown] = []
+        found: list[PredictedReadings] = []
         for begin in range(0, len(commands), at_once):
             segments = [self._segment(time, c) for c in commands[begin : begin + at_once]]
             values = {name: np.tile(v, (len(segments), 1, 1)) for name, v in self.values.items()}
             replay = self.replayer.replay(values, segments, np.repeat(np.arange(len(segments)), lanes))
             self.counted[0] += lanes * sum(s.steps.n_steps for s in segments)
-            each = [Replay(*(x[k * lanes : (k + 1) * lanes] for x in replay)) for k in range(len(segments))]
+            each = [OpenLoopRollout(*(x[k * lanes : (k + 1) * lanes] for x in replay)) for k in range(len(segments))]
             found += [self._judged(part, limits) for part in each]
         return found
 
-    def _segment(self, time: np.ndarray, commands: np.ndarray) -> Segment:
+    def _segment(self, time: np.ndarray, commands: np.ndarray) -> Window:
         robot = self.replayer.robot
         model, rows = robot.model, len(time)
         sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
         recording = Recording("proposed", time, commands, np.ones((rows, model.nu)), sensor, qpos, qvel)
-        start = Start(robot.home(), np.zeros(model.nv))
-        return segment([recording], 0, (0, rows - 1), self.timestep, start)
+        start = InitialState(robot.home(), np.zeros(model.nv))
+        return window_of([recording], 0, (0, rows - 1), self.timestep, start)
 
-    def _judged(self, replay: Replay, limits: Limits) -> Shown:
+    def _judged(self, replay: OpenLoopRollout, limits: Limits) -> PredictedReadings:
         n = len(self.probabilities)
         readings = self.channels.simulated(replay).astype(float)
         if not np.isfinite(readings).all():
-            return Shown(readings[:n], np.full((n, n), np.nan), np.inf)
+            return PredictedReadings(readings[:n], np.full((n, n), np.nan), np.inf)
         scaled = readings / self.deviations
-        measure = separation_beside if self.parting else separation
+        measure = pairwise_separation_sensitive if self.parting else pairwise_separation
         apart = measure(scaled[:n], scaled[n:] - scaled[self.varied])
         excess = max(limits.excess(replay.qpos[:n], replay.qvel[:n]), self._touching(replay.qpos[0]))
-        return Shown(readings[:n], apart, excess)
+        return PredictedReadings(readings[:n], apart, excess)
 
     def _touching(self, path: np.ndarray) -> float:
         """0 where the likeliest rival keeps all parts off each other along a path (rows, nq); else more than 1."""
         if not self.apart:
             return 0.0
-        off = self.apart & set(kept_apart(self.whole, [path[:: max(1, len(path) // _ROWS)].astype(float)]))
+        off = self.apart & set(without_collisions(self.whole, [path[:: max(1, len(path) // _ROWS)].astype(float)]))
         return 2.0 - len(off) / len(self.apart) if off < self.apart else 0.0
 
 
-def rehearsal_of(
-    replayer: Replayer, contest: Contest, whole: Robot | None = None, apart: Sequence[tuple[int, int]] = ()
-) -> Rehearsal:
+def predictive_simulation_of(
+    replayer: OpenLoopSimulator, contest: Contest, whole: Robot | None = None, apart: Sequence[tuple[int, int]] = ()
+) -> PredictiveSimulation:
     """Rivals and their ordinary variations, for a replayer that knows their effects.
 
     Variations are of the model's values under the first rival, because rivals differ little in what these do, and of
@@ -142,7 +142,7 @@ def rehearsal_of(
         replayer: of the robot.
         contest: the rivals.
         whole: the robot with all its contacts; None: the replayer's.
-        apart: see `Rehearsal`.
+        apart: see `PredictiveSimulation`.
 
     Raises:
         InputError: a channel or an effect's place is not one of the robot's.
@@ -158,11 +158,11 @@ def rehearsal_of(
     shares = np.array([max(rival.probability, _TIED * rival.tied) for rival in contest.rivals])
     step = float(robot.model.opt.timestep)
     through = (robot if whole is None else whole, frozenset(apart))
-    varied_of, soon = np.array(owner, int), parts_soon(robot)
-    return Rehearsal(replayer, channels, deviations, shares, values, varied_of, step, *through, soon)
+    varied_of, soon = np.array(owner, int), is_sensitive_to_start(robot)
+    return PredictiveSimulation(replayer, channels, deviations, shares, values, varied_of, step, *through, soon)
 
 
-def _variations(replayer: Replayer, rivals: Sequence[Rival]) -> list[tuple[int, Change]]:
+def _variations(replayer: OpenLoopSimulator, rivals: Sequence[Rival]) -> list[tuple[int, Change]]:
     """Index of a rival, and a change that adds an ordinary error to it."""
     free = parameters_only(replayer.robot, replayer.catalogue).free
     found = [(0, Change(f.effect, f.site or None, {f.parameter: f.neutral + f.spread})) for f in free]

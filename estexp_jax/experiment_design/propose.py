@@ -13,11 +13,22 @@ from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import BENT
 from estexp_jax.errors import InputError
-from estexp_jax.experiment_design.predictive_simulation import Rehearsal, Shown, rehearsal_of
-from estexp_jax.experiment_design.separation import GENES, Limits, decoded, limits_of, random_motion, separated
+from estexp_jax.experiment_design.predictive_simulation import (
+    PredictedReadings,
+    PredictiveSimulation,
+    predictive_simulation_of,
+)
+from estexp_jax.experiment_design.separation import (
+    GENES,
+    Limits,
+    decode_commands,
+    limits_of,
+    random_motion,
+    separation_score,
+)
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.model.clearance import kept_apart
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.model.clearance import without_collisions
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Genetic, Population
@@ -75,7 +86,7 @@ class ProposeConfig:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Proposed:
+class ProposedExperiment:
     """A motion to record, and what each rival predicts of it.
 
     Attributes:
@@ -95,13 +106,15 @@ class Proposed:
     config: ProposeConfig
     time: np.ndarray
     commands: np.ndarray
-    shown: Shown
+    shown: PredictedReadings
     usual: np.ndarray
     robot_steps: int
     engine: tuple[str, str]
 
 
-def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -> Generator[Progress, None, Proposed]:
+def search_experiment(
+    robot: Robot, contest: Contest, finer: int, config: ProposeConfig
+) -> Generator[Progress, None, ProposedExperiment]:
     """Search for the motion that separates rivals most.
 
     Motions are evolved at the model's own step. The best ones, and random ones to compare with, are then simulated at
@@ -132,14 +145,14 @@ def propose(robot: Robot, contest: Contest, finer: int, config: ProposeConfig) -
         yield Progress("searching motions", final.generation, config.generations, _note(float(final.scores[0])))
     yield Progress("judging the best", 0, 1)
     finalists = [] if final is None else list(dict.fromkeys(tuple(g) for g in final.genomes.tolist()))[:_FINALISTS]
-    tried = [decoded(limits, time, np.array(g)) for g in finalists]
+    tried = [decode_commands(limits, time, np.array(g)) for g in finalists]
     usual = _random(rehearsal, limits, time, config.seed)
     shown = rehearsal.finer(finer).shown(time, tried + usual, limits)
     best = min(range(len(shown)), key=lambda i: _cost(shown[i], rehearsal, SLACK))
     typical = np.median([np.nan_to_num(s.apart) for s in shown[len(tried) :]], axis=0)
     engine, reason = rehearsal.replayer.choice
     steps, choice = rehearsal.counted[0], (engine, reason)
-    return Proposed(robot, contest, config, time, (tried + usual)[best], shown[best], typical, steps, choice)
+    return ProposedExperiment(robot, contest, config, time, (tried + usual)[best], shown[best], typical, steps, choice)
 
 
 def _unlimited(robot: Robot, contest: Contest) -> np.ndarray:
@@ -157,7 +170,7 @@ def _unlimited(robot: Robot, contest: Contest) -> np.ndarray:
     return held
 
 
-def _random(rehearsal: Rehearsal, limits: Limits, time: np.ndarray, seed: int) -> list[np.ndarray]:
+def _random(rehearsal: PredictiveSimulation, limits: Limits, time: np.ndarray, seed: int) -> list[np.ndarray]:
     """Commands (rows, nu) of random motions, each as strong as the limits allow, or as weak as it is tried."""
     found = []
     for k in range(_RANDOM):
@@ -167,15 +180,17 @@ def _random(rehearsal: Rehearsal, limits: Limits, time: np.ndarray, seed: int) -
     return found
 
 
-def _rehearsal(robot: Robot, contest: Contest, config: ProposeConfig) -> Rehearsal:
+def _rehearsal(robot: Robot, contest: Contest, config: ProposeConfig) -> PredictiveSimulation:
     if len(contest.rivals) < 2:
         raise InputError("there are no rivals to tell apart", where=robot.source)
     if robot.model.nu == 0:
         raise InputError("the robot has no actuators, so no motion can be proposed", where=robot.source)
     effects = dict.fromkeys(change.effect for rival in contest.rivals for change in rival.changes)
-    every, apart = catalogue(dict.fromkeys((*effects, *BENT))), kept_apart(robot, [robot.home()[None]])
+    every, apart = catalogue(dict.fromkeys((*effects, *BENT))), without_collisions(robot, [robot.home()[None]])
     free = robot.without_contacts(apart)
-    return rehearsal_of(replayer(free, every, [free], engine=config.engine), contest, robot, apart)
+    return predictive_simulation_of(
+        open_loop_simulator(free, every, [free], engine=config.engine), contest, robot, apart
+    )
 
 
 def _clock(contest: Contest, config: ProposeConfig) -> np.ndarray:
@@ -184,25 +199,25 @@ def _clock(contest: Contest, config: ProposeConfig) -> np.ndarray:
     return np.arange(round(config.duration * rate) + 1) / rate
 
 
-def _population(rehearsal: Rehearsal, time: np.ndarray, config: ProposeConfig) -> int:
+def _population(rehearsal: PredictiveSimulation, time: np.ndarray, config: ProposeConfig) -> int:
     """Motions in a generation, half of which are new each time: fewer of robots that take long to simulate."""
     each = rehearsal.lanes * max(len(time), (time[-1] - time[0]) / rehearsal.timestep)
     return int(np.clip(2.0 * _WORK / (each * config.generations), _FEWEST, config.population))
 
 
-def _score(rehearsal: Rehearsal, limits: Limits, time: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+def _score(rehearsal: PredictiveSimulation, limits: Limits, time: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     def score(genomes: np.ndarray) -> np.ndarray:
-        commands = [decoded(limits, time, genome) for genome in genomes]
+        commands = [decode_commands(limits, time, genome) for genome in genomes]
         return np.array([_cost(shown, rehearsal) for shown in rehearsal.shown(time, commands, limits)])
 
     return score
 
 
-def _cost(shown: Shown, rehearsal: Rehearsal, allowed: float = 0.0) -> float:
+def _cost(shown: PredictedReadings, rehearsal: PredictiveSimulation, allowed: float = 0.0) -> float:
     """Lower is better: negative within limits, positive where more than allowed beyond, infinite for what blew up."""
     if not np.isfinite(shown.apart).all():
         return float("inf")
-    return shown.excess if shown.excess > allowed else -separated(shown.apart, rehearsal.probabilities)
+    return shown.excess if shown.excess > allowed else -separation_score(shown.apart, rehearsal.probabilities)
 
 
 def _note(cost: float) -> str:

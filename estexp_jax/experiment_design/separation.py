@@ -12,10 +12,10 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.experiment_design.excitation import Wave, command_reach, held, levels, ramps, sines
+from estexp_jax.experiment_design.excitation import Wave, excitation_range, ramp_and_hold, ramps, random_levels, sines
 from estexp_jax.physics.model.robot import Robot
 
-_WAVES: tuple[Wave, ...] = (sines, levels, ramps, held)
+_WAVES: tuple[Wave, ...] = (sines, random_levels, ramps, ramp_and_hold)
 GENES = len(_WAVES) + 3
 """Values of a genome for each actuator: how much of each wave, strength, pace, seed."""
 STILL = 0.5
@@ -72,7 +72,7 @@ def limits_of(robot: Robot, margin: float, commands: np.ndarray, speeds: np.ndar
         speeds: (nv,) limits; infinite where there is none.
     """
     model = robot.model
-    centre, reach = command_reach(robot)
+    centre, reach = excitation_range(robot)
     limited = np.flatnonzero(model.actuator_ctrllimited)
     reach[limited] = np.abs(model.actuator_ctrlrange[limited] - centre[limited, None]).min(axis=1)
     reach = np.fmax(margin * reach, np.abs(commands - centre[:, None]).max(axis=1, initial=0.0))
@@ -91,7 +91,7 @@ def _shrunk(ranges: np.ndarray, margin: float, home: np.ndarray) -> tuple[np.nda
     return np.minimum(middle - half, home), np.maximum(middle + half, home)
 
 
-def decoded(limits: Limits, time: np.ndarray, genome: np.ndarray) -> np.ndarray:
+def decode_commands(limits: Limits, time: np.ndarray, genome: np.ndarray) -> np.ndarray:
     """The commands (rows, nu) of a genome; still at home for the first moment.
 
     Args:
@@ -120,7 +120,7 @@ def random_motion(limits: Limits, time: np.ndarray, strength: float, seed: int) 
     return np.clip(limits.centre + strength * limits.reach * signals, limits.low, limits.high)
 
 
-def separation(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def pairwise_separation(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """How far apart rivals (rivals, rivals) are, beyond what ordinary errors of a model explain; 1 is one deviation.
 
         s_ij^2 = min_a |d_ij - D a|^2 / rows + |a|^2 = d' (I + D D' / rows)^-1 d / rows
@@ -143,8 +143,8 @@ def separation(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(squares, 0.0))
 
 
-def separation_beside(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """As `separation`, for robots that part for good once a foot touches down a moment sooner.
+def pairwise_separation_sensitive(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """As `pairwise_separation`, for robots that part for good once a foot touches down a moment sooner.
 
     There no few directions hold what ordinary errors do, so what they change counts as noise, reading by reading:
 
@@ -159,7 +159,7 @@ def separation_beside(readings: np.ndarray, directions: np.ndarray) -> np.ndarra
     return np.sqrt(np.sum(apart**2, axis=(2, 3)) / rows)
 
 
-def separated(apart: np.ndarray, probabilities: np.ndarray) -> float:
+def separation_score(apart: np.ndarray, probabilities: np.ndarray) -> float:
     """One number for how well rivals are told apart: a soft minimum over pairs, weighted by both probabilities.
 
         S = (sum_{i<j} w_ij / (1 + s_ij^2) / sum_{i<j} w_ij)^(-1/2),  w_ij = p_i p_j
@@ -167,7 +167,7 @@ def separated(apart: np.ndarray, probabilities: np.ndarray) -> float:
     The least separated pair rules it; yet a pair that no motion separates does not hide what is gained with others.
 
     Args:
-        apart: (rivals, rivals) as of `separation`.
+        apart: (rivals, rivals) as of `pairwise_separation`.
         probabilities: (rivals,).
     """
     shares = np.maximum(probabilities, _IMPROBABLE)

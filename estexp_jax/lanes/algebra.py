@@ -133,7 +133,7 @@ def compose(a: Matrix, b: Matrix) -> Matrix:
     return tuple(tuple(dot(row, column) for column in columns) for row in a)
 
 
-def turn(axis: Vector, sine: Scalar, cosine: Scalar) -> Matrix:
+def rotation_about(axis: Vector, sine: Scalar, cosine: Scalar) -> Matrix:
     """Rotation about a unit axis by the angle of this sine and cosine (Rodrigues)."""
     rest = sub(1, cosine)
     x, y, z = axis
@@ -164,14 +164,14 @@ def symmetric_apply(m: Symmetric, v: Vector) -> Vector:
     return (dot((xx, xy, xz), v), dot((xy, yy, yz), v), dot((xz, yz, zz), v))
 
 
-def symmetric_turned(rotation: Matrix, m: Symmetric) -> Symmetric:
+def symmetric_rotated(rotation: Matrix, m: Symmetric) -> Symmetric:
     """R M R^T."""
     xx, yy, zz, xy, xz, yz = m
     half = compose(rotation, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
     return tuple(dot(half[i], rotation[j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
 
 
-def steiner(inertia: Symmetric, mass: Scalar, centre: Vector) -> Symmetric:
+def parallel_axis(inertia: Symmetric, mass: Scalar, centre: Vector) -> Symmetric:
     """Inertia about the origin of one given about its centre of mass (parallel axes)."""
     first = scale(mass, centre)
     xx, yy, zz = (mul(f, c) for f, c in zip(first, centre, strict=True))
@@ -185,14 +185,14 @@ def steiner(inertia: Symmetric, mass: Scalar, centre: Vector) -> Symmetric:
     )
 
 
-def spread(x: Scalar, k_from: int, k_to: int) -> Scalar:
+def to_children(x: Scalar, k_from: int, k_to: int) -> Scalar:
     """A parent's scalar (k_from, N) for each of its children (k_to, N), children of one parent side by side."""
     if k_from in (1, k_to) or not _per_element(x):
         return x
     return jnp.repeat(x, k_to // k_from, axis=0)
 
 
-def gathered(x: Scalar, k_from: int, k_to: int) -> Scalar:
+def sum_over_children(x: Scalar, k_from: int, k_to: int) -> Scalar:
     """The sum over the children of each parent: (k_from, N) to (k_to, N), or (N,) for one parent."""
     if k_from == k_to or is_number(x, 0):
         return x
@@ -214,18 +214,18 @@ def _per_element(x: Scalar) -> bool:
     return not isinstance(x, (int, float)) and x.ndim == 2
 
 
-def spread_all(xs: Sequence[Scalar], k_from: int, k_to: int) -> tuple[Scalar, ...]:
-    """`spread` of each."""
-    return tuple(spread(x, k_from, k_to) for x in xs)
+def all_to_children(xs: Sequence[Scalar], k_from: int, k_to: int) -> tuple[Scalar, ...]:
+    """`to_children` of each."""
+    return tuple(to_children(x, k_from, k_to) for x in xs)
 
 
-def one(x: Scalar, member: int) -> Scalar:
+def member_of(x: Scalar, member: int) -> Scalar:
     """One member of a group's scalar."""
     if isinstance(x, (int, float)) or x.ndim < 2:
         return x
     return x[member if x.shape[0] > 1 else 0]
 
 
-def each(v: Sequence[Scalar], member: int) -> tuple[Scalar, ...]:
+def members_of(v: Sequence[Scalar], member: int) -> tuple[Scalar, ...]:
     """One member of several scalars of a group."""
-    return tuple(one(x, member) for x in v)
+    return tuple(member_of(x, member) for x in v)

@@ -9,21 +9,21 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from estexp_jax.lanes.algebra import Scalar, add, dot, mul, one, sub
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers, world_pose
+from estexp_jax.lanes.algebra import Scalar, add, dot, member_of, mul, sub
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters, world_pose
 
 Quaternion = Sequence[Scalar]
 """Four scalars, w first."""
 
 
-def attitude(plan: Plan, numbers: Numbers, qpos: Sequence[Sequence[Scalar]], body: int) -> Quaternion:
+def attitude(plan: Layout, numbers: ModelParameters, qpos: Sequence[Sequence[Scalar]], body: int) -> Quaternion:
     """Quaternion of a body frame.
 
     Args:
         plan: structure.
         numbers: of the robots.
-        qpos: per joint of `plan.joints`: seven scalars for a floating base, else one.
+        qpos: per joint of `layout_of.joints`: seven scalars for a floating base, else one.
         body: MuJoCo's index.
     """
     model = plan.model
@@ -34,27 +34,27 @@ def attitude(plan: Plan, numbers: Numbers, qpos: Sequence[Sequence[Scalar]], bod
     slots = {joint: (slot, own.ids.index(joint)) for slot, own in enumerate(plan.joints) for joint in own.ids}
     if joints and int(model.jnt_type[joints[0]]) == int(mujoco.mjtJoint.mjJNT_FREE):
         slot, member = slots[joints[0]]
-        floating = [one(q, member) for q in qpos[slot][3:]]
+        floating = [member_of(q, member) for q in qpos[slot][3:]]
         size = jax.lax.rsqrt(dot(floating, floating))
         return tuple(mul(size, q) for q in floating)
     above = attitude(plan, numbers, qpos, int(model.body_parentid[body]))
-    found = product(above, quaternion(numbers, "body_quat", body))
+    found = quaternion_product(above, quaternion(numbers, "body_quat", body))
     for joint in joints:
         if int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_HINGE):
             slot, member = slots[joint]
             home = numbers.get("qpos0", [int(model.jnt_qposadr[joint])])
-            half = mul(0.5, sub(one(qpos[slot][0], member), home))
+            half = mul(0.5, sub(member_of(qpos[slot][0], member), home))
             axis = numbers.vector("jnt_axis", [joint])
-            found = product(found, (jnp.cos(half), *(mul(x, jnp.sin(half)) for x in axis)))
+            found = quaternion_product(found, (jnp.cos(half), *(mul(x, jnp.sin(half)) for x in axis)))
     return found
 
 
-def quaternion(numbers: Numbers, field: str, index: int) -> Quaternion:
+def quaternion(numbers: ModelParameters, field: str, index: int) -> Quaternion:
     """A quaternion of the model."""
     return tuple(numbers.get(field, [index], i) for i in range(4))
 
 
-def product(a: Quaternion, b: Quaternion) -> Quaternion:
+def quaternion_product(a: Quaternion, b: Quaternion) -> Quaternion:
     """First the turn b, then a."""
     (p, q, r, s), (w, x, y, z) = a, b
     return (

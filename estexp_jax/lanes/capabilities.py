@@ -10,7 +10,7 @@ import numpy as np
 from estexp_jax.lanes.collision_pairs import contacts_on, touching_pairs
 from estexp_jax.lanes.contact_candidates import SHAPES
 from estexp_jax.lanes.rays import TOUCH_SHAPES
-from estexp_jax.lanes.sensor_frames import SEATS, on_fixed_body
+from estexp_jax.lanes.sensor_frames import FRAMES, on_fixed_body
 from estexp_jax.lanes.sensors import RESTING, SENSORS
 
 _GEOM, _JOINT, _ON = mujoco.mjtGeom, mujoco.mjtJoint, mujoco.mjtEnableBit
@@ -140,7 +140,7 @@ def _sensors(model: mujoco.MjModel) -> Iterator[str]:
             yield f"the shape of the site of touch sensor '{name}' is not supported"
         elif kind not in RESTING and on_fixed_body(model, s):
             yield f"sensor '{name}' on a body that cannot move is not supported"
-        elif kind in RESTING and mujoco.mjtObj(int(model.sensor_objtype[s])) not in SEATS:
+        elif kind in RESTING and mujoco.mjtObj(int(model.sensor_objtype[s])) not in FRAMES:
             yield f"sensor '{name}' on a camera is not supported"
 
 

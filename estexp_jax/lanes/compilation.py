@@ -32,11 +32,11 @@ DebugOptions.xla_backend_extra_options. Source: xla/pjrt/proto/compile_options.p
 _now = threading.local()
 
 
-class NotHonoured(Exception):
+class OptionsIgnored(Exception):
     """The options did not reach XLA."""
 
 
-def lowered(function: Callable[..., Any], *arguments: Any) -> Any:
+def lower(function: Callable[..., Any], *arguments: Any) -> Any:
     """`jax.jit(function).lower(*arguments)`, without Python's garbage collector.
 
     What tracing makes all stays; looking through it again and again takes the collector a third of the time.
@@ -50,7 +50,7 @@ def lowered(function: Callable[..., Any], *arguments: Any) -> Any:
             gc.enable()
 
 
-def compiled(program: Any, robots: int) -> tuple[Any, bool]:
+def compile_lowered(program: Any, robots: int) -> tuple[Any, bool]:
     """Compile a lowered lanes program for so many robots.
 
     Returns:
@@ -62,8 +62,8 @@ def compiled(program: Any, robots: int) -> tuple[Any, bool]:
         with _extra_options(robots):
             fast = program.compile()
         if not _has_multi_output_fusion(fast.as_text()):
-            raise NotHonoured
-    except (NotHonoured, ImportError, AttributeError, TypeError, ValueError):
+            raise OptionsIgnored
+    except (OptionsIgnored, ImportError, AttributeError, TypeError, ValueError):
         return program.compile(compiler_options=_EXACT), False
     return fast, True
 
@@ -112,7 +112,7 @@ def _with_options(options: Any, wanted: Mapping[str, str]) -> Any:
     appended = _message(_BUILD_OPTIONS, _message(_DEBUG_OPTIONS, entries))
     changed = xla_client.CompileOptions.ParseFromString(options.SerializeAsString() + appended)
     if not all(key.encode() in changed.SerializeAsString() for key in wanted):
-        raise NotHonoured
+        raise OptionsIgnored
     return changed
 
 

@@ -18,6 +18,7 @@ from estexp_jax.lanes.algebra import (
     Scalar,
     Vector,
     add,
+    all_to_children,
     apply,
     cross,
     dot,
@@ -25,18 +26,17 @@ from estexp_jax.lanes.algebra import (
     maximum,
     mul,
     scale,
-    spread,
-    spread_all,
     sub,
+    to_children,
     total,
     vadd,
     vsub,
 )
 from estexp_jax.lanes.contact_candidates import Candidate, mixed
-from estexp_jax.lanes.kinematics import Motion
-from estexp_jax.lanes.layout import Group, Plan
-from estexp_jax.lanes.model_parameters import Numbers, rotation_matrix, world_pose
-from estexp_jax.lanes.rows import Push, Pyramid, Residual, Rows
+from estexp_jax.lanes.kinematics import BodyMotion
+from estexp_jax.lanes.layout import Group, Layout
+from estexp_jax.lanes.model_parameters import ModelParameters, rotation_matrix, world_pose
+from estexp_jax.lanes.rows import ContactPush, Pyramid, Residual, Rows
 from estexp_jax.lanes.softness import Softness, regularised
 
 _GEOM = mujoco.mjtGeom
@@ -66,18 +66,20 @@ class Contact:
         return self.rows.forces(r)[2] if isinstance(self.rows, Pyramid) else self.rows.forces(r)
 
 
-def contacts(plan: Plan, numbers: Numbers, moving: Motion, dt: Scalar) -> list[Contact]:
+def contacts(plan: Layout, numbers: ModelParameters, moving: BodyMotion, dt: Scalar) -> list[Contact]:
     """All contacts; those that do not touch have no stiffness."""
     return [
         _contact(plan, numbers, moving, group, candidate, dt) for group in plan.groups for candidate in group.touches
     ]
 
 
-def _contact(plan: Plan, numbers: Numbers, moving: Motion, group: Group, candidate: Candidate, dt: Scalar) -> Contact:
+def _contact(
+    plan: Layout, numbers: ModelParameters, moving: BodyMotion, group: Group, candidate: Candidate, dt: Scalar
+) -> Contact:
     model, k = plan.model, candidate.k
     place, normal = _plane(model, numbers, candidate.plane)
     point, radius, along, upper = _point(numbers, moving, group, candidate, normal)
-    height = sub(dot(normal, vadd(point, spread_all(moving.origin[group.index], group.k, k))), dot(normal, place))
+    height = sub(dot(normal, vadd(point, all_to_children(moving.origin[group.index], group.k, k))), dot(normal, place))
     distance = sub(height, radius)
     position = vsub(point, scale(radius + 0.5 * distance, normal))
     margin = add(
@@ -96,18 +98,18 @@ def _contact(plan: Plan, numbers: Numbers, moving: Motion, group: Group, candida
         tuple(dot(axis, velocity) for axis in frame)
         for velocity in (
             vadd(
-                spread_all(moving.linear[i], plan.dofs[i].k, k),
-                cross(spread_all(moving.angular[i], plan.dofs[i].k, k), position),
+                all_to_children(moving.linear[i], plan.dofs[i].k, k),
+                cross(all_to_children(moving.angular[i], plan.dofs[i].k, k), position),
             )
             for i in group.chain
         )
     ]
-    moved = [spread(moving.speed[i], plan.dofs[i].k, k) for i in group.chain]
+    moved = [to_children(moving.speed[i], plan.dofs[i].k, k) for i in group.chain]
     speed = [total(mul(a[e], v) for a, v in zip(axes, moved, strict=True)) for e in range(len(frame))]
     back = -spring * impedance * violation
     if candidate.condim == 1:
         stiffness = jnp.where(touching, regularised(weight, impedance), 0.0)
-        rows: Rows = Push(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
+        rows: Rows = ContactPush(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
         return Contact(group.index, candidate, rows, position, normal)
     friction = _friction(model, numbers, candidate)
     mu = friction / np.sqrt(model.opt.impratio)
@@ -123,7 +125,7 @@ def _bodies(model: mujoco.MjModel, candidate: Candidate) -> Sequence[int]:
     return [int(model.geom_bodyid[g]) for g in candidate.geoms]
 
 
-def _plane(model: mujoco.MjModel, numbers: Numbers, plane: int) -> tuple[Vector, Vector]:
+def _plane(model: mujoco.MjModel, numbers: ModelParameters, plane: int) -> tuple[Vector, Vector]:
     """A point of a plane and its normal, world axes."""
     body = int(model.geom_bodyid[plane])
     position, quaternion = world_pose(model, body, model.geom_pos[plane], model.geom_quat[plane])
@@ -132,12 +134,12 @@ def _plane(model: mujoco.MjModel, numbers: Numbers, plane: int) -> tuple[Vector,
 
 
 def _point(
-    numbers: Numbers, moving: Motion, group: Group, candidate: Candidate, normal: Vector
+    numbers: ModelParameters, moving: BodyMotion, group: Group, candidate: Candidate, normal: Vector
 ) -> tuple[Vector, Scalar, Vector | None, Scalar | None]:
     """The point, the radius around it, a capsule's axis, how far a corner is above its box's centre."""
     pose, k, geoms = moving.poses[group.index], candidate.k, candidate.geoms
-    rotation = [spread_all(row, group.k, k) for row in pose.rotation]
-    centre = vadd(spread_all(pose.position, group.k, k), apply(rotation, numbers.vector("geom_pos", geoms)))
+    rotation = [all_to_children(row, group.k, k) for row in pose.rotation]
+    centre = vadd(all_to_children(pose.position, group.k, k), apply(rotation, numbers.vector("geom_pos", geoms)))
     if candidate.shape == _GEOM.mjGEOM_SPHERE:
         return centre, numbers.get("geom_size", geoms, 0), None, None
     turned = numbers.rotation("geom_quat", geoms)
@@ -163,12 +165,12 @@ def _tangents(normal: Vector, along: Vector | None) -> tuple[Vector, Vector]:
     return flat, cross(normal, flat)
 
 
-def _softness(numbers: Numbers, candidate: Candidate) -> Softness:
+def _softness(numbers: ModelParameters, candidate: Candidate) -> Softness:
     refs, imps = zip(*(mixed(numbers.model, candidate.plane, g) for g in candidate.geoms), strict=True)
     return Softness.of(numbers, np.array(refs), np.array(imps))
 
 
-def _friction(model: mujoco.MjModel, numbers: Numbers, candidate: Candidate) -> Scalar:
+def _friction(model: mujoco.MjModel, numbers: ModelParameters, candidate: Candidate) -> Scalar:
     """Sliding friction: the greater of the two, unless one has priority."""
     own = numbers.get("geom_friction", candidate.geoms, 0)
     floor = numbers.get("geom_friction", [candidate.plane] * candidate.k, 0)

@@ -12,21 +12,21 @@ from estexp_jax.lanes.algebra import (
     Symmetric,
     Vector,
     add,
+    all_to_children,
     apply,
     cross,
     dot,
-    gathered,
     is_number,
+    parallel_axis,
     scale,
-    spread_all,
-    steiner,
+    sum_over_children,
     symmetric_apply,
-    symmetric_turned,
+    symmetric_rotated,
     vadd,
 )
-from estexp_jax.lanes.kinematics import Motion, shifted
-from estexp_jax.lanes.layout import Group, Plan
-from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.kinematics import BodyMotion, shift_origin
+from estexp_jax.lanes.layout import Group, Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.sparse import Entries
 
 
@@ -34,7 +34,7 @@ from estexp_jax.lanes.sparse import Entries
 class Inertias:
     """Each group's mass and its inertia about the centre of mass, in the axes of the body: once a rollout."""
 
-    def __init__(self, plan: Plan, numbers: Numbers) -> None:
+    def __init__(self, plan: Layout, numbers: ModelParameters) -> None:
         """Take them from the numbers."""
         self.mass: list[Scalar] = []
         self.centre: list[Vector] = []
@@ -44,10 +44,12 @@ class Inertias:
             self.centre.append(numbers.vector("body_ipos", group.bodies))
             turned = numbers.rotation("body_iquat", group.bodies)
             principal = numbers.vector("body_inertia", group.bodies)
-            self.inertia.append(symmetric_turned(turned, (*principal, 0, 0, 0)))
+            self.inertia.append(symmetric_rotated(turned, (*principal, 0, 0, 0)))
 
 
-def mass_and_bias(plan: Plan, numbers: Numbers, inertias: Inertias, moving: Motion) -> tuple[Entries, list[Scalar]]:
+def mass_and_bias(
+    plan: Layout, numbers: ModelParameters, inertias: Inertias, moving: BodyMotion
+) -> tuple[Entries, list[Scalar]]:
     """The mass matrix, armature included, and the force that zero accelerations need."""
     composite = [_single(group, inertias, moving) for group in plan.groups]
     matrix: Entries = {}
@@ -55,7 +57,10 @@ def mass_and_bias(plan: Plan, numbers: Numbers, inertias: Inertias, moving: Moti
     for group in reversed(plan.groups):
         whole = composite[group.index]
         for child in plan.children[group.index]:
-            whole = [add(a, gathered(b, child.k, group.k)) for a, b in zip(whole, composite[child.index], strict=True)]
+            whole = [
+                add(a, sum_over_children(b, child.k, group.k))
+                for a, b in zip(whole, composite[child.index], strict=True)
+            ]
         composite[group.index] = whole
         mass, first, second, force, moment = whole[0], whole[1:4], whole[4:10], whole[10:13], whole[13:16]
         for joint in group.joints:
@@ -64,23 +69,23 @@ def mass_and_bias(plan: Plan, numbers: Numbers, inertias: Inertias, moving: Moti
                 push = vadd(scale(mass, linear), cross(angular, first))
                 twist = vadd(cross(first, linear), symmetric_apply(second, angular))
                 for j in (*plan.dofs[i].above, i):
-                    above = [spread_all(m[j], plan.dofs[j].k, group.k) for m in (moving.linear, moving.angular)]
+                    above = [all_to_children(m[j], plan.dofs[j].k, group.k) for m in (moving.linear, moving.angular)]
                     matrix[i, j] = add(dot(above[0], push), dot(above[1], twist))
                 matrix[i, i] = add(matrix[i, i], numbers.get("dof_armature", plan.dofs[i].addresses))
                 bias[i] = add(dot(linear, force), dot(angular, moment))
     return matrix, bias
 
 
-def _single(group: Group, inertias: Inertias, moving: Motion) -> list[Scalar]:
+def _single(group: Group, inertias: Inertias, moving: BodyMotion) -> list[Scalar]:
     """One body: mass, first and second moment about the origin, force and moment its acceleration needs."""
     pose, mass = moving.poses[group.index], inertias.mass[group.index]
     if is_number(mass, 0):
         return [0] * 16
     arm = apply(pose.rotation, inertias.centre[group.index])
-    centre = shifted(pose, arm)
-    inertia = symmetric_turned(pose.rotation, inertias.inertia[group.index])
+    centre = shift_origin(pose, arm)
+    inertia = symmetric_rotated(pose.rotation, inertias.inertia[group.index])
     force = scale(mass, centre.acceleration)
     spinning = symmetric_apply(inertia, pose.spin)
     moment = vadd(symmetric_apply(inertia, pose.spin_rate), cross(pose.spin, spinning))
-    second = steiner(inertia, mass, centre.position)
+    second = parallel_axis(inertia, mass, centre.position)
     return [mass, *scale(mass, centre.position), *second, *force, *vadd(moment, cross(centre.position, force))]

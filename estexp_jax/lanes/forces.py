@@ -14,8 +14,8 @@ import mujoco
 import numpy as np
 
 from estexp_jax.lanes.algebra import Scalar, add, clip, is_number, mul, sub
-from estexp_jax.lanes.layout import Joint, Motor, Plan
-from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.layout import Joint, Layout, Motor
+from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.polynomials import damper, spring
 
 _AFFINE_GAIN, _AFFINE_BIAS = int(mujoco.mjtGain.mjGAIN_AFFINE), int(mujoco.mjtBias.mjBIAS_AFFINE)
@@ -24,7 +24,7 @@ _OFF = mujoco.mjtDisableBit
 
 @final
 @dataclass
-class Pull:
+class JointForces:
     """Forces at each degree of freedom.
 
     Attributes:
@@ -44,7 +44,7 @@ class Pull:
 
 @final
 @dataclass
-class Drive:
+class MotorCommands:
     """What the motors are told, by the slots of `Motor`.
 
     Attributes:
@@ -58,9 +58,13 @@ class Drive:
     share: dict[tuple[int, ...], Scalar] | None = None
 
 
-def pull(
-    plan: Plan, numbers: Numbers, positions: Sequence[Sequence[Scalar]], speed: Sequence[Scalar], drive: Drive
-) -> Pull:
+def joint_forces(
+    plan: Layout,
+    numbers: ModelParameters,
+    positions: Sequence[Sequence[Scalar]],
+    speed: Sequence[Scalar],
+    drive: MotorCommands,
+) -> JointForces:
     """Forces in a state.
 
     Args:
@@ -71,7 +75,7 @@ def pull(
         drive: what the motors are told.
     """
     n = len(plan.dofs)
-    found = Pull([0] * n, [0] * n, [0] * n, [0] * n)
+    found = JointForces([0] * n, [0] * n, [0] * n, [0] * n)
     for joint, q in zip(plan.joints, positions, strict=True):
         for dof in joint.dofs:
             _brake(plan, numbers, found, dof, speed[dof])
@@ -81,7 +85,7 @@ def pull(
     return found
 
 
-def _brake(plan: Plan, numbers: Numbers, found: Pull, dof: int, speed: Scalar) -> None:
+def _brake(plan: Layout, numbers: ModelParameters, found: JointForces, dof: int, speed: Scalar) -> None:
     if plan.model.opt.disableflags & _OFF.mjDSBL_DAMPER:
         return
     damping = numbers.get("dof_damping", plan.dofs[dof].addresses)
@@ -94,7 +98,7 @@ def _brake(plan: Plan, numbers: Numbers, found: Pull, dof: int, speed: Scalar) -
     found.braking[dof] = damping
 
 
-def _spring(plan: Plan, numbers: Numbers, found: Pull, joint: Joint, q: Scalar) -> None:
+def _spring(plan: Layout, numbers: ModelParameters, found: JointForces, joint: Joint, q: Scalar) -> None:
     stiffness = numbers.get("jnt_stiffness", joint.ids)
     square, cube = (numbers.get("jnt_stiffnesspoly", joint.ids, i) for i in range(2))
     slack = all(is_number(x, 0) for x in (stiffness, square, cube))
@@ -107,7 +111,15 @@ def _spring(plan: Plan, numbers: Numbers, found: Pull, joint: Joint, q: Scalar) 
         found.force[joint.dofs[0]] = add(found.force[joint.dofs[0]], spring(square, cube, sub(q, own)).force)
 
 
-def _drive(plan: Plan, numbers: Numbers, found: Pull, joint: Joint, q: Scalar, speed: Scalar, drive: Drive) -> None:
+def _drive(
+    plan: Layout,
+    numbers: ModelParameters,
+    found: JointForces,
+    joint: Joint,
+    q: Scalar,
+    speed: Scalar,
+    drive: MotorCommands,
+) -> None:
     if not joint.motors or plan.model.opt.disableflags & _OFF.mjDSBL_ACTUATION:
         return
     torque: Scalar = 0
@@ -128,7 +140,7 @@ def _drive(plan: Plan, numbers: Numbers, found: Pull, joint: Joint, q: Scalar, s
 
 
 def motor_force(
-    plan: Plan, numbers: Numbers, motor: Motor, length: Scalar, rate: Scalar, drive: Drive
+    plan: Layout, numbers: ModelParameters, motor: Motor, length: Scalar, rate: Scalar, drive: MotorCommands
 ) -> tuple[Scalar, Scalar]:
     """An actuator's force, and its derivative by its own rate: zero where the force range clips it."""
     model, ids = plan.model, motor.ids

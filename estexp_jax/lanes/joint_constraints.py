@@ -12,16 +12,16 @@ import jax.numpy as jnp
 import mujoco
 
 from estexp_jax.lanes.algebra import Scalar, add, sub
-from estexp_jax.lanes.layout import Joint, Plan
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.rows import Push, Rows, Rub
+from estexp_jax.lanes.layout import Joint, Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.rows import ContactPush, FrictionLoss, Rows
 from estexp_jax.lanes.softness import Softness, regularised
 
 _OFF = mujoco.mjtDisableBit
 
 
-def stops(
-    plan: Plan, numbers: Numbers, qpos: Sequence[Sequence[Scalar]], qvel: Sequence[Scalar], dt: Scalar
+def limit_rows(
+    plan: Layout, numbers: ModelParameters, qpos: Sequence[Sequence[Scalar]], qvel: Sequence[Scalar], dt: Scalar
 ) -> list[Rows]:
     """Each limited joint against the nearer of its stops.
 
@@ -41,7 +41,7 @@ def stops(
     ]
 
 
-def _stop(plan: Plan, numbers: Numbers, joint: Joint, q: Scalar, speed: Scalar, dt: Scalar) -> Rows:
+def _stop(plan: Layout, numbers: ModelParameters, joint: Joint, q: Scalar, speed: Scalar, dt: Scalar) -> Rows:
     ids, dof = list(joint.ids), plan.dofs[joint.dofs[0]]
     low, high = (sub(q, numbers.get("jnt_range", ids, 0)), sub(numbers.get("jnt_range", ids, 1), q))
     sign = jnp.where(low < high, 1.0, -1.0).astype(q.dtype)
@@ -52,10 +52,12 @@ def _stop(plan: Plan, numbers: Numbers, joint: Joint, q: Scalar, speed: Scalar, 
     spring, damper = soft.spring(dt, safe=_safe(plan))
     weight = numbers.get("dof_invweight0", dof.addresses)
     stiffness = jnp.where(violation < 0, regularised(weight, impedance), 0.0)
-    return Push(dof.k, (dof.index,), (sign,), stiffness, -damper * sign * speed - spring * impedance * violation)
+    return ContactPush(dof.k, (dof.index,), (sign,), stiffness, -damper * sign * speed - spring * impedance * violation)
 
 
-def rubs(plan: Plan, numbers: Numbers, speed: Sequence[Scalar], dt: Scalar, more: Sequence[Scalar]) -> list[Rows]:
+def friction_loss_rows(
+    plan: Layout, numbers: ModelParameters, speed: Sequence[Scalar], dt: Scalar, more: Sequence[Scalar]
+) -> list[Rows]:
     """Friction losses; `speed` and `more`, what effects add to them, per degree of freedom."""
     model, rows = plan.model, []
     if model.opt.disableflags & (_OFF.mjDSBL_FRICTIONLOSS | _OFF.mjDSBL_CONSTRAINT):
@@ -68,9 +70,9 @@ def rubs(plan: Plan, numbers: Numbers, speed: Sequence[Scalar], dt: Scalar, more
             impedance = soft.impedance(jnp.zeros_like(speed[dof.index]))
             stiffness = regularised(numbers.get("dof_invweight0", at), impedance)
             bound = add(numbers.get("dof_frictionloss", at), more[dof.index])
-            rows.append(Rub(dof.k, dof.index, stiffness, bound, -damper * speed[dof.index]))
+            rows.append(FrictionLoss(dof.k, dof.index, stiffness, bound, -damper * speed[dof.index]))
     return rows
 
 
-def _safe(plan: Plan) -> bool:
+def _safe(plan: Layout) -> bool:
     return not plan.model.opt.disableflags & _OFF.mjDSBL_REFSAFE

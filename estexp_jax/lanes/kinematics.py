@@ -19,19 +19,19 @@ from estexp_jax.lanes.algebra import (
     Matrix,
     Scalar,
     Vector,
+    all_to_children,
     apply,
     compose,
     cross,
     from_quaternion,
     is_number,
+    rotation_about,
     scale,
-    spread_all,
     sub,
-    turn,
     vadd,
 )
-from estexp_jax.lanes.layout import Group, Joint, Plan
-from estexp_jax.lanes.model_parameters import Numbers, world_pose
+from estexp_jax.lanes.layout import Group, Joint, Layout
+from estexp_jax.lanes.model_parameters import ModelParameters, world_pose
 
 
 @final
@@ -56,7 +56,7 @@ class Pose:
 
 @final
 @dataclass
-class Motion:
+class BodyMotion:
     """What the pass from the roots found.
 
     Attributes:
@@ -75,16 +75,18 @@ class Motion:
     base: dict[int, Matrix] = field(default_factory=dict)
 
 
-def motion(plan: Plan, numbers: Numbers, qpos: Sequence[Sequence[Scalar]], qvel: Sequence[Scalar]) -> Motion:
+def body_motion(
+    plan: Layout, numbers: ModelParameters, qpos: Sequence[Sequence[Scalar]], qvel: Sequence[Scalar]
+) -> BodyMotion:
     """Poses and velocities.
 
     Args:
         plan: structure.
         numbers: of the robots.
-        qpos: per joint of `plan.joints`: seven scalars for a floating base, else one.
+        qpos: per joint of `layout_of.joints`: seven scalars for a floating base, else one.
         qvel: per degree of freedom; a floating base's spin in its own axes, as in MuJoCo.
     """
-    found = Motion(speed=list(qvel))
+    found = BodyMotion(speed=list(qvel))
     coordinates = iter(qpos)
     for group in plan.groups:
         pose, origin = _before_joints(plan, numbers, group, found)
@@ -101,24 +103,24 @@ def motion(plan: Plan, numbers: Numbers, qpos: Sequence[Sequence[Scalar]], qvel:
     return found
 
 
-def _before_joints(plan: Plan, numbers: Numbers, group: Group, found: Motion) -> tuple[Pose, Vector]:
+def _before_joints(plan: Layout, numbers: ModelParameters, group: Group, found: BodyMotion) -> tuple[Pose, Vector]:
     if group.parent is None:
         rotation, place = _on_world(plan.model, numbers, group.bodies)
         return Pose(rotation, place, ZERO, ZERO, scale(-1, numbers.gravity()), ZERO), ZERO
     parent, k_from, k = found.poses[group.parent], plan.groups[group.parent].k, group.k
-    rotation = tuple(spread_all(row, k_from, k) for row in parent.rotation)
+    rotation = tuple(all_to_children(row, k_from, k) for row in parent.rotation)
     spin, rate, position, acceleration, velocity = (
-        spread_all(v, k_from, k)
+        all_to_children(v, k_from, k)
         for v in (parent.spin, parent.spin_rate, parent.position, parent.acceleration, parent.velocity)
     )
     arm = apply(rotation, numbers.vector("body_pos", group.bodies))
     pose = Pose(rotation, position, spin, rate, acceleration, velocity)
     _move(pose, arm)
     pose.rotation = compose(rotation, numbers.rotation("body_quat", group.bodies))
-    return pose, tuple(spread_all(found.origin[group.parent], k_from, k))
+    return pose, tuple(all_to_children(found.origin[group.parent], k_from, k))
 
 
-def _on_world(model: mujoco.MjModel, numbers: Numbers, bodies: Sequence[int]) -> tuple[Matrix, Vector]:
+def _on_world(model: mujoco.MjModel, numbers: ModelParameters, bodies: Sequence[int]) -> tuple[Matrix, Vector]:
     """Pose of a body that hangs from the world, maybe by others that cannot move, without its joints."""
     if model.body_parentid[bodies[0]] == 0:
         return numbers.rotation("body_quat", bodies), numbers.vector("body_pos", bodies)
@@ -139,7 +141,7 @@ def _move(pose: Pose, arm: Vector) -> None:
     pose.velocity = vadd(pose.velocity, cross(pose.spin, arm))
 
 
-def _float(joint: Joint, q: Sequence[Scalar], numbers: Numbers, found: Motion) -> tuple[Pose, Vector]:
+def _float(joint: Joint, q: Sequence[Scalar], numbers: ModelParameters, found: BodyMotion) -> tuple[Pose, Vector]:
     first = joint.dofs[0]
     rotation = from_quaternion(*q[3:])
     found.base[first] = rotation
@@ -153,14 +155,14 @@ def _float(joint: Joint, q: Sequence[Scalar], numbers: Numbers, found: Motion) -
     return Pose(rotation, ZERO, spin, ZERO, scale(-1, numbers.gravity()), velocity), tuple(q[:3])
 
 
-def _hinge(joint: Joint, q: Scalar, pose: Pose, numbers: Numbers, found: Motion) -> Pose:
+def _hinge(joint: Joint, q: Scalar, pose: Pose, numbers: ModelParameters, found: BodyMotion) -> Pose:
     dof, speed = joint.dofs[0], found.speed[joint.dofs[0]]
     local, anchor = numbers.vector("jnt_axis", joint.ids), numbers.vector("jnt_pos", joint.ids)
     axis = apply(pose.rotation, local)
     _move(pose, apply(pose.rotation, anchor))
     found.linear[dof], found.angular[dof] = cross(pose.position, axis), axis
     angle = sub(q, numbers.get("qpos0", joint.qpos))
-    rotation = compose(pose.rotation, turn(local, jnp.sin(angle), jnp.cos(angle)))
+    rotation = compose(pose.rotation, rotation_about(local, jnp.sin(angle), jnp.cos(angle)))
     turning = scale(speed, axis)
     pose.spin_rate = vadd(pose.spin_rate, cross(pose.spin, turning))
     pose.spin = vadd(pose.spin, turning)
@@ -169,7 +171,7 @@ def _hinge(joint: Joint, q: Scalar, pose: Pose, numbers: Numbers, found: Motion)
     return pose
 
 
-def _slide(joint: Joint, q: Scalar, pose: Pose, numbers: Numbers, found: Motion) -> Pose:
+def _slide(joint: Joint, q: Scalar, pose: Pose, numbers: ModelParameters, found: BodyMotion) -> Pose:
     dof, speed = joint.dofs[0], found.speed[joint.dofs[0]]
     axis = apply(pose.rotation, numbers.vector("jnt_axis", joint.ids))
     _move(pose, scale(sub(q, numbers.get("qpos0", joint.qpos)), axis))
@@ -179,7 +181,7 @@ def _slide(joint: Joint, q: Scalar, pose: Pose, numbers: Numbers, found: Motion)
     return pose
 
 
-def shifted(pose: Pose, arm: Vector) -> Pose:
+def shift_origin(pose: Pose, arm: Vector) -> Pose:
     """The same body at another of its points, `arm` (world axes) away."""
     other = Pose(pose.rotation, pose.position, pose.spin, pose.spin_rate, pose.acceleration, pose.velocity)
     _move(other, arm)

@@ -70,7 +70,7 @@ class Group:
     """Alike bodies.
 
     Attributes:
-        index: in `Plan.groups`.
+        index: in `Layout.groups`.
         bodies: (k,) MuJoCo's indices, children of one parent side by side.
         parent: index of the parents' group, None on the world.
         joints: in MuJoCo's order.
@@ -97,7 +97,7 @@ class Dof:
     """Alike degrees of freedom.
 
     Attributes:
-        index: in `Plan.dofs`.
+        index: in `Layout.dofs`.
         addresses: (k,) in qvel.
         above: our indices of those it hangs from, topmost first.
         rubs: whether there is friction loss.
@@ -116,7 +116,7 @@ class Dof:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Layout:
     """A robot's structure."""
 
     model: mujoco.MjModel
@@ -139,13 +139,13 @@ class Plan:
         return {b: (g.index, i) for g in self.groups for i, b in enumerate(g.bodies)}
 
 
-def plan(model: mujoco.MjModel) -> Plan:
+def layout_of(model: mujoco.MjModel) -> Layout:
     """The structure of a compiled model that `refusal` finds nothing against."""
-    return _Planner(model).plan()
+    return _LayoutBuilder(model).plan()
 
 
 @final
-class _Planner:
+class _LayoutBuilder:
     def __init__(self, model: mujoco.MjModel) -> None:
         self._model = model
         self._groups: list[Group] = []
@@ -153,12 +153,12 @@ class _Planner:
         self._touches = candidates(model)
         self._signatures: dict[int, Any] = {}
 
-    def plan(self) -> Plan:
+    def plan(self) -> Layout:
         model = self._model
         for body in range(1, model.nbody):
             if model.body_weldid[body] != 0 and model.body_weldid[model.body_parentid[body]] == 0:
                 self._add((body,), None)
-        return Plan(model, tuple(self._groups), tuple(self._dofs))
+        return Layout(model, tuple(self._groups), tuple(self._dofs))
 
     def _children(self, body: int) -> list[int]:
         return [c for c in range(body + 1, self._model.nbody) if self._model.body_parentid[c] == body]

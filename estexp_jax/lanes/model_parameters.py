@@ -18,7 +18,7 @@ _ROUNDING = 1e-15
 
 @final
 @dataclass(frozen=True, eq=False)
-class Numbers:
+class ModelParameters:
     """Fields of a model, nominal where no edit writes them.
 
     Attributes:

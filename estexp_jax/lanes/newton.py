@@ -18,7 +18,7 @@ import jax.numpy as jnp
 
 from estexp_jax.lanes.algebra import Scalar, mul, neg, sub
 from estexp_jax.lanes.layout import Dof
-from estexp_jax.lanes.rows import Residual, Rows, Rub
+from estexp_jax.lanes.rows import FrictionLoss, Residual, Rows
 from estexp_jax.lanes.sparse import Entries, Factor, Pending, robot_sum, times
 
 _EASY = 5
@@ -78,7 +78,7 @@ def solve(
     def residuals(x: Sequence[Scalar]) -> tuple[Residual, ...]:
         return tuple(tuple(j - a for j, a in zip(row.jacobian(dofs, x), row.reference(), strict=True)) for row in rows)
 
-    sharp = any(isinstance(row, Rub) for row in rows)
+    sharp = any(isinstance(row, FrictionLoss) for row in rows)
 
     def step(count: Any, settled: Any, guess: _Guess) -> tuple[Any, _Guess]:
         pulled, curved = Pending(), Pending()

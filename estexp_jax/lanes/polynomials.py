@@ -11,19 +11,19 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 
 
-class Beyond(NamedTuple):
+class HigherOrder(NamedTuple):
     """What is beyond the first degree: a force, and minus its derivative by the speed or the stretch."""
 
     force: Any
     slope: Any
 
 
-def damper(square: Any, cube: Any, speed: Any) -> Beyond:
+def damper(square: Any, cube: Any, speed: Any) -> HigherOrder:
     """A damper's, of coefficients `square`, of |w| w, and `cube`, of w^3; arrays of one shape."""
     bare, power = jnp.abs(speed), speed * speed
-    return Beyond(-(square * bare + cube * power) * speed, 2.0 * square * bare + 3.0 * cube * power)
+    return HigherOrder(-(square * bare + cube * power) * speed, 2.0 * square * bare + 3.0 * cube * power)
 
 
-def spring(square: Any, cube: Any, stretch: Any) -> Beyond:
+def spring(square: Any, cube: Any, stretch: Any) -> HigherOrder:
     """A spring's, of coefficients `square` and `cube`; arrays of one shape."""
-    return Beyond(-(square + cube * stretch) * stretch * stretch, (2.0 * square + 3.0 * cube * stretch) * stretch)
+    return HigherOrder(-(square + cube * stretch) * stretch * stretch, (2.0 * square + 3.0 * cube * stretch) * stretch)

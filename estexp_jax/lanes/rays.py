@@ -18,7 +18,7 @@ TOUCH_SHAPES = (_GEOM.mjGEOM_SPHERE, _GEOM.mjGEOM_BOX, _GEOM.mjGEOM_CAPSULE)
 """Shapes of touch sensors' sites."""
 
 
-def meets(shape: mujoco.mjtGeom, size: np.ndarray, start: Vector, way: Vector) -> Any:
+def ray_intersection(shape: mujoco.mjtGeom, size: np.ndarray, start: Vector, way: Vector) -> Any:
     """Whether a ray from `start` along the unit vector `way`, in a shape's axes, meets the shape."""
     if shape == _GEOM.mjGEOM_SPHERE:
         return _meets_ball(float(size[0]), start, way)

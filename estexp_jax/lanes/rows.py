@@ -22,7 +22,7 @@ from estexp_jax.lanes.algebra import (
     clip,
     dot,
     mul,
-    spread,
+    to_children,
     total,
 )
 from estexp_jax.lanes.layout import Dof
@@ -84,7 +84,7 @@ class Pyramid(Rows):
     aref: Residual
 
     def jacobian(self, dofs: Sequence[Dof], x: Sequence[Scalar]) -> Residual:
-        moved = [spread(x[i], dofs[i].k, self.k) for i in self.chain]
+        moved = [to_children(x[i], dofs[i].k, self.k) for i in self.chain]
         one, two, normal = (total(mul(a[e], v) for a, v in zip(self.axes, moved, strict=True)) for e in range(3))
         one, two = mul(self.mu, one), mul(self.mu, two)
         return (normal + one, normal - one, normal + two, normal - two)
@@ -127,7 +127,7 @@ class Pyramid(Rows):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Push(Rows):
+class ContactPush(Rows):
     """Constraints of one row that only push: stops, contacts without friction.
 
     Attributes:
@@ -145,7 +145,7 @@ class Push(Rows):
     aref: Scalar
 
     def jacobian(self, dofs: Sequence[Dof], x: Sequence[Scalar]) -> Residual:
-        moved = [spread(x[i], dofs[i].k, self.k) for i in self.chain]
+        moved = [to_children(x[i], dofs[i].k, self.k) for i in self.chain]
         return (dot(self.along, moved),)
 
     def reference(self) -> Residual:
@@ -177,7 +177,7 @@ class Push(Rows):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Rub(Rows):
+class FrictionLoss(Rows):
     """Friction losses: forces up to a bound.
 
     Attributes:

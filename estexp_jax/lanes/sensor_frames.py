@@ -15,47 +15,47 @@ from estexp_jax.lanes.algebra import (
     apply,
     cross,
     dot,
-    each,
-    one,
+    member_of,
+    members_of,
     scale,
     transposed,
     vadd,
     vsub,
 )
 from estexp_jax.lanes.dynamics import Inertias
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.step import Instant
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.step import StepState
 
 _OBJECT = mujoco.mjtObj
-SEATS = (_OBJECT.mjOBJ_SITE, _OBJECT.mjOBJ_GEOM, _OBJECT.mjOBJ_BODY, _OBJECT.mjOBJ_XBODY)
+FRAMES = (_OBJECT.mjOBJ_SITE, _OBJECT.mjOBJ_GEOM, _OBJECT.mjOBJ_BODY, _OBJECT.mjOBJ_XBODY)
 """What sensors of motion may be on."""
 
 
 @final
-class Seats:
+class SensorFrames:
     """Places, axes and speeds at an instant; each component is an array (N,)."""
 
-    def __init__(self, plan: Plan, numbers: Numbers, inertias: Inertias) -> None:
+    def __init__(self, plan: Layout, numbers: ModelParameters, inertias: Inertias) -> None:
         """For robots of these numbers."""
         self._plan, self._numbers, self._inertias = plan, numbers, inertias
 
-    def frame(self, now: Instant, sensor: int) -> tuple[Matrix, Vector, Vector, int]:
+    def frame(self, now: StepState, sensor: int) -> tuple[Matrix, Vector, Vector, int]:
         """Axes, place about the tree's origin, the origin, and the body of what a sensor sits on."""
-        body, seat = seat_of(self._plan.model, sensor)
+        body, seat = sensor_frame_of(self._plan.model, sensor)
         group, member = self._plan.place_of_body[body]
-        pose, origin = now.moving.poses[group], each(now.moving.origin[group], member)
-        rotation, place = _turn(pose.rotation, member), each(pose.position, member)
+        pose, origin = now.moving.poses[group], members_of(now.moving.origin[group], member)
+        rotation, place = _turn(pose.rotation, member), members_of(pose.position, member)
         if not seat:
             return rotation, place, origin, body
         axes, place = self._on(rotation, place, seat, int(self._plan.model.sensor_objid[sensor]))
         return axes, place, origin, body
 
-    def site(self, now: Instant, site: int) -> tuple[Matrix, Vector]:
+    def site(self, now: StepState, site: int) -> tuple[Matrix, Vector]:
         """Axes of a site, and its place about the tree's origin."""
         group, member = self._plan.place_of_body[int(self._plan.model.site_bodyid[site])]
         pose = now.moving.poses[group]
-        return self._on(_turn(pose.rotation, member), each(pose.position, member), "site_", site)
+        return self._on(_turn(pose.rotation, member), members_of(pose.position, member), "site_", site)
 
     def _on(self, rotation: Matrix, place: Vector, seat: str, element: int) -> tuple[Matrix, Vector]:
         """Axes and place of an element fixed to a body whose axes and place these are."""
@@ -63,24 +63,24 @@ class Seats:
         axes = tuple(tuple(dot(row, column) for column in transposed(local)) for row in rotation)
         return axes, vadd(place, apply(rotation, self._numbers.vector(f"{seat}pos", [element])))
 
-    def velocity(self, now: Instant, body: int, place: Vector) -> Vector:
+    def velocity(self, now: StepState, body: int, place: Vector) -> Vector:
         """Velocity of a body's point at a place about the tree's origin, world axes."""
         group, member = self._plan.place_of_body[body]
         pose = now.moving.poses[group]
-        arm = vsub(place, each(pose.position, member))
-        return vadd(each(pose.velocity, member), cross(each(pose.spin, member), arm))
+        arm = vsub(place, members_of(pose.position, member))
+        return vadd(members_of(pose.velocity, member), cross(members_of(pose.spin, member), arm))
 
-    def centre(self, now: Instant, body: int) -> Vector:
+    def centre(self, now: StepState, body: int) -> Vector:
         """Centre of mass of a body about its tree's origin."""
         group, member = self._plan.place_of_body[body]
         pose = now.moving.poses[group]
-        arm = apply(_turn(pose.rotation, member), each(self._inertias.centre[group], member))
-        return vadd(each(pose.position, member), arm)
+        arm = apply(_turn(pose.rotation, member), members_of(self._inertias.centre[group], member))
+        return vadd(members_of(pose.position, member), arm)
 
-    def origin(self, now: Instant, body: int) -> Vector:
+    def origin(self, now: StepState, body: int) -> Vector:
         """Origin of a body's tree."""
         group, member = self._plan.place_of_body[body]
-        return each(now.moving.origin[group], member)
+        return members_of(now.moving.origin[group], member)
 
     def weighed(self, top: int, of: Callable[[int], Vector]) -> tuple[Scalar, Vector]:
         """Mass of the subtree under a body, and the sum of what each body of it has times its mass."""
@@ -93,16 +93,16 @@ class Seats:
                 above = int(model.body_parentid[above])
             if above == top and body in self._plan.place_of_body:
                 group, member = self._plan.place_of_body[body]
-                weight = one(self._inertias.mass[group], member)
+                weight = member_of(self._inertias.mass[group], member)
                 mass, whole = add(mass, weight), vadd(whole, scale(weight, of(body)))
         return mass, whole
 
 
 def _turn(rotation: Matrix, member: int) -> Matrix:
-    return tuple(each(row, member) for row in rotation)
+    return tuple(members_of(row, member) for row in rotation)
 
 
-def seat_of(model: mujoco.MjModel, sensor: int) -> tuple[int, str]:
+def sensor_frame_of(model: mujoco.MjModel, sensor: int) -> tuple[int, str]:
     """The body of what a sensor is on, and how the pose fields of that begin, if it is not the body itself."""
     kind, target = _OBJECT(int(model.sensor_objtype[sensor])), int(model.sensor_objid[sensor])
     match kind:
@@ -118,6 +118,6 @@ def seat_of(model: mujoco.MjModel, sensor: int) -> tuple[int, str]:
 
 def on_fixed_body(model: mujoco.MjModel, sensor: int) -> bool:
     """Whether a sensor is on a site, geom or body that cannot move."""
-    if _OBJECT(int(model.sensor_objtype[sensor])) not in SEATS:
+    if _OBJECT(int(model.sensor_objtype[sensor])) not in FRAMES:
         return False
-    return int(model.body_weldid[seat_of(model, sensor)[0]]) == 0
+    return int(model.body_weldid[sensor_frame_of(model, sensor)[0]]) == 0

@@ -17,37 +17,37 @@ from estexp_jax.lanes.algebra import (
     Vector,
     apply,
     cross,
-    each,
+    member_of,
+    members_of,
     neg,
-    one,
     scale,
     total,
     transposed,
     vadd,
     vsub,
 )
-from estexp_jax.lanes.attitude import attitude, product, quaternion
+from estexp_jax.lanes.attitude import attitude, quaternion, quaternion_product
 from estexp_jax.lanes.contacts import Contact
 from estexp_jax.lanes.dynamics import Inertias
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.rays import meets
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.rays import ray_intersection
 from estexp_jax.lanes.rows import Residual
-from estexp_jax.lanes.sensor_frames import Seats, on_fixed_body, seat_of
-from estexp_jax.lanes.step import Instant
+from estexp_jax.lanes.sensor_frames import SensorFrames, on_fixed_body, sensor_frame_of
+from estexp_jax.lanes.step import StepState
 
 _SENSOR = mujoco.mjtSensor
 _AXES = (_SENSOR.mjSENS_FRAMEXAXIS, _SENSOR.mjSENS_FRAMEYAXIS, _SENSOR.mjSENS_FRAMEZAXIS)
 
 
-class Reader:
+class SensorReader:
     """Reads sensors off an instant."""
 
-    def __init__(self, plan: Plan, numbers: Numbers, inertias: Inertias) -> None:
+    def __init__(self, plan: Layout, numbers: ModelParameters, inertias: Inertias) -> None:
         """For robots of these numbers."""
-        self._plan, self._numbers, self._seats = plan, numbers, Seats(plan, numbers, inertias)
+        self._plan, self._numbers, self._seats = plan, numbers, SensorFrames(plan, numbers, inertias)
 
-    def read(self, now: Instant, sensors: Sequence[int]) -> dict[int, Scalar]:
+    def read(self, now: StepState, sensors: Sequence[int]) -> dict[int, Scalar]:
         """Readings (N,) by their address in `sensordata`, of the sensors with these indices."""
         model, found = self._plan.model, {}
         for sensor in sensors:
@@ -72,31 +72,31 @@ class Reader:
     def _object(self, sensor: int) -> int:
         return int(self._plan.model.sensor_objid[sensor])
 
-    def joint_position(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
+    def joint_position(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`jointpos`."""
         slot, member = self._joint(self._object(sensor))
-        return (one(now.state.qpos[slot][0], member),)
+        return (member_of(now.state.qpos[slot][0], member),)
 
-    def joint_speed(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
+    def joint_speed(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`jointvel`."""
         slot, member = self._joint(self._object(sensor))
-        return (one(now.state.qvel[self._plan.joints[slot].dofs[0]], member),)
+        return (member_of(now.state.qvel[self._plan.joints[slot].dofs[0]], member),)
 
     def _joint(self, joint: int) -> tuple[int, int]:
         return next((n, j.ids.index(joint)) for n, j in enumerate(self._plan.joints) if joint in j.ids)
 
-    def actuator_force(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
+    def actuator_force(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`actuatorfrc`."""
         actuator = self._object(sensor)
-        return next((one(x, ids.index(actuator)),) for ids, x in now.pulled.actuator.items() if actuator in ids)
+        return next((member_of(x, ids.index(actuator)),) for ids, x in now.pulled.actuator.items() if actuator in ids)
 
-    def joint_actuator_force(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
+    def joint_actuator_force(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`jointactuatorfrc`."""
         slot, member = self._joint(self._object(sensor))
         torque = now.pulled.motor[self._plan.joints[slot].dofs[0]]
-        return (one(torque, member) + jnp.zeros_like(one(now.state.qvel[0], 0)),)
+        return (member_of(torque, member) + jnp.zeros_like(member_of(now.state.qvel[0], 0)),)
 
-    def touch(self, now: Instant, sensor: int) -> tuple[Scalar, ...]:
+    def touch(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`touch`: normal forces of the body's contacts whose line of force meets the site."""
         site, body = self._object(sensor), int(self._plan.model.site_bodyid[self._object(sensor)])
         forces = [
@@ -105,74 +105,74 @@ class Reader:
             for member, geom in enumerate(contact.candidate.geoms)
             if int(self._plan.model.geom_bodyid[geom]) == body
         ]
-        return (total(forces) + jnp.zeros_like(one(now.state.qvel[0], 0)),)
+        return (total(forces) + jnp.zeros_like(member_of(now.state.qvel[0], 0)),)
 
-    def _felt(self, now: Instant, contact: Contact, residual: Residual, member: int, site: int) -> Scalar:
-        force = one(contact.normal_force(residual), member)
+    def _felt(self, now: StepState, contact: Contact, residual: Residual, member: int, site: int) -> Scalar:
+        force = member_of(contact.normal_force(residual), member)
         rotation, place = self._seats.site(now, site)
-        point = tuple(one(x, member) for x in contact.position)
-        ray = tuple(neg(one(x, member)) for x in contact.normal)
+        point = tuple(member_of(x, member) for x in contact.position)
+        ray = tuple(neg(member_of(x, member)) for x in contact.normal)
         local = transposed(rotation)
         start, way = apply(local, vsub(point, place)), apply(local, ray)
         shape, size = mujoco.mjtGeom(int(self._plan.model.site_type[site])), self._plan.model.site_size[site]
-        return jnp.where((force > 0) & meets(shape, size, start, way), force, 0.0)
+        return jnp.where((force > 0) & ray_intersection(shape, size, start, way), force, 0.0)
 
-    def frame_position(self, now: Instant, sensor: int) -> Vector:
+    def frame_position(self, now: StepState, sensor: int) -> Vector:
         """`framepos`, world axes."""
         _, place, origin, _ = self._seats.frame(now, sensor)
         return self._full(now, vadd(place, origin))
 
-    def frame_velocity(self, now: Instant, sensor: int) -> Vector:
+    def frame_velocity(self, now: StepState, sensor: int) -> Vector:
         """`framelinvel`, world axes."""
         _, place, _, body = self._seats.frame(now, sensor)
         return self._full(now, self._seats.velocity(now, body, place))
 
-    def frame_spin(self, now: Instant, sensor: int) -> Vector:
+    def frame_spin(self, now: StepState, sensor: int) -> Vector:
         """`frameangvel`, world axes."""
         group, member = self._plan.place_of_body[self._seats.frame(now, sensor)[3]]
-        return self._full(now, each(now.moving.poses[group].spin, member))
+        return self._full(now, members_of(now.moving.poses[group].spin, member))
 
-    def frame_axis(self, now: Instant, sensor: int) -> Vector:
+    def frame_axis(self, now: StepState, sensor: int) -> Vector:
         """`framexaxis`, `frameyaxis`, `framezaxis`, world axes."""
         axes, *_ = self._seats.frame(now, sensor)
         column = _AXES.index(_SENSOR(int(self._plan.model.sensor_type[sensor])))
         return self._full(now, tuple(row[column] for row in axes))
 
-    def frame_quaternion(self, now: Instant, sensor: int) -> Sequence[Scalar]:
+    def frame_quaternion(self, now: StepState, sensor: int) -> Sequence[Scalar]:
         """`framequat`."""
-        body, seat = seat_of(self._plan.model, sensor)
+        body, seat = sensor_frame_of(self._plan.model, sensor)
         found = attitude(self._plan, self._numbers, now.state.qpos, body)
         if seat:
-            found = product(found, quaternion(self._numbers, f"{seat}quat", self._object(sensor)))
+            found = quaternion_product(found, quaternion(self._numbers, f"{seat}quat", self._object(sensor)))
         return self._full(now, found)
 
-    def velocimeter(self, now: Instant, sensor: int) -> Vector:
+    def velocimeter(self, now: StepState, sensor: int) -> Vector:
         """`velocimeter`, in the site's axes."""
         rotation, place, _, body = self._seats.frame(now, sensor)
         return self._full(now, apply(transposed(rotation), self._seats.velocity(now, body, place)))
 
-    def gyro(self, now: Instant, sensor: int) -> Vector:
+    def gyro(self, now: StepState, sensor: int) -> Vector:
         """`gyro`, in the site's axes."""
         rotation, _, _, body = self._seats.frame(now, sensor)
         group, member = self._plan.place_of_body[body]
-        return self._full(now, apply(transposed(rotation), each(now.moving.poses[group].spin, member)))
+        return self._full(now, apply(transposed(rotation), members_of(now.moving.poses[group].spin, member)))
 
-    def accelerometer(self, now: Instant, sensor: int) -> Vector:
+    def accelerometer(self, now: StepState, sensor: int) -> Vector:
         """`accelerometer`, in the site's axes: gravity shows as an upward acceleration."""
         rotation, place, _, body = self._seats.frame(now, sensor)
         group, member = self._plan.place_of_body[body]
         pose = now.moving.poses[group]
-        spin, rate = each(pose.spin, member), each(pose.spin_rate, member)
-        arm = vsub(place, each(pose.position, member))
-        whole = vadd(each(pose.acceleration, member), vadd(cross(rate, arm), cross(spin, cross(spin, arm))))
+        spin, rate = members_of(pose.spin, member), members_of(pose.spin_rate, member)
+        arm = vsub(place, members_of(pose.position, member))
+        whole = vadd(members_of(pose.acceleration, member), vadd(cross(rate, arm), cross(spin, cross(spin, arm))))
         for i in self._plan.groups[group].chain:
             k = self._plan.dofs[i].k
             above = member * k // self._plan.groups[group].k if k > 1 else 0
-            unit = vadd(each(now.moving.linear[i], above), cross(each(now.moving.angular[i], above), place))
-            whole = vadd(whole, scale(one(now.solution.acceleration[i], above), unit))
+            unit = vadd(members_of(now.moving.linear[i], above), cross(members_of(now.moving.angular[i], above), place))
+            whole = vadd(whole, scale(member_of(now.solution.acceleration[i], above), unit))
         return self._full(now, apply(transposed(rotation), whole))
 
-    def subtree_centre(self, now: Instant, sensor: int) -> Vector:
+    def subtree_centre(self, now: StepState, sensor: int) -> Vector:
         """`subtreecom`, world axes."""
         seats = self._seats
         mass, moment = seats.weighed(
@@ -180,7 +180,7 @@ class Reader:
         )
         return self._full(now, scale(1.0 / mass, moment))
 
-    def subtree_velocity(self, now: Instant, sensor: int) -> Vector:
+    def subtree_velocity(self, now: StepState, sensor: int) -> Vector:
         """`subtreelinvel`, world axes."""
         seats = self._seats
         mass, momentum = seats.weighed(
@@ -188,28 +188,28 @@ class Reader:
         )
         return self._full(now, scale(1.0 / mass, momentum))
 
-    def _full(self, now: Instant, v: Sequence[Scalar]) -> Vector:
+    def _full(self, now: StepState, v: Sequence[Scalar]) -> Vector:
         """As arrays (N,), also where a component is known."""
-        zero = jnp.zeros_like(one(now.state.qvel[0], 0))
+        zero = jnp.zeros_like(member_of(now.state.qvel[0], 0))
         return tuple(zero + x for x in v)
 
 
-_READINGS: dict[mujoco.mjtSensor, Callable[[Reader, Instant, int], Sequence[Scalar]]] = {
-    _SENSOR.mjSENS_JOINTPOS: Reader.joint_position,
-    _SENSOR.mjSENS_JOINTVEL: Reader.joint_speed,
-    _SENSOR.mjSENS_ACTUATORFRC: Reader.actuator_force,
-    _SENSOR.mjSENS_JOINTACTFRC: Reader.joint_actuator_force,
-    _SENSOR.mjSENS_TOUCH: Reader.touch,
-    _SENSOR.mjSENS_FRAMEPOS: Reader.frame_position,
-    _SENSOR.mjSENS_FRAMEQUAT: Reader.frame_quaternion,
-    **dict.fromkeys(_AXES, Reader.frame_axis),
-    _SENSOR.mjSENS_FRAMELINVEL: Reader.frame_velocity,
-    _SENSOR.mjSENS_FRAMEANGVEL: Reader.frame_spin,
-    _SENSOR.mjSENS_VELOCIMETER: Reader.velocimeter,
-    _SENSOR.mjSENS_GYRO: Reader.gyro,
-    _SENSOR.mjSENS_ACCELEROMETER: Reader.accelerometer,
-    _SENSOR.mjSENS_SUBTREECOM: Reader.subtree_centre,
-    _SENSOR.mjSENS_SUBTREELINVEL: Reader.subtree_velocity,
+_READINGS: dict[mujoco.mjtSensor, Callable[[SensorReader, StepState, int], Sequence[Scalar]]] = {
+    _SENSOR.mjSENS_JOINTPOS: SensorReader.joint_position,
+    _SENSOR.mjSENS_JOINTVEL: SensorReader.joint_speed,
+    _SENSOR.mjSENS_ACTUATORFRC: SensorReader.actuator_force,
+    _SENSOR.mjSENS_JOINTACTFRC: SensorReader.joint_actuator_force,
+    _SENSOR.mjSENS_TOUCH: SensorReader.touch,
+    _SENSOR.mjSENS_FRAMEPOS: SensorReader.frame_position,
+    _SENSOR.mjSENS_FRAMEQUAT: SensorReader.frame_quaternion,
+    **dict.fromkeys(_AXES, SensorReader.frame_axis),
+    _SENSOR.mjSENS_FRAMELINVEL: SensorReader.frame_velocity,
+    _SENSOR.mjSENS_FRAMEANGVEL: SensorReader.frame_spin,
+    _SENSOR.mjSENS_VELOCIMETER: SensorReader.velocimeter,
+    _SENSOR.mjSENS_GYRO: SensorReader.gyro,
+    _SENSOR.mjSENS_ACCELEROMETER: SensorReader.accelerometer,
+    _SENSOR.mjSENS_SUBTREECOM: SensorReader.subtree_centre,
+    _SENSOR.mjSENS_SUBTREELINVEL: SensorReader.subtree_velocity,
 }
 
 SENSORS = frozenset(_READINGS)

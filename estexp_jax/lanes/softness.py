@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.lanes.algebra import Scalar, is_number, maximum
-from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.model_parameters import ModelParameters
 
 
 @final
@@ -30,7 +30,7 @@ class Softness:
     imp: tuple[Scalar, ...]
 
     @classmethod
-    def of(cls, numbers: Numbers, ref: np.ndarray, imp: np.ndarray) -> Softness:
+    def of(cls, numbers: ModelParameters, ref: np.ndarray, imp: np.ndarray) -> Softness:
         """From solref (k, 2) and solimp (k, 5)."""
         low, high = mujoco.mjMINIMP, mujoco.mjMAXIMP
         imp = imp.copy()

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import final
 
-from estexp_jax.lanes.algebra import Scalar, add, gathered, mul, spread, sub, total
+from estexp_jax.lanes.algebra import Scalar, add, mul, sub, sum_over_children, to_children, total
 from estexp_jax.lanes.layout import Dof
 
 Entries = dict[tuple[int, int], Scalar]
@@ -30,7 +30,7 @@ class Pending:
 
     def get(self, key: object, k: int) -> Scalar:
         """The entry for k members."""
-        return total(gathered(x, size, k) for size, x in self._parts.get(key, {}).items())
+        return total(sum_over_children(x, size, k) for size, x in self._parts.get(key, {}).items())
 
 
 @final
@@ -67,7 +67,7 @@ class Factor:
                 taken.add(j, dof.k, mul(self.lower[dof.index, j], y[dof.index]))
         for dof in self._dofs:
             i = dof.index
-            above = total(mul(self.lower[i, j], spread(y[j], self._dofs[j].k, dof.k)) for j in dof.above)
+            above = total(mul(self.lower[i, j], to_children(y[j], self._dofs[j].k, dof.k)) for j in dof.above)
             y[i] = sub(mul(y[i], self.inverse[i]), above)
         return y
 
@@ -81,7 +81,7 @@ def times(dofs: Sequence[Dof], matrix: Entries, x: Sequence[Scalar]) -> list[Sca
     return [
         total(
             [mul(matrix[d.index, d.index], x[d.index])]
-            + [mul(matrix[d.index, j], spread(x[j], dofs[j].k, d.k)) for j in d.above]
+            + [mul(matrix[d.index, j], to_children(x[j], dofs[j].k, d.k)) for j in d.above]
             + [below.get(d.index, d.k)]
         )
         for d in dofs

@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.lanes.algebra import Scalar, apply, from_quaternion, transposed
-from estexp_jax.lanes.layout import Plan
+from estexp_jax.lanes.layout import Layout
 from estexp_jax.lanes.step import LaneState
 
 
-def packed(plan: Plan, qpos: jax.Array, qvel: jax.Array, warmstart: jax.Array) -> LaneState:
+def to_lanes(plan: Layout, qpos: jax.Array, qvel: jax.Array, warmstart: jax.Array) -> LaneState:
     """Lanes of (nq, N), (nv, N), (nv, N): MuJoCo's states with the robots last."""
     coordinates = tuple(
         tuple(qpos[j.qpos[0] + i] for i in range(7)) if j.free else (_rows(qpos, j.qpos),) for j in plan.joints
@@ -25,7 +25,7 @@ def packed(plan: Plan, qpos: jax.Array, qvel: jax.Array, warmstart: jax.Array) -
     return LaneState(coordinates, speed, tuple(start))
 
 
-def coordinates(plan: Plan, state: LaneState) -> list[jax.Array]:
+def configuration_of(plan: Layout, state: LaneState) -> list[jax.Array]:
     """The configuration, one array (N,) for each of its nq numbers."""
     qpos: list[Scalar] = [None] * plan.model.nq
     for joint, q in zip(plan.joints, state.qpos, strict=True):
@@ -36,8 +36,8 @@ def coordinates(plan: Plan, state: LaneState) -> list[jax.Array]:
     return qpos
 
 
-def unpacked(plan: Plan, state: LaneState) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """The inverse of `packed`: (nq, N), (nv, N), (nv, N)."""
+def from_lanes(plan: Layout, state: LaneState) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """The inverse of `to_lanes`: (nq, N), (nv, N), (nv, N)."""
     qvel: list[Scalar] = [None] * plan.model.nv
     warmstart: list[Scalar] = [None] * plan.model.nv
     start = list(state.warmstart)
@@ -48,7 +48,7 @@ def unpacked(plan: Plan, state: LaneState) -> tuple[jax.Array, jax.Array, jax.Ar
     for dof in plan.dofs:
         _put(qvel, dof.addresses, state.qvel[dof.index])
         _put(warmstart, dof.addresses, start[dof.index])
-    return jnp.stack(coordinates(plan, state)), jnp.stack(qvel), jnp.stack(warmstart)
+    return jnp.stack(configuration_of(plan, state)), jnp.stack(qvel), jnp.stack(warmstart)
 
 
 def _rows(table: jax.Array, members: tuple[int, ...]) -> jax.Array:

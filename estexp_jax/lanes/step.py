@@ -18,24 +18,24 @@ from estexp_jax.lanes.algebra import (
     Scalar,
     Vector,
     add,
+    all_to_children,
     apply,
     cross,
     dot,
-    gathered,
     is_number,
     mul,
-    spread_all,
     sub,
+    sum_over_children,
     transposed,
     vadd,
 )
 from estexp_jax.lanes.contacts import Contact, contacts
 from estexp_jax.lanes.dynamics import Inertias, mass_and_bias
-from estexp_jax.lanes.forces import Drive, Pull, pull
-from estexp_jax.lanes.joint_constraints import rubs, stops
-from estexp_jax.lanes.kinematics import Motion, motion
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.forces import JointForces, MotorCommands, joint_forces
+from estexp_jax.lanes.joint_constraints import friction_loss_rows, limit_rows
+from estexp_jax.lanes.kinematics import BodyMotion, body_motion
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.newton import Solution, solve
 from estexp_jax.lanes.rows import Rows
 from estexp_jax.lanes.sparse import Factor
@@ -64,7 +64,7 @@ class LaneState(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Added:
+class AddedForces:
     """What effects add during one step; numbers 0 where nothing is added.
 
     Attributes:
@@ -82,7 +82,7 @@ class Added:
     pull: dict[int, Vector] = field(default_factory=dict)
 
     @classmethod
-    def nothing(cls, n_dofs: int) -> Added:
+    def nothing(cls, n_dofs: int) -> AddedForces:
         """No effect acts."""
         zeros = (0,) * n_dofs
         return cls(zeros, zeros, zeros, zeros)
@@ -90,7 +90,7 @@ class Added:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Instant:
+class StepState:
     """Everything about one state, for its sensors.
 
     Attributes:
@@ -102,8 +102,8 @@ class Instant:
     """
 
     state: LaneState
-    moving: Motion
-    pulled: Pull
+    moving: BodyMotion
+    pulled: JointForces
     touched: tuple[tuple[Contact, Any], ...]
     solution: Solution
 
@@ -112,12 +112,14 @@ class Instant:
 class Stepper:
     """Steps the robots of one set of numbers; made once in a rollout, outside its loop."""
 
-    def __init__(self, plan: Plan, numbers: Numbers, tolerance: float) -> None:
+    def __init__(self, plan: Layout, numbers: ModelParameters, tolerance: float) -> None:
         """For robots of these numbers; `tolerance` as in `newton.solve`."""
         self.plan, self.numbers, self.tolerance = plan, numbers, tolerance
         self.inertias = Inertias(plan, numbers)
 
-    def step(self, state: LaneState, drive: Drive, dt: Scalar, added: Added | None = None) -> tuple[LaneState, Instant]:
+    def step(
+        self, state: LaneState, drive: MotorCommands, dt: Scalar, added: AddedForces | None = None
+    ) -> tuple[LaneState, StepState]:
         """The next state, and all about this one.
 
         Args:
@@ -126,7 +128,7 @@ class Stepper:
             dt: length of the step, s: a number or (N,).
             added: by effects.
         """
-        added = added or Added.nothing(len(self.plan.dofs))
+        added = added or AddedForces.nothing(len(self.plan.dofs))
         if self.plan.model.opt.integrator == _INTEGRATOR.mjINT_RK4:
             return self._runge_kutta(state, drive, dt, added)
         now, matrix = self._instant(state, drive, dt, added)
@@ -134,28 +136,28 @@ class Stepper:
         speed = tuple(v + dt * a for v, a in zip(state.qvel, rate, strict=True))
         return LaneState(self._moved(state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
 
-    def _instant(self, state: LaneState, drive: Drive, dt: Scalar, added: Added) -> tuple[Instant, Any]:
+    def _instant(self, state: LaneState, drive: MotorCommands, dt: Scalar, added: AddedForces) -> tuple[StepState, Any]:
         plan, numbers = self.plan, self.numbers
-        moving = motion(plan, numbers, state.qpos, state.qvel)
+        moving = body_motion(plan, numbers, state.qpos, state.qvel)
         matrix, bias = mass_and_bias(plan, numbers, self.inertias, moving)
         for i, inertia in enumerate(added.inertia):
             matrix[i, i] = add(matrix[i, i], inertia)
-        pulled = pull(plan, numbers, state.qpos, moving.speed, drive)
+        pulled = joint_forces(plan, numbers, state.qpos, moving.speed, drive)
         self._take(pulled, moving, added)
         smooth = [sub(f, b) for f, b in zip(pulled.force, bias, strict=True)]
         touched = contacts(plan, numbers, moving, dt)
         rows: list[Rows] = [c.rows for c in touched]
-        rows += stops(plan, numbers, state.qpos, state.qvel, dt)
-        rows += rubs(plan, numbers, moving.speed, dt, added.friction)
+        rows += limit_rows(plan, numbers, state.qpos, state.qvel, dt)
+        rows += friction_loss_rows(plan, numbers, moving.speed, dt, added.friction)
         start = state.warmstart
         solution = solve(plan.dofs, matrix, smooth, rows, start, ITERATIONS, self.tolerance)
         whole = [jnp.broadcast_to(a, s.shape) for a, s in zip(solution.acceleration, start, strict=True)]
         solution = solution._replace(acceleration=whole)
         pairs = tuple(zip(touched, solution.residuals[: len(touched)], strict=True))
         total = [add(s, f) for s, f in zip(smooth, solution.force, strict=True)]
-        return Instant(state, moving, pulled, pairs, solution), (matrix, total)
+        return StepState(state, moving, pulled, pairs, solution), (matrix, total)
 
-    def _take(self, pulled: Pull, moving: Motion, added: Added) -> None:
+    def _take(self, pulled: JointForces, moving: BodyMotion, added: AddedForces) -> None:
         """Add what effects add to the forces."""
         for i, (force, damping) in enumerate(zip(added.force, added.damping, strict=True)):
             pulled.force[i] = add(pulled.force[i], sub(force, mul(damping, moving.speed[i])))
@@ -166,11 +168,11 @@ class Stepper:
             moment = cross(centre, force)
             for i in group.chain:
                 k = self.plan.dofs[i].k
-                linear, angular = (spread_all(m[i], k, group.k) for m in (moving.linear, moving.angular))
-                push = gathered(add(dot(linear, force), dot(angular, moment)), group.k, k)
+                linear, angular = (all_to_children(m[i], k, group.k) for m in (moving.linear, moving.angular))
+                push = sum_over_children(add(dot(linear, force), dot(angular, moment)), group.k, k)
                 pulled.force[i] = add(pulled.force[i], push)
 
-    def _implicit(self, now: Instant, matrix: Any, dt: Scalar) -> list[Scalar]:
+    def _implicit(self, now: StepState, matrix: Any, dt: Scalar) -> list[Scalar]:
         """Accelerations with the damping taken at the end of the step; a floating base's spin in its own axes."""
         (matrix, force), model = matrix, self.plan.model
         fast = model.opt.integrator == _INTEGRATOR.mjINT_IMPLICITFAST
@@ -186,7 +188,7 @@ class Stepper:
             rate = Factor(self.plan.dofs, implicit).solve(force)
         return self._own_axes(rate, now.moving)
 
-    def _own_axes(self, rate: Sequence[Scalar], moving: Motion) -> list[Scalar]:
+    def _own_axes(self, rate: Sequence[Scalar], moving: BodyMotion) -> list[Scalar]:
         turned = list(rate)
         for first, rotation in moving.base.items():
             turned[first + 3 : first + 6] = apply(transposed(rotation), rate[first + 3 : first + 6])
@@ -198,7 +200,9 @@ class Stepper:
             for j, q in zip(self.plan.joints, qpos, strict=True)
         )
 
-    def _runge_kutta(self, state: LaneState, drive: Drive, dt: Scalar, added: Added) -> tuple[LaneState, Instant]:
+    def _runge_kutta(
+        self, state: LaneState, drive: MotorCommands, dt: Scalar, added: AddedForces
+    ) -> tuple[LaneState, StepState]:
         """Fourth order, as MuJoCo's: the stages' states all start from this one, and so do their bases' turns.
 
         Source: Munthe-Kaas, BIT Numerical Mathematics 38 (1998).

@@ -22,7 +22,7 @@ _SMOOTH = 0.5
 
 @final
 @dataclass(frozen=True, eq=False)
-class Schedule:
+class CommandSchedule:
     """Physics steps between rows.
 
     Attributes:
@@ -43,7 +43,7 @@ class Schedule:
         return len(self.start)
 
 
-def schedule(row_time: np.ndarray, timestep: float) -> Schedule:
+def physics_steps(row_time: np.ndarray, timestep: float) -> CommandSchedule:
     """Steps that end on every row.
 
     Args:
@@ -56,7 +56,7 @@ def schedule(row_time: np.ndarray, timestep: float) -> Schedule:
     sample = np.concatenate([[0], np.cumsum(count)])
     length = (interval / count)[row]
     within = np.arange(len(row)) - sample[row]
-    return Schedule(row_time[row] + within * length, length, row, sample)
+    return CommandSchedule(row_time[row] + within * length, length, row, sample)
 
 
 @final

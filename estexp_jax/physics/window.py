@@ -9,7 +9,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from estexp_jax.physics.command_schedule import CommandHistory, Schedule, command_before, schedule
+from estexp_jax.physics.command_schedule import CommandHistory, CommandSchedule, command_before, physics_steps
 from estexp_jax.physics.recording import Recording
 
 _MOMENT = 1e-6
@@ -18,7 +18,7 @@ _LEAST = 1e-3
 """Shortest time that a command of a past row is the mean of, s."""
 
 
-class Start(NamedTuple):
+class InitialState(NamedTuple):
     """A state to start from, and what of it is only known through sensors.
 
     Attributes:
@@ -35,7 +35,7 @@ class Start(NamedTuple):
     covariance: np.ndarray | None = None
 
 
-class Past(NamedTuple):
+class PastRows(NamedTuple):
     """Rows of a recording up to the one that a segment starts at, that one last.
 
     Attributes:
@@ -53,7 +53,7 @@ class Past(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Path:
+class StateEstimate:
     """Where a recording's sensors say that the robot was, at each row.
 
     Attributes:
@@ -72,7 +72,7 @@ class Path:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Segment:
+class Window:
     """Rows `first` to `last` (inclusive) of a recording.
 
     Attributes:
@@ -88,20 +88,20 @@ class Segment:
     recording: int
     first: int
     last: int
-    steps: Schedule
+    steps: CommandSchedule
     history: CommandHistory
     enable: np.ndarray
-    start: Start
-    path: Path | None = None
+    start: InitialState
+    path: StateEstimate | None = None
 
     @property
     def rows(self) -> int:
         """Number of rows."""
         return self.last - self.first + 1
 
-    def stepped(self, timestep: float) -> Segment:
+    def stepped(self, timestep: float) -> Window:
         """The same at another step, s."""
-        return replace(self, steps=schedule(self.history.time[self.first : self.last + 1], timestep))
+        return replace(self, steps=physics_steps(self.history.time[self.first : self.last + 1], timestep))
 
     def commands(self, shift: np.ndarray, source: np.ndarray) -> np.ndarray:
         """Commands (1 + steps, nu) of a moment before the first row and of each step, as `CommandHistory.mean`."""
@@ -118,46 +118,46 @@ class Segment:
         """Which motors were on (1 + steps, nu), a moment before the first row and in each step."""
         return self.enable[np.concatenate([[max(self.first - 1, 0)], self.first + self.steps.row])]
 
-    def past(self, rows: int, shift: np.ndarray, source: np.ndarray) -> Past:
+    def past(self, rows: int, shift: np.ndarray, source: np.ndarray) -> PastRows:
         """At most so many rows, with commands as `CommandHistory.mean`; where no path is known, only the start."""
-        path = self.path or Path(self.steps.start[:1], self.start.qpos[None], self.start.qvel[None])
+        path = self.path or StateEstimate(self.steps.start[:1], self.start.qpos[None], self.start.qvel[None])
         known = self.first + 1 if self.path is not None else 1
         at = np.arange(max(known - rows, 0), known)
         length = np.append(np.diff(path.time[at]), 0.0)
         ctrl = self.history.mean(path.time[at], np.maximum(length, _LEAST), shift, source)
-        return Past(path.qpos[at], path.qvel[at], ctrl, self.enable[at + self.first + 1 - known], length)
+        return PastRows(path.qpos[at], path.qvel[at], ctrl, self.enable[at + self.first + 1 - known], length)
 
     @property
-    def logged_past(self) -> Past:
+    def logged_past(self) -> PastRows:
         """All of `past`, with commands as they were logged; not kept, since windows of a long recording are many."""
         if self.path is None:
             return self.past(1, *self._as_logged())
         path, k = self.path, self.first + 1
         length = np.append(np.diff(path.time[:k]), 0.0)
-        return Past(path.qpos[:k], path.qvel[:k], self.history.logged[:k], self.enable[:k], length)
+        return PastRows(path.qpos[:k], path.qvel[:k], self.history.logged[:k], self.enable[:k], length)
 
     def _as_logged(self) -> tuple[np.ndarray, np.ndarray]:
         n = self.enable.shape[1]
         return np.zeros(n), np.arange(n)
 
 
-def segment(
+def window_of(
     recordings: Sequence[Recording],
     index: int,
     rows: tuple[int, int],
     timestep: float,
-    start: Start,
-    path: Path | None = None,
+    start: InitialState,
+    path: StateEstimate | None = None,
     history: CommandHistory | None = None,
-) -> Segment:
-    """The stretch `rows` (first, last) of `recordings[index]`, whose `history_of` need be found only once."""
+) -> Window:
+    """The stretch `rows` (first, last) of `recordings[index]`, whose `command_history_of` need be found only once."""
     recording, (first, last) = recordings[index], rows
-    steps = schedule(recording.time[first : last + 1], timestep)
-    history = history_of(recording, path) if history is None else history
-    return Segment(index, first, last, steps, history, recording.enable, start, path)
+    steps = physics_steps(recording.time[first : last + 1], timestep)
+    history = command_history_of(recording, path) if history is None else history
+    return Window(index, first, last, steps, history, recording.enable, start, path)
 
 
-def history_of(recording: Recording, path: Path | None = None) -> CommandHistory:
+def command_history_of(recording: Recording, path: StateEstimate | None = None) -> CommandHistory:
     """The commands of a recording, and before it as they came if it moved at the start."""
     before = None if path is None else command_before(recording.ctrl, path.qvel)
     return CommandHistory(recording.time, recording.ctrl, before)

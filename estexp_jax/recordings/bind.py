@@ -10,11 +10,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from estexp_jax.errors import InputError, known, listing, plain
+from estexp_jax.errors import InputError, known, listing, printable
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.columns import LARGEST, Source
-from estexp_jax.recordings.mend import increasing
+from estexp_jax.recordings.mend import strictly_increasing
 from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import Selection, Table
 
@@ -57,7 +57,7 @@ def read_recording(
     """
     wanted = frozenset(source.column for source in (mapping or {}).values() if source.column) or None
     table = read_table(path, replace(selection, wanted=wanted))
-    return bind(robot, table, role=role, mapping=mapping, settings=settings, mend=mend)
+    return bind_columns(robot, table, role=role, mapping=mapping, settings=settings, mend=mend)
 
 
 def column_names(robot: Robot) -> tuple[str, ...]:
@@ -81,7 +81,7 @@ def check_names(robot: Robot, names: Iterable[str], where: str) -> None:
             raise InputError(f"'{name}' names nothing on this robot", where=where, right=right)
 
 
-def bind(
+def bind_columns(
     robot: Robot,
     table: Table,
     *,
@@ -106,7 +106,7 @@ def bind(
     sources = _sources(robot, table, mapping or {})
     mended = ""
     if mend and "time" in sources:
-        table, mended = increasing(table, sources["time"])
+        table, mended = strictly_increasing(table, sources["time"])
     time = _time(table, sources)
     sizes = {"ctrl": robot.model.nu, "enable": robot.model.nu, "sensor": robot.model.nsensordata}
     sizes |= {"qpos": robot.model.nq, "qvel": robot.model.nv}
@@ -123,7 +123,7 @@ def bind(
         right = f"at least one column with samples of: {', '.join(n for n in _places(robot) if _kind(n) in _READINGS)}"
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
     notes = (*((mended,) if mended else ()), *table.notes, *_notes(table, sources))
-    name = plain(table.label or Path(table.source).name)
+    name = printable(table.label or Path(table.source).name)
     return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=notes)
 
 

@@ -10,7 +10,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.errors import InputError, known, shown
+from estexp_jax.errors import InputError, abbreviated, known
 from estexp_jax.recordings.table import Table
 
 UNITS: Mapping[str, float] = {
@@ -87,39 +87,39 @@ def parse_source(entry: object, where: str) -> Source:
         return Source(column=entry)
     if not isinstance(entry, Mapping):
         right = 'a name "position" or a table { column = "position", scale = 1.0 }'
-        raise InputError(f"is {shown(entry)}, not a column", where=where, right=right)
+        raise InputError(f"is {abbreviated(entry)}, not a column", where=where, right=right)
     for key in entry:
         if key not in _KEYS:
             raise InputError(f"unknown key '{key}'", where=where, right=known(_KEYS))
     if ("value" in entry) == ("column" in entry) or ("value" in entry and len(entry) > 1):
         raise InputError("needs either `column` or `value`", where=where, right="{ value = 0.0 } stands alone")
     if "value" in entry:
-        return Source(value=number(entry["value"], f"{where}, value"))
+        return Source(value=parse_number(entry["value"], f"{where}, value"))
     column, index = entry["column"], entry.get("index")
     if not isinstance(column, str):
-        raise InputError(f"column is {shown(column)}, not a name", where=where, right="a name in quotes")
+        raise InputError(f"column is {abbreviated(column)}, not a name", where=where, right="a name in quotes")
     if index is not None and (isinstance(index, bool) or not isinstance(index, int) or not 0 <= index < 2**40):
-        raise InputError(f"index is {shown(index)}, not a whole number from 0", where=where)
-    scale = number(entry.get("scale", 1.0), f"{where}, scale")
+        raise InputError(f"index is {abbreviated(index)}, not a whole number from 0", where=where)
+    scale = parse_number(entry.get("scale", 1.0), f"{where}, scale")
     if "unit" in entry:
         scale *= _unit(entry["unit"], where)
-    return Source(column, scale, number(entry.get("offset", 0.0), f"{where}, offset"), index)
+    return Source(column, scale, parse_number(entry.get("offset", 0.0), f"{where}, offset"), index)
 
 
 def _unit(unit: object, where: str) -> float:
     if not isinstance(unit, str) or unit not in UNITS:
-        raise InputError(f"unknown unit {shown(unit)}", where=where, right=f"{known(UNITS)}; else give a scale")
+        raise InputError(f"unknown unit {abbreviated(unit)}", where=where, right=f"{known(UNITS)}; else give a scale")
     return UNITS[unit]
 
 
-def number(value: object, where: str) -> float:
+def parse_number(value: object, where: str) -> float:
     """A finite number, or the user's mistake told.
 
     Raises:
         InputError: `value` is no number, or not finite.
     """
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
-        raise InputError(f"is {shown(value)}, not a finite number", where=where)
+        raise InputError(f"is {abbreviated(value)}, not a finite number", where=where)
     return float(value)
 
 

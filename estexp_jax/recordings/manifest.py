@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-from estexp_jax.errors import InputError, known, shown
+from estexp_jax.errors import InputError, abbreviated, known
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.bind import check_names, read_recording
-from estexp_jax.recordings.columns import Source, number, parse_source
+from estexp_jax.recordings.columns import Source, parse_number, parse_source
 from estexp_jax.recordings.readers.read import CLOCKS
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.recordings.table import Selection
@@ -95,13 +95,13 @@ def _text(table: Mapping[str, Any], key: str, where: str, right: str) -> str:
     if key not in table:
         raise InputError(f"has no `{key}`", where=where, right=right)
     if not isinstance(table[key], str):
-        raise InputError(f"{key} is {shown(table[key])}, not a text", where=where, right=right)
+        raise InputError(f"{key} is {abbreviated(table[key])}, not a text", where=where, right=right)
     return table[key]
 
 
 def _table(value: object, where: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise InputError(f"is {shown(value)}, not a table", where=where)
+        raise InputError(f"is {abbreviated(value)}, not a table", where=where)
     return value
 
 
@@ -137,7 +137,7 @@ def _recording(
         raise InputError(f"no such recording '{file}'", where=where, right="a path relative to the manifest")
     role = table.get("role", "train")
     if role not in ROLES:
-        raise InputError(f"role is {shown(role)}", where=where, right=known(ROLES))
+        raise InputError(f"role is {abbreviated(role)}", where=where, right=known(ROLES))
     settings = _settings(table.get("set", {}), f"{where}, set")
     apply_settings(robot, settings, where=f"{where}, set")  # told now rather than in the middle of a fit
     part = _selection(table, where)
@@ -148,9 +148,9 @@ def _selection(table: Mapping[str, Any], where: str) -> Selection:
     """Which episode of a LeRobot data set, and which clock of an MCAP file."""
     episode, clock = table.get("episode"), table.get("clock", CLOCKS[0])
     if episode is not None and (isinstance(episode, bool) or not isinstance(episode, int) or not 0 <= episode < 2**40):
-        raise InputError(f"episode is {shown(episode)}", where=where, right="a whole number from 0")
+        raise InputError(f"episode is {abbreviated(episode)}", where=where, right="a whole number from 0")
     if clock not in CLOCKS:
-        raise InputError(f"clock is {shown(clock)}", where=where, right=known(CLOCKS))
+        raise InputError(f"clock is {abbreviated(clock)}", where=where, right=known(CLOCKS))
     return Selection(episode=episode, clock=clock)
 
 
@@ -162,7 +162,7 @@ def _settings(value: object, where: str) -> dict[str, float | tuple[float, ...]]
             right = 'put the whole key in quotes: "actuator.servo.kp" = 1.0'
             raise InputError("is a nested table", where=place, right=right)
         if isinstance(entry, list):
-            settings[key] = tuple(number(item, place) for item in entry)
+            settings[key] = tuple(parse_number(item, place) for item in entry)
         else:
-            settings[key] = number(entry, place)
+            settings[key] = parse_number(entry, place)
     return settings

@@ -10,7 +10,7 @@ from estexp_jax.recordings.columns import LARGEST, Source
 from estexp_jax.recordings.table import Table
 
 
-def increasing(table: Table, clock: Source) -> tuple[Table, str]:
+def strictly_increasing(table: Table, clock: Source) -> tuple[Table, str]:
     """Leave out the rows whose time is not later than all times before.
 
     Args:

@@ -10,7 +10,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recordings.columns import number
+from estexp_jax.recordings.columns import parse_number
 
 # MJCF attribute -> the field of MjSpec that holds it, where the two names differ; else they are the same.
 _FIELDS = {
@@ -125,7 +125,7 @@ def _element(robot: Robot, spec: mujoco.MjSpec, element: str, name: str, place: 
 
 
 def _positive(value: object, place: str) -> float:
-    checked = number(value, place)
+    checked = parse_number(value, place)
     if checked <= 0.0:
         raise InputError(f"is {checked!r}, not above zero", where=place)
     return checked
@@ -133,7 +133,7 @@ def _positive(value: object, place: str) -> float:
 
 def _assign(target: Any, element: str, attribute: str, value: Any, place: str) -> None:
     if attribute in ("kp", "kv"):
-        return _assign_gain(target, attribute, number(value, place), place)
+        return _assign_gain(target, attribute, parse_number(value, place), place)
     if attribute in ("pos", "quat") and element in ("geom", "site") and np.isfinite(target.fromto[0]):
         raise InputError("the MJCF places it with fromto", where=place, right="set fromto instead")
     field = _FIELDS.get(attribute, attribute)
@@ -141,12 +141,12 @@ def _assign(target: Any, element: str, attribute: str, value: Any, place: str) -
     if isinstance(old, np.ndarray):
         _assign_list(old, attribute, value, place)
     elif isinstance(old, int):
-        checked = number(value, place)
+        checked = parse_number(value, place)
         if checked < 0.0 or not checked.is_integer():
             raise InputError(f"is {value!r}, not a whole number", where=place)
         setattr(target, field, int(checked))
     else:
-        setattr(target, field, _positive(value, place) if attribute == "timestep" else number(value, place))
+        setattr(target, field, _positive(value, place) if attribute == "timestep" else parse_number(value, place))
     if attribute == "quat":  # a rotation given in another way in the XML would win
         target.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
 
@@ -154,7 +154,7 @@ def _assign(target: Any, element: str, attribute: str, value: Any, place: str) -
 def _assign_list(old: np.ndarray, attribute: str, value: object, place: str) -> None:
     """Write into a view of the description."""
     values = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else [value]
-    numbers = [number(v, place) for v in values]
+    numbers = [parse_number(v, place) for v in values]
     fits = 1 <= len(numbers) <= len(old) if attribute in _MAY_BE_SHORTER else len(numbers) == len(old)
     if not fits:
         at_most = "at most " if attribute in _MAY_BE_SHORTER else ""

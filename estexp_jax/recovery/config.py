@@ -116,7 +116,7 @@ class Settings:
         return asdict(self)
 
 
-def quick(settings: Settings) -> Settings:
+def quick_settings(settings: Settings) -> Settings:
     """The small setting of `--quick`: minutes on two cores, and still finds the damage and walks again."""
     return replace(settings, population=64, generations=10, steps=300)
 

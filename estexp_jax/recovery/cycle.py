@@ -21,14 +21,14 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import ROUGH, Settings
 from estexp_jax.recovery.control.trial import Trial
 from estexp_jax.recovery.estimation.base import changes_of
-from estexp_jax.recovery.estimation.choice import estimation, residuals_of
-from estexp_jax.recovery.exploration.disagreement import most_telling, undecided
-from estexp_jax.recovery.exploration.explore import exploration_algorithm, exploration_score, judged
-from estexp_jax.recovery.reality_gap_target import ForeignTarget
-from estexp_jax.recovery.simulator import Simulator, simulator
+from estexp_jax.recovery.estimation.choice import estimation_of, hypothesis_cost_of
+from estexp_jax.recovery.exploration.disagreement import most_informative, remaining_probability
+from estexp_jax.recovery.exploration.explore import exploration_algorithm, exploration_score, rank_controllers
+from estexp_jax.recovery.reality_gap_target import RealityGapTarget
+from estexp_jax.recovery.simulator import DamageSimulator, damage_simulator
 from estexp_jax.recovery.situations import situation
 from estexp_jax.recovery.state import Row, RunState
-from estexp_jax.recovery.target import Remote, SameTarget, Target
+from estexp_jax.recovery.target import RemoteTarget, SameTarget, Target
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Population
 
@@ -50,10 +50,10 @@ class Job:
     """
 
     settings: Settings
-    simulator: Simulator
+    simulator: DamageSimulator
     planted: tuple[Change, ...]
-    target: Target | Remote
-    healthy: Target | Remote | None
+    target: Target | RemoteTarget
+    healthy: Target | RemoteTarget | None
 
     @property
     def stands_in(self) -> bool:
@@ -75,10 +75,10 @@ def planted_changes(robot: Robot, settings: Settings) -> tuple[Change, ...]:
 def job_of(
     robot: Robot,
     settings: Settings,
-    target: Target | Remote | None = None,
+    target: Target | RemoteTarget | None = None,
     *,
-    healthy: Target | Remote | None = None,
-    world: Simulator | None = None,
+    healthy: Target | RemoteTarget | None = None,
+    world: DamageSimulator | None = None,
 ) -> Job:
     """Everything a run needs.
 
@@ -95,16 +95,16 @@ def job_of(
     if target is not None and settings.model_error is None:
         settings = replace(settings, model_error=ROUGH)
     planted = planted_changes(robot, settings) if target is None else ()
-    world = simulator(robot, settings, planted) if world is None else world
+    world = damage_simulator(robot, settings, planted) if world is None else world
     if target is not None:
         return Job(settings, world, (), target, healthy)
     if settings.robot == "foreign":
-        robots = [ForeignTarget(robot, changes, settings.seed, settings.settle_steps) for changes in (planted, ())]
+        robots = [RealityGapTarget(robot, changes, settings.seed, settings.settle_steps) for changes in (planted, ())]
         return Job(settings, world, planted, *robots)
     return Job(settings, world, planted, SameTarget(world, planted), SameTarget(world, ()))
 
 
-def run(job: Job, state: RunState | None = None) -> Iterator[RunState]:
+def run_cycle(job: Job, state: RunState | None = None) -> Iterator[RunState]:
     """Yield the state after each generation and each trial, to the end of the run.
 
     Args:
@@ -135,7 +135,7 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
             yield state
     population = Population.from_tree(dict(state.search or {}))
     last = number >= settings.passes
-    candidates = judged(job.simulator, settings, changes, population, state.controllers, last=last)
+    candidates = rank_controllers(job.simulator, settings, changes, population, state.controllers, last=last)
     weights, value = _chosen(job, state, *candidates)
     yield replace(
         state,
@@ -160,7 +160,7 @@ def _chosen(job: Job, state: RunState, genomes: np.ndarray, scores: np.ndarray) 
     good = np.flatnonzero(scores <= _GOOD * first)[:_CANDIDATES]
     share = state.probabilities[-1] or 0.0
     explanations = [(state.diagnoses[-1], share), *rivals]
-    index = good[most_telling(undecided(job.simulator, settings, genomes[good], explanations))]
+    index = good[most_informative(remaining_probability(job.simulator, settings, genomes[good], explanations))]
     return genomes[index], float(scores[index])
 
 
@@ -172,9 +172,9 @@ def _damage(job: Job, state: RunState) -> Iterator[RunState]:
 
 
 def _estimate(job: Job, state: RunState) -> Iterator[RunState]:
-    method = estimation(job.simulator, job.settings, state.number)
+    method = estimation_of(job.simulator, job.settings, state.number)
     seen = [] if job.healthy is None or state.before is None else [(state.controllers[0], state.before)]
-    residuals = residuals_of(job.simulator, job.settings, state.controllers, state.trials, seen)
+    residuals = hypothesis_cost_of(job.simulator, job.settings, state.controllers, state.trials, seen)
     search = dict(state.search) if state.search is not None else method.begin(state.seeds)
     generation = sum(row.number == state.number and row.phase == "estimation" for row in state.history)
     while not method.done(search):
@@ -205,11 +205,11 @@ def _trial(job: Job, state: RunState) -> Iterator[RunState]:
     yield replace(state, phase="done" if last else "estimation", number=number, trials=(*state.trials, trial))
 
 
-def _performed(job: Job, target: Target | Remote, state: RunState) -> Trial:
+def _performed(job: Job, target: Target | RemoteTarget, state: RunState) -> Trial:
     """The last controller on a robot in the world."""
     weights, steps = state.controllers[-1], job.settings.steps
     controller = job.simulator.controller(weights, steps)
-    if not isinstance(target, Remote):
+    if not isinstance(target, RemoteTarget):
         return target(controller)
     changes = state.diagnoses[-1] if state.diagnoses else ()
     return target.perform(len(state.trials), controller, job.simulator.trial(changes, weights, steps))

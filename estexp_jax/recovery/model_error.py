@@ -8,7 +8,7 @@ from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
-from estexp_jax.physics.engines.closed_loop import Heard
+from estexp_jax.physics.engines.closed_loop import ReadingOverride
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.model.robot import Robot
 
@@ -17,7 +17,7 @@ NOISE, FLIPS = 0.005, 0.02
 """Noise of an angle, rad, and share of the touch readings that are wrong."""
 
 
-def ensemble(robot: Robot, error: float, members: int, draw: int = 0) -> tuple[tuple[Change, ...], ...]:
+def perturbed_robots(robot: Robot, error: float, members: int, draw: int = 0) -> tuple[tuple[Change, ...], ...]:
     """Robots that differ from the nominal one by random relative errors; the same ones at each call.
 
     Args:
@@ -30,11 +30,11 @@ def ensemble(robot: Robot, error: float, members: int, draw: int = 0) -> tuple[t
     return tuple(_perturbed(robot, error, random) for _ in range(members))
 
 
-def noise(face: Interface, members: int, steps: int, draw: int = 0) -> Heard:
+def sensor_noise(face: Interface, members: int, steps: int, draw: int = 0) -> ReadingOverride:
     """What networks get where sensors are noisy, (members, steps, n_inputs); the same at each call of a draw."""
     random, shape = np.random.default_rng([_NOISE_TAG, draw]), (members, steps, face.n_inputs)
     angles, flips = NOISE * random.standard_normal(shape), random.random(shape) < FLIPS
-    return Heard(np.where(face.is_touch & flips, -1.0, 1.0), np.where(face.is_touch, 0.0, angles))
+    return ReadingOverride(np.where(face.is_touch & flips, -1.0, 1.0), np.where(face.is_touch, 0.0, angles))
 
 
 def _perturbed(robot: Robot, error: float, random: np.random.Generator) -> tuple[Change, ...]:

@@ -8,16 +8,16 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, parse_change
-from estexp_jax.physics.engines.closed_loop import Walk
+from estexp_jax.physics.engines.closed_loop import Rollout
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.simulator import simulator
+from estexp_jax.recovery.simulator import damage_simulator
 
 Edit = str | Change
 """A change, or its text: "motor_weakness@knee_f loss=0.5"."""
 
 
-def rollout(
+def population_rollout(
     robot: Robot,
     edits: Sequence[Sequence[Edit]],
     controllers: np.ndarray,
@@ -26,7 +26,7 @@ def rollout(
     control_step: float = 0.01,
     settle_steps: int = 50,
     gain: float = 3.0,
-) -> Walk:
+) -> Rollout:
     """Simulate many robots, each with its own damage and controller, in one batch.
 
     Args:
@@ -54,7 +54,7 @@ def rollout(
         gain=gain,
         population=max(4, 2 * len(sets)),
     )
-    world = simulator(robot, settings, [change for one in sets for change in one])
+    world = damage_simulator(robot, settings, [change for one in sets for change in one])
     weights = np.asarray(controllers, float)
     if weights.shape != (len(sets), world.n_weights) or not sets:
         right = f"one row of {world.n_weights} weights for each of the {len(sets)} robots"

@@ -23,9 +23,9 @@ from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import catalogue, effect
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.model.robot import Robot, spec_element
-from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.physics.model.travel import root_position_map
 from estexp_jax.recovery.control.network import Network
-from estexp_jax.recovery.control.trial import Controller, Trial, drive
+from estexp_jax.recovery.control.trial import Controller, Trial, controller_step
 
 _ERROR, _FINER = 0.03, 4
 _NOISE, _BITS, _FLIPS = 0.005, 12, 0.02
@@ -33,7 +33,7 @@ _TAG = 17
 
 
 @final
-class ForeignTarget:
+class RealityGapTarget:
     """See the module.
 
     Its noise is a function of seed and controller, so that a resumed run meets the same robot.
@@ -69,12 +69,12 @@ class ForeignTarget:
         network, hidden, faults = self._network(controller), controller.rest(), self._faults(face)
         readings, commands = np.zeros((*shape, face.n_inputs)), np.zeros((*shape, face.n_outputs))
         position, path = np.zeros((*shape, 3)), np.zeros((*shape, self._robot.model.nq))
-        matrix, offset = travel_map(self._robot)
+        matrix, offset = root_position_map(self._robot)
         for row in range(controller.steps):
             qpos, sensordata = self._map.qpos(data), self._map.sensordata(data, face)
             position[row], path[row] = matrix @ qpos + offset, qpos
             readings[row] = self._sensed(face, self._map.true(face, qpos, sensordata), faults, random)
-            hidden, commands[row] = drive(network, face, controller.gain, hidden, readings[row])
+            hidden, commands[row] = controller_step(network, face, controller.gain, hidden, readings[row])
             data.ctrl[:] = commands[row, self._map.actuators]
             mujoco.mj_step(model, data, repeats)
         return Trial(controller.control_step * np.arange(controller.steps), readings, commands, position), path

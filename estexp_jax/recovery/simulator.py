@@ -14,8 +14,14 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.changes import Change, Values, encode_all
 from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
-from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.closed_loop import BodyState, Heard, Walk, Walker, recorded
+from estexp_jax.physics.engines.choice import closed_loop_simulator
+from estexp_jax.physics.engines.closed_loop import (
+    BodyState,
+    ClosedLoopSimulator,
+    ReadingOverride,
+    Rollout,
+    replace_readings,
+)
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Controller, Trial
@@ -26,7 +32,7 @@ EXTENDED = ("sensor_bias", "sensor_stuck", "ground_friction", "viscous_friction"
 
 @final
 @dataclass(frozen=True, eq=False)
-class Simulator:
+class DamageSimulator:
     """Simulates any damage on any controller, with one executable.
 
     Attributes:
@@ -35,7 +41,7 @@ class Simulator:
         control_step: s.
     """
 
-    walker: Walker
+    walker: ClosedLoopSimulator
     settle_steps: int
     control_step: float
 
@@ -50,7 +56,7 @@ class Simulator:
         return self.walker.n_weights
 
     @cached_property
-    def finer(self) -> Simulator:
+    def finer(self) -> DamageSimulator:
         """The same one at half the physics step."""
         return replace(self, walker=self.walker.finer(2))
 
@@ -68,8 +74,8 @@ class Simulator:
         start: BodyState,
         weights: np.ndarray,
         steps: int,
-        heard: Heard | None = None,
-    ) -> Walk:
+        heard: ReadingOverride | None = None,
+    ) -> Rollout:
         """Many damaged robots, each under the same few controllers.
 
         Args:
@@ -91,15 +97,15 @@ class Simulator:
 
     def trials(
         self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, readings: np.ndarray | None = None
-    ) -> Walk:
+    ) -> Rollout:
         """`walks` from where these robots come to rest.
 
         Recorded readings (controllers, steps, n_inputs) may drive the networks in place of the simulated ones.
         """
-        heard = None if readings is None else recorded(readings[None])
+        heard = None if readings is None else replace_readings(readings[None])
         return self.walks(sets, self.settled(sets), weights, steps, heard)
 
-    def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Walk:
+    def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Rollout:
         """Many damaged robots, each under its own controller.
 
         Args:
@@ -137,7 +143,7 @@ class Simulator:
         return encode_all(self.robot, self.walker.catalogue, sets)
 
 
-def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) -> Simulator:
+def damage_simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) -> DamageSimulator:
     """The simulator of a run.
 
     Its catalogue holds all that an estimation may choose from, what the simulator's own errors are made of, and what
@@ -152,7 +158,7 @@ def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) 
         raise InputError(f"'{other.effect}' is not simulated in closed loop", where="--damage")
     extended = EXTENDED if settings.catalogue == "full" or settings.rough > 0.0 else ()
     names = dict.fromkeys([*PAPER, *FAULTS, *extended, *(c.effect for c in planted)])
-    engine = walker(
+    engine = closed_loop_simulator(
         robot,
         catalogue(names),
         rows=max(settings.steps, settings.settle_steps, settings.samples),
@@ -161,4 +167,4 @@ def simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) 
         population=settings.population,
         engine=settings.engine,
     )
-    return Simulator(engine, settings.settle_steps, settings.control_step)
+    return DamageSimulator(engine, settings.settle_steps, settings.control_step)

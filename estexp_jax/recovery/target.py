@@ -13,7 +13,7 @@ import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.control.trial import Controller, Trial
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.simulator import DamageSimulator
 
 
 class Target(Protocol):
@@ -25,7 +25,7 @@ class Target(Protocol):
 
 
 @runtime_checkable
-class Remote(Protocol):
+class RemoteTarget(Protocol):
     """A robot in the world that somebody else moves, and that may first have to be asked for."""
 
     def perform(self, number: int, controller: Controller, foretold: Trial) -> Trial:
@@ -40,7 +40,7 @@ class Remote(Protocol):
 
 
 @runtime_checkable
-class Filmed(Protocol):
+class FilmedTarget(Protocol):
     """A robot that can also tell how it moved, to be shown."""
 
     def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
@@ -57,7 +57,7 @@ class SameTarget:
         planted: what differs; kept.
     """
 
-    def __init__(self, simulator: Simulator, planted: Sequence[Change]) -> None:
+    def __init__(self, simulator: DamageSimulator, planted: Sequence[Change]) -> None:
         self._simulator, self.planted = simulator, tuple(planted)
 
     def __call__(self, controller: Controller) -> Trial:
@@ -65,5 +65,5 @@ class SameTarget:
         return self._simulator.trial(self.planted, controller.weights, controller.steps)
 
     def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
-        """See `Filmed`."""
+        """See `FilmedTarget`."""
         return self._simulator.motions([self.planted], controller.weights[None], rows)[0]

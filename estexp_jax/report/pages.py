@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _FOLDER = Path(__file__).parent
 
 
-def render(template: str, **values: Any) -> str:
+def render_page(template: str, **values: Any) -> str:
     """HTML of a page.
 
     Args:
@@ -68,7 +68,7 @@ def finite(value: Any) -> bool:
     return value is not None and bool(np.isfinite(value))
 
 
-def number(value: Any, digits: int = 3) -> str:
+def format_number(value: Any, digits: int = 3) -> str:
     """A number with so many digits; a text as it is; a dash where there is none."""
     if isinstance(value, str):
         return value

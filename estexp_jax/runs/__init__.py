@@ -4,11 +4,11 @@ from estexp_jax.runs.cache import count_compilations, enable_compilation_cache, 
 from estexp_jax.runs.checkpoint import load_checkpoint, save_checkpoint
 from estexp_jax.runs.files import write_json, write_text
 from estexp_jax.runs.folder import RunFolder, open_run
-from estexp_jax.runs.progress import Progress
+from estexp_jax.runs.progress import ProgressDisplay
 from estexp_jax.runs.versions import versions
 
 __all__ = [
-    "Progress",
+    "ProgressDisplay",
     "RunFolder",
     "count_compilations",
     "enable_compilation_cache",

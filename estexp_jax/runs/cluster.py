@@ -16,7 +16,7 @@ from itertools import islice
 from typing import Any, final
 
 from estexp_jax.errors import InputError
-from estexp_jax.runs.workers import Call, Crew
+from estexp_jax.runs.workers import Call, WorkerPool
 
 LOCAL, AUTO = "local", "auto"
 """A Ray of this command's own; the cluster that was started on this machine."""
@@ -32,7 +32,7 @@ _PATIENCE = 10.0
 
 
 @final
-class RayCrew(Crew):
+class RayPool(WorkerPool):
     """The machines of a Ray cluster: one processor a call, and a GPU where they have some that JAX can use.
 
     Args:

@@ -119,16 +119,16 @@ def write_json(path: str | Path, value: Any) -> None:
 
     Args:
         path: the file; its folder must exist.
-        value: anything `plain` understands.
+        value: anything `printable` understands.
 
     Raises:
         TypeError: something in `value` has no JSON form; names its place.
         InputError: the disk is full, or the folder may not be written.
     """
-    write_text(path, f"{json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)}\n")
+    write_text(path, f"{json.dumps(json_plain(value), indent=2, ensure_ascii=False, allow_nan=False)}\n")
 
 
-def plain(value: Any, place: str = "value") -> Any:
+def json_plain(value: Any, place: str = "value") -> Any:
     """What JSON can hold: dicts with text keys, lists, texts, numbers, booleans and None.
 
     Arrays become lists, dataclasses dicts, paths texts; numbers that are not finite become None.
@@ -143,7 +143,7 @@ def plain(value: Any, place: str = "value") -> Any:
     if value is None or isinstance(value, str | bool):
         return value
     if isinstance(value, np.generic):
-        return plain(value.item(), place)
+        return json_plain(value.item(), place)
     if isinstance(value, int):
         return int(value)
     if isinstance(value, float):
@@ -151,13 +151,13 @@ def plain(value: Any, place: str = "value") -> Any:
     if isinstance(value, Path):
         return str(value)
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name), f"{place}.{field.name}") for field in fields(value)}
+        return {field.name: json_plain(getattr(value, field.name), f"{place}.{field.name}") for field in fields(value)}
     if isinstance(value, Mapping):
-        return {_key(key, place): plain(item, f"{place}.{key}") for key, item in value.items()}
+        return {_key(key, place): json_plain(item, f"{place}.{key}") for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(item, f"{place}[{index}]") for index, item in enumerate(value)]
+        return [json_plain(item, f"{place}[{index}]") for index, item in enumerate(value)]
     if hasattr(value, "__array__"):
-        return plain(np.asarray(value).tolist(), place)
+        return json_plain(np.asarray(value).tolist(), place)
     raise TypeError(f"{place} is a {type(value).__name__}, which has no JSON form")
 
 

@@ -14,8 +14,8 @@ from typing import Any, final
 
 from estexp_jax.errors import InputError
 from estexp_jax.runs.files import drafts_of, write_json
-from estexp_jax.runs.progress import Progress, duration
-from estexp_jax.runs.workers import Call, Crew
+from estexp_jax.runs.progress import ProgressDisplay, duration
+from estexp_jax.runs.workers import Call, WorkerPool
 
 _EVERY = 2.0
 """Least time between two words of a run, and between two looks at all, s."""
@@ -26,7 +26,7 @@ _SHOWN = 2
 
 
 @final
-class Beat:
+class Heartbeat:
     """A run under way tells how far it is; nobody sees it any more when the context ends.
 
     Args:
@@ -37,7 +37,7 @@ class Beat:
     def __init__(self, folder: Path, name: str) -> None:
         self._path, self._last = folder / f"{name}.json", -_EVERY
 
-    def __enter__(self) -> Beat:
+    def __enter__(self) -> Heartbeat:
         with suppress(OSError):
             self._path.parent.mkdir(parents=True, exist_ok=True)
             for draft in drafts_of(self._path):  # by a worker that was killed
@@ -68,7 +68,9 @@ def under_way(folder: Path) -> dict[str, dict[str, Any]]:
     return said
 
 
-def do(title: str, calls: Sequence[Call], crew: Crew, beats: Path, progress: Progress | None = None) -> list[Any]:
+def run_all(
+    title: str, calls: Sequence[Call], crew: WorkerPool, beats: Path, progress: ProgressDisplay | None = None
+) -> list[Any]:
     """Let a crew do calls, and show how far all of them are.
 
     Args:
@@ -85,7 +87,7 @@ def do(title: str, calls: Sequence[Call], crew: Crew, beats: Path, progress: Pro
     if not calls:
         return results
     begin = time.monotonic()
-    with Progress() if progress is None else progress as shown:
+    with ProgressDisplay() if progress is None else progress as shown:
         shown.say(f"{title}: {len(calls)} to do, {crew.about()}")
         shown.stage(title, total=len(calls))
         view = _View(shown, crew, beats, len(calls))
@@ -102,7 +104,7 @@ def do(title: str, calls: Sequence[Call], crew: Crew, beats: Path, progress: Pro
 class _View:
     """How many calls are done, and how far the others are."""
 
-    def __init__(self, progress: Progress, crew: Crew, beats: Path, total: int) -> None:
+    def __init__(self, progress: ProgressDisplay, crew: WorkerPool, beats: Path, total: int) -> None:
         self._progress, self._crew, self._beats, self._total = progress, crew, beats, total
         self._about, self.count = crew.about(), 0
 

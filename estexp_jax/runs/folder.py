@@ -12,8 +12,8 @@ from typing import Any, final
 
 from estexp_jax.errors import InputError, unwritable
 from estexp_jax.runs.checkpoint import previous_of
-from estexp_jax.runs.files import drafts_of, is_draft, plain, write_json
-from estexp_jax.runs.lock import LOCK, Hold, hold
+from estexp_jax.runs.files import drafts_of, is_draft, json_plain, write_json
+from estexp_jax.runs.lock import LOCK, FolderLock, lock_folder
 
 MARKER = ".estexp-run.json"
 """The file by which a run folder is known: what was run, and which files it wrote."""
@@ -42,7 +42,7 @@ class RunFolder:
     resumed: bool = False
     kept: tuple[str, ...] = ()
     _written: dict[str, None] = field(default_factory=dict, repr=False)
-    _hold: Hold | None = field(default=None, repr=False)
+    _hold: FolderLock | None = field(default=None, repr=False)
 
     def file(self, name: str) -> Path:
         """Where the run's file `name` (`run.json`, `predictions/a.csv`) is to be written; its folder is made.
@@ -100,14 +100,14 @@ def open_run(
             is no run folder; the run to resume had another marker (names the field); another process is at work in it;
             or it cannot be written.
     """
-    path, wanted = Path(out), plain(marker or {}, "marker")
+    path, wanted = Path(out), json_plain(marker or {}, "marker")
     if force and resume:
         raise InputError("--force and --resume together", right="--force begins anew, --resume goes on: give one")
     if path.exists() and not path.is_dir():
         raise InputError("is a file", where=str(path), right="a folder for the results")
     _earlier(path)  # nothing is written in a foreign folder, not even a lock
     _make(path)
-    held = hold(path, patience)
+    held = lock_folder(path, patience)
     earlier = _earlier(path)
     if earlier is None:
         _remove_drafts(path, [])

@@ -27,14 +27,14 @@ _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.
 
 
 @final
-class Hold:
+class FolderLock:
     """A folder that this process holds; until this object is gone, or the process, however it ended."""
 
     def __init__(self, handle: int) -> None:
         self._handle = handle
         weakref.finalize(self, os.close, handle)
 
-    def __enter__(self) -> Hold:
+    def __enter__(self) -> FolderLock:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -48,11 +48,11 @@ class Hold:
             return False
 
 
-_HELD: weakref.WeakValueDictionary[Path, Hold] = weakref.WeakValueDictionary()
+_HELD: weakref.WeakValueDictionary[Path, FolderLock] = weakref.WeakValueDictionary()
 """What this process holds. The system's locks tell open files apart, not processes, and a process may ask twice."""
 
 
-def hold(folder: Path, patience: float = 0.0) -> Hold:
+def lock_folder(folder: Path, patience: float = 0.0) -> FolderLock:
     """Keep other processes out of a folder, on this machine and on those that share it.
 
     The system releases the lock with the process, so that a run that is killed leaves nothing to clear away.
@@ -78,13 +78,13 @@ def hold(folder: Path, patience: float = 0.0) -> Hold:
     return found
 
 
-def _taken(path: Path) -> Hold | None:
+def _taken(path: Path) -> FolderLock | None:
     """The lock; None where another process has it."""
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:
         raise unwritable(path.parent, error) from None
-    found = Hold(handle)
+    found = FolderLock(handle)
     try:
         if fcntl is not None:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

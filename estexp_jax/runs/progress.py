@@ -49,7 +49,7 @@ def duration(seconds: float) -> str:
 
 @final
 @dataclass
-class Progress:
+class ProgressDisplay:
     """Shows what is running, how far it is, and how long it may still take.
 
     On a terminal that is one live line. Elsewhere it is a plain line on standard error, at once and then every
@@ -80,7 +80,7 @@ class Progress:
     _ends: threading.Event = field(default_factory=threading.Event, init=False, repr=False)
     _lock: Any = field(default_factory=threading.RLock, init=False, repr=False)
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> ProgressDisplay:
         out, err = self.out or sys.stdout, self.err or sys.stderr
         self.out, self.err = out, err
         terminal = next((stream for stream in (out, err) if stream.isatty()), None)

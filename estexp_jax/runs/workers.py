@@ -20,7 +20,7 @@ _LOOK = 1.0
 """Seconds between a worker's looks at whether it is still wanted."""
 
 
-class Crew(AbstractContextManager["Crew"], ABC):
+class WorkerPool(AbstractContextManager["WorkerPool"], ABC):
     """Workers for calls that do not depend on each other. Leaving the context sends them home."""
 
     @abstractmethod
@@ -40,7 +40,7 @@ class Crew(AbstractContextManager["Crew"], ABC):
 
 
 @final
-class Alone(Crew):
+class SerialPool(WorkerPool):
     """This process, one call after the other."""
 
     def each(self, calls: Sequence[Call]) -> Iterator[tuple[int, Any]]:
@@ -57,7 +57,7 @@ class Alone(Crew):
 
 
 @final
-class Processes(Crew):
+class ProcessPool(WorkerPool):
     """Processes of this machine, each begun anew: what compiles must not be forked.
 
     They end with this one, also where it is killed.
@@ -100,7 +100,7 @@ def _watch(parent: int) -> None:
     os._exit(1)
 
 
-def crew_of(workers: int | None = None, ray: str | None = None, paths: Sequence[str] = ()) -> Crew:
+def worker_pool_of(workers: int | None = None, ray: str | None = None, paths: Sequence[str] = ()) -> WorkerPool:
     """The workers that the options ask for.
 
     Args:
@@ -114,7 +114,7 @@ def crew_of(workers: int | None = None, ray: str | None = None, paths: Sequence[
     if workers is not None and workers < 1:
         raise InputError(f"is {workers}", where="--workers", right="at least 1")
     if ray is not None:
-        from estexp_jax.runs.cluster import RayCrew
+        from estexp_jax.runs.cluster import RayPool
 
-        return RayCrew(ray, workers, paths)
-    return Alone() if workers in (None, 1) else Processes(workers)
+        return RayPool(ray, workers, paths)
+    return SerialPool() if workers in (None, 1) else ProcessPool(workers)

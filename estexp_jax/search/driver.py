@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from estexp_jax.search.genetic import Genetic, Population, ask, begin, tell
+from estexp_jax.search.genetic import Genetic, Population, ask_genetic, begin_genetic, tell_genetic
 
 Score = Callable[[np.ndarray], np.ndarray]
 """Genomes (n, length) to scores (n,), lower is better, not finite where the simulation blew up."""
@@ -29,8 +29,8 @@ def evolve(
         seeds: (length,) genomes for the first generation.
         state: an earlier one to go on from.
     """
-    state = begin(genetic) if state is None else state
+    state = begin_genetic(genetic) if state is None else state
     while state.generation < generations:
-        genomes = ask(genetic, state, seeds)
-        state = tell(genetic, state, genomes, score(genomes))
+        genomes = ask_genetic(genetic, state, seeds)
+        state = tell_genetic(genetic, state, genomes, score(genomes))
         yield state

@@ -75,12 +75,12 @@ class Population(NamedTuple):
         return cls(**tree)
 
 
-def begin(genetic: Genetic) -> Population:
+def begin_genetic(genetic: Genetic) -> Population:
     """The state before the first generation."""
     return Population(np.zeros((0, genetic.length)), np.zeros(0), 0, 0)
 
 
-def ask(genetic: Genetic, state: Population, seeds: Sequence[np.ndarray] = ()) -> np.ndarray:
+def ask_genetic(genetic: Genetic, state: Population, seeds: Sequence[np.ndarray] = ()) -> np.ndarray:
     """The genomes to simulate next.
 
     Args:
@@ -100,13 +100,13 @@ def ask(genetic: Genetic, state: Population, seeds: Sequence[np.ndarray] = ()) -
     return genomes
 
 
-def tell(genetic: Genetic, state: Population, genomes: np.ndarray, scores: np.ndarray) -> Population:
+def tell_genetic(genetic: Genetic, state: Population, genomes: np.ndarray, scores: np.ndarray) -> Population:
     """The next generation.
 
     Args:
         genetic: the settings.
         state: the generation before.
-        genomes: what `ask` gave.
+        genomes: what `ask_genetic` gave.
         scores: (len(genomes),) lower is better; anything that is not finite counts as the worst.
     """
     scores = np.where(np.isfinite(scores), scores, np.inf)

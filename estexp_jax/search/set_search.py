@@ -60,14 +60,14 @@ class SetSearch:
     negligible: float = 0.01
 
 
-class Found(NamedTuple):
+class ScoredSet(NamedTuple):
     """A hypothesis and its residual."""
 
     items: Items
     residual: float
 
 
-class State(NamedTuple):
+class SetSearchState(NamedTuple):
     """Between two rounds.
 
     `pool` holds the best found for each set of options, best objective first.
@@ -78,7 +78,7 @@ class State(NamedTuple):
     size: int  #: members that hypotheses have grown to
     rounds: int  #: all rounds so far
     simulated: int  #: hypotheses simulated so far
-    pool: tuple[Found, ...]
+    pool: tuple[ScoredSet, ...]
 
     def to_tree(self) -> dict[str, Any]:
         """What a checkpoint holds."""
@@ -86,9 +86,9 @@ class State(NamedTuple):
         return {**self._asdict(), "pool": pool}
 
     @classmethod
-    def from_tree(cls, tree: dict[str, Any]) -> State:
+    def from_tree(cls, tree: dict[str, Any]) -> SetSearchState:
         """The inverse of `to_tree`."""
-        pool = tuple(Found(tuple((int(o), float(a)) for o, a in f["items"]), f["residual"]) for f in tree["pool"])
+        pool = tuple(ScoredSet(tuple((int(o), float(a)) for o, a in f["items"]), f["residual"]) for f in tree["pool"])
         return cls(**{**tree, "pool": pool})
 
 
@@ -96,26 +96,26 @@ _KEPT = 60
 """Hypotheses in the pool."""
 
 
-def begin() -> State:
+def begin_set_search() -> SetSearchState:
     """The state before the first round."""
-    return State("coarse", 0, 1, 0, 0, ())
+    return SetSearchState("coarse", 0, 1, 0, 0, ())
 
 
-def done(state: State) -> bool:
+def done(state: SetSearchState) -> bool:
     """Whether the search has ended."""
     return state.stage == "done"
 
 
-def objective(search: SetSearch, found: Found) -> float:
+def set_objective(search: SetSearch, found: ScoredSet) -> float:
     """log(residual + floor), or the cost, + price per member; +inf where the simulation blew up."""
     return _error(search, found) + search.price * len(found.items)
 
 
-def _error(search: SetSearch, found: Found) -> float:
+def _error(search: SetSearch, found: ScoredSet) -> float:
     return found.residual if search.costs else float(np.log(found.residual + search.floor))
 
 
-def ask(search: SetSearch, state: State, seeds: Sequence[Items] = ()) -> list[Items]:
+def ask_set_search(search: SetSearch, state: SetSearchState, seeds: Sequence[Items] = ()) -> list[Items]:
     """The hypotheses whose residuals the next round needs; never empty.
 
     Args:
@@ -143,16 +143,20 @@ def ask(search: SetSearch, state: State, seeds: Sequence[Items] = ()) -> list[It
     return list(dict.fromkeys(asked)) or [state.pool[0].items]
 
 
-def tell(search: SetSearch, state: State, asked: Sequence[Items], residuals: Iterable[float]) -> State:
+def tell_set_search(
+    search: SetSearch, state: SetSearchState, asked: Sequence[Items], residuals: Iterable[float]
+) -> SetSearchState:
     """The state after a round.
 
     Args:
         search: the settings.
         state: the round before.
-        asked: what `ask` gave.
+        asked: what `ask_set_search` gave.
         residuals: one each, not finite where the simulation blew up.
     """
-    found = [Found(items, float(r) if np.isfinite(r) else np.inf) for items, r in zip(asked, residuals, strict=True)]
+    found = [
+        ScoredSet(items, float(r) if np.isfinite(r) else np.inf) for items, r in zip(asked, residuals, strict=True)
+    ]
     told = state._replace(
         pool=_best(search, [*state.pool, *found]),
         rounds=state.rounds + 1,
@@ -162,7 +166,7 @@ def tell(search: SetSearch, state: State, asked: Sequence[Items], residuals: Ite
     return _next(search, told)
 
 
-def _next(search: SetSearch, state: State) -> State:
+def _next(search: SetSearch, state: SetSearchState) -> SetSearchState:
     """Which stage follows."""
     solved = not search.costs and state.pool[0].residual <= search.negligible * search.floor
     if solved and (state.stage == "prune" or len(state.pool[0].items) < 2):
@@ -186,7 +190,7 @@ def _next(search: SetSearch, state: State) -> State:
             return state._replace(stage="polish", round=0)
 
 
-def _worth_growing(search: SetSearch, state: State) -> bool:
+def _worth_growing(search: SetSearch, state: SetSearchState) -> bool:
     """Whether there is error enough for one more member to pay for itself, and the last one did."""
     best = state.pool[0]
     left = _error(search, best) - (0.0 if search.costs else np.log(search.floor))
@@ -194,14 +198,14 @@ def _worth_growing(search: SetSearch, state: State) -> bool:
     return bool(state.size < search.most and left > search.price and paid)
 
 
-def _bases(search: SetSearch, state: State) -> list[Items]:
+def _bases(search: SetSearch, state: SetSearchState) -> list[Items]:
     """What to grow: the best that are one member smaller, and what is always kept."""
     best = [f.items for f in state.pool if len(f.items) == state.size - 1][: search.bases]
     kept = [((index, search.options[index].coarse[0]),) for index in search.kept] if state.size == 2 else []
     return list(dict.fromkeys([*best, *kept]))
 
 
-def _beam(search: SetSearch, state: State) -> list[Items]:
+def _beam(search: SetSearch, state: SetSearchState) -> list[Items]:
     """What to refine: the best of the present size, which alone have not been refined yet."""
     return [f.items for f in state.pool if len(f.items) == state.size][: search.beam // state.size]
 
@@ -210,22 +214,22 @@ def _step(round_: int, first: float) -> float:
     return first / 4.0**round_
 
 
-def _best(search: SetSearch, found: Iterable[Found]) -> tuple[Found, ...]:
+def _best(search: SetSearch, found: Iterable[ScoredSet]) -> tuple[ScoredSet, ...]:
     """The best of each set of options, by objective; ties go to the smaller set, then to the first."""
-    of_set: dict[tuple[int, ...], Found] = {}
+    of_set: dict[tuple[int, ...], ScoredSet] = {}
     for f in found:
         options = tuple(index for index, _ in f.items)
         if options not in of_set or f.residual < of_set[options].residual:
             of_set[options] = f
-    ranked = sorted(of_set.values(), key=lambda f: (objective(search, f), len(f.items)))
+    ranked = sorted(of_set.values(), key=lambda f: (set_objective(search, f), len(f.items)))
     return tuple(ranked[:_KEPT])
 
 
-def probabilities(search: SetSearch, state: State, weight: float) -> np.ndarray:
+def set_probabilities(search: SetSearch, state: SetSearchState, weight: float) -> np.ndarray:
     """Share of each of the pool's hypotheses, (len(pool),): exp(-weight objective), summing to 1.
 
     Not calibrated: residuals of neighbouring samples are not independent, so `weight` is far below their number.
     """
-    values = np.array([objective(search, f) for f in state.pool])
+    values = np.array([set_objective(search, f) for f in state.pool])
     shares = np.exp(-weight * (values - values[0]))
     return shares / shares.sum()

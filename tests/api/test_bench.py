@@ -11,11 +11,11 @@ from estexp_jax.api import bench as module
 from estexp_jax.api.bench import BenchConfig, bench, timed
 from estexp_jax.benchmark.engines import C_ENGINES, CRunner, Runner, runner
 from estexp_jax.benchmark.process import alone, peak_mb
-from estexp_jax.benchmark.subject import Field, Race, load
+from estexp_jax.benchmark.subject import BenchmarkRobots, BenchmarkTask, load
 from estexp_jax.benchmark.sweep import sweep
 from estexp_jax.errors import InputError
-from estexp_jax.physics.engines.agreement import Agreement, agreement
-from estexp_jax.runs import Progress
+from estexp_jax.physics.engines.agreement import Agreement, engine_agreement
+from estexp_jax.runs import ProgressDisplay
 from tests.physics.robots import CARTPOLE, PENDULUM
 
 SHARED = ("model", "population", "steps", "engines")
@@ -23,15 +23,15 @@ ENGINE = ("name", "robot_steps_per_s", "ratio_to_serial", "compile_s", "first_re
 
 
 @pytest.fixture(scope="module")
-def race(tmp_path_factory) -> Race:
+def race(tmp_path_factory) -> BenchmarkTask:
     path = tmp_path_factory.mktemp("model") / "cartpole.xml"
     path.write_text(CARTPOLE)
-    return Race(str(path), population=5, steps=6, substeps=2)
+    return BenchmarkTask(str(path), population=5, steps=6, substeps=2)
 
 
 @pytest.fixture
 def progress():
-    with Progress(out=io.StringIO(), err=io.StringIO()) as progress:
+    with ProgressDisplay(out=io.StringIO(), err=io.StringIO()) as progress:
         yield progress
 
 
@@ -45,14 +45,14 @@ class Fake(Runner):
         self.walks.append((robots, steps))
 
     def agreement(self) -> Agreement:
-        return agreement(np.full((4, 2), self.error), np.zeros((4, 2)), 2)
+        return engine_agreement(np.full((4, 2), self.error), np.zeros((4, 2)), 2)
 
 
 def test_an_engine_that_disagrees_is_not_timed(race, progress, monkeypatch) -> None:
     monkeypatch.setattr(module, "alone", lambda name, race: {"compile_s": 1.0, "first_result_s": 0.1, "peak_mb": 9.0})
     wrong = {"mjx": Fake("mjx", 0.1), "batch": Fake("batch", np.nan)}
 
-    def made(name: str, field: Field) -> Runner:
+    def made(name: str, field: BenchmarkRobots) -> Runner:
         if name == "lanes":
             raise InputError("a spring is not supported by the lanes engine")
         return wrong.get(name) or Fake(name)
@@ -102,9 +102,9 @@ def test_engines_are_timed_in_turns(progress) -> None:
 
 
 def test_c_by_another_route_that_does_something_else_is_found(race) -> None:
-    field = Field(race)
+    field = BenchmarkRobots(race)
     assert CRunner("rollout", field).agreement().agrees
-    other = Field(race)
+    other = BenchmarkRobots(race)
     other.__dict__["recorded"] = np.zeros_like(field.recorded)
     assert not CRunner("rollout", other).agreement().agrees
 
@@ -150,7 +150,7 @@ def test_what_it_refuses(race, tmp_path) -> None:
     arm = Path(tmp_path / "arm.xml")
     arm.write_text(PENDULUM)
     with pytest.raises(InputError, match="cannot travel"):
-        Field(replace(race, model=str(arm)))
+        BenchmarkRobots(replace(race, model=str(arm)))
 
 
 def test_the_shipped_steps_and_one_are_the_races() -> None:

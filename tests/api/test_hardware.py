@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import estexp_jax as ee
-from estexp_jax.api.hardware import Hardware, take_folder
+from estexp_jax.api.hardware import HardwareTarget, lock_exchange_folder
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Controller, Trial
-from estexp_jax.runs import Progress
+from estexp_jax.runs import ProgressDisplay
 from tests.recovery.loops import STEPS, columns_of, controller_of, walked
 
 SETTINGS = Settings(situation=None, steps=STEPS, passes=1)
@@ -44,9 +44,9 @@ def told() -> io.StringIO:
 
 
 @pytest.fixture
-def hardware(robot: Robot, tmp_path: Path, told: io.StringIO) -> Hardware:
-    progress = Progress(out=told, err=io.StringIO())
-    return Hardware(robot, SETTINGS, tmp_path, progress, poll=0.01, patience=0.2)
+def hardware(robot: Robot, tmp_path: Path, told: io.StringIO) -> HardwareTarget:
+    progress = ProgressDisplay(out=told, err=io.StringIO())
+    return HardwareTarget(robot, SETTINGS, tmp_path, progress, poll=0.01, patience=0.2)
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def later(do: Callable[[], object], when: Path) -> threading.Thread:
 
 
 def test_a_trial_is_asked_for_and_awaited(
-    hardware: Hardware,
+    hardware: HardwareTarget,
     controller: Controller,
     foretold: Trial,
     columns: dict[str, np.ndarray],
@@ -90,7 +90,7 @@ def test_a_trial_is_asked_for_and_awaited(
 
 
 def test_a_file_that_is_still_being_written_is_waited_for(
-    hardware: Hardware, controller: Controller, foretold: Trial, columns: dict[str, np.ndarray], tmp_path: Path
+    hardware: HardwareTarget, controller: Controller, foretold: Trial, columns: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
     write_csv(tmp_path / "whole.csv", columns)
     text = (tmp_path / "whole.csv").read_text()
@@ -109,7 +109,7 @@ def test_a_file_that_is_still_being_written_is_waited_for(
 
 
 def test_a_bad_file_is_told_and_its_correction_is_read(
-    hardware: Hardware, controller: Controller, foretold: Trial, columns: dict[str, np.ndarray], tmp_path: Path
+    hardware: HardwareTarget, controller: Controller, foretold: Trial, columns: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
     log = tmp_path / "trial_0.csv"
     write_csv(tmp_path / "good.csv", columns)
@@ -125,7 +125,7 @@ def test_a_bad_file_is_told_and_its_correction_is_read(
 
 def test_a_recording_of_another_controller_is_refused(
     robot: Robot,
-    hardware: Hardware,
+    hardware: HardwareTarget,
     controller: Controller,
     foretold: Trial,
     columns: dict[str, np.ndarray],
@@ -146,7 +146,7 @@ def test_a_recording_of_another_controller_is_refused(
 
 def test_the_distance_may_be_unknown_unless_it_is_what_counts(
     robot: Robot,
-    hardware: Hardware,
+    hardware: HardwareTarget,
     controller: Controller,
     foretold: Trial,
     columns: dict[str, np.ndarray],
@@ -159,27 +159,27 @@ def test_the_distance_may_be_unknown_unless_it_is_what_counts(
     thread.join()
     assert "distance is not known" in told.getvalue()
     settings = Settings(situation=None, steps=STEPS, metric="distance")
-    picky = Hardware(robot, settings, tmp_path, Progress(told, told), poll=0.01, patience=0.0)
+    picky = HardwareTarget(robot, settings, tmp_path, ProgressDisplay(told, told), poll=0.01, patience=0.0)
     with pytest.raises(InputError, match="--metric distance"):
         picky.perform(0, controller, foretold)
 
 
 def test_a_folder_of_another_run_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "robot"
-    with take_folder(folder, fresh=True, force=False):
+    with lock_exchange_folder(folder, fresh=True, force=False):
         (folder / "controller_0.npz").write_bytes(b"ours")
     with pytest.raises(InputError, match=r"controllers of an earlier run: controller_0\.npz; .*--force replaces"):
-        take_folder(folder, fresh=True, force=False)
-    take_folder(folder, fresh=False, force=False)
-    take_folder(folder, fresh=True, force=True)
+        lock_exchange_folder(folder, fresh=True, force=False)
+    lock_exchange_folder(folder, fresh=False, force=False)
+    lock_exchange_folder(folder, fresh=True, force=True)
     assert not (folder / "controller_0.npz").exists()
     (folder / "trial_0.csv").write_text("theirs")
     for force in (False, True):
         with pytest.raises(InputError, match=r"recordings of an earlier run: trial_0\.csv"):
-            take_folder(folder, fresh=True, force=force)
+            lock_exchange_folder(folder, fresh=True, force=force)
     assert (folder / "trial_0.csv").read_text() == "theirs"
     with pytest.raises(InputError, match="is a file"):
-        take_folder(folder / "trial_0.csv", fresh=True, force=False)
+        lock_exchange_folder(folder / "trial_0.csv", fresh=True, force=False)
 
 
 def test_what_is_no_controller_is_told(tmp_path: Path) -> None:

@@ -8,8 +8,8 @@ import pytest
 
 import estexp_jax as ee
 from estexp_jax.api import propose as front_door
-from estexp_jax.api.explain import Explanation
-from estexp_jax.api.simulator import Simulator
+from estexp_jax.api.explain import ExplainResult
+from estexp_jax.api.simulator import ExplainedSimulator
 from estexp_jax.experiment_design.excitation import multisine
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.recordings.readers.read import read_table
@@ -111,7 +111,7 @@ def test_what_is_proposed_settles_what_one_more_random_motion_does_not(tmp_path)
     """A tired motor and a payload move a pendulum alike, unless it swings just so."""
     (tmp_path / "pendulum.xml").write_text(PENDULUM)
     robot, time = ee.Robot.from_xml(tmp_path / "pendulum.xml"), np.arange(400) / 100
-    real = Simulator(robot, (parse_change("motor_weakness@servo loss=0.35", robot),), finer=5)
+    real = ExplainedSimulator(robot, (parse_change("motor_weakness@servo loss=0.35", robot),), finer=5)
 
     def log(name: str, commands: np.ndarray, seed: int) -> str:
         traces = real.rollout(commands)
@@ -119,7 +119,7 @@ def test_what_is_proposed_settles_what_one_more_random_motion_does_not(tmp_path)
         write_csv(tmp_path / name, {"time": traces.time, "ctrl.servo": commands[:, 0], "sensor.angle": angle})
         return str(tmp_path / name)
 
-    def probability(*more: str) -> tuple[Explanation, float]:
+    def probability(*more: str) -> tuple[ExplainResult, float]:
         effects = ("body_mass", "motor_weakness", "com_shift")
         found = ee.explain(robot.source, [*logs, *more], test=[test], effects=effects, most=1, window=1.0)
         what = found.findings["what"]

@@ -15,8 +15,8 @@ from estexp_jax.discovery.explain import explain
 from estexp_jax.discovery.hypotheses import simulated
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.effects.registry import Catalogue, catalogue
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -205,12 +205,12 @@ CONFIG = ExplainConfig(window=1.25, most=2, effects=FEW)
 
 
 @cache
-def shared_replayer(name: str, effects: tuple[str, ...] = simulated(CONFIG.effects)) -> Replayer:
+def shared_replayer(name: str, effects: tuple[str, ...] = simulated(CONFIG.effects)) -> OpenLoopSimulator:
     """One replayer, so one compilation, for all cases of a robot with these effects."""
-    return replayer(nominal(name), catalogue(effects), [nominal(name)])
+    return open_loop_simulator(nominal(name), catalogue(effects), [nominal(name)])
 
 
-def _shared(robot: Robot, effects: Catalogue, *_: Any, **__: Any) -> Replayer:
+def _shared(robot: Robot, effects: Catalogue, *_: Any, **__: Any) -> OpenLoopSimulator:
     return shared_replayer(robot.source.removesuffix(".xml"), tuple(e.name for e in effects))
 
 

@@ -12,22 +12,22 @@ from estexp_jax.discovery.hypotheses import claimable
 from estexp_jax.discovery.starts import RUNGS, Seen, climbed, lowered, starts
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects.registry import Catalogue, effect
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from tests.discovery.leg import CASES, JOINTS, leg_case
 from tests.discovery.planted import finished
 from tests.physics.robots import ROBOTS, robot
 
 CONFIG = ExplainConfig(window=2.0, most=1)
-REPLAYERS: dict[tuple[float, tuple[str, ...]], Replayer] = {}
+REPLAYERS: dict[tuple[float, tuple[str, ...]], OpenLoopSimulator] = {}
 
 
-def _shared(leg: Robot, effects: Catalogue, *_: object, **__: object) -> Replayer:
+def _shared(leg: Robot, effects: Catalogue, *_: object, **__: object) -> OpenLoopSimulator:
     """One replayer, so one compilation, for all cases of a leg with these effects."""
     key = float(leg.model.actuator_forcerange[0, 1]), tuple(e.name for e in effects)
     if key not in REPLAYERS:
-        REPLAYERS[key] = replayer(leg, effects, [leg])
+        REPLAYERS[key] = open_loop_simulator(leg, effects, [leg])
     return REPLAYERS[key]
 
 

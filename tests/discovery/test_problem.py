@@ -8,7 +8,7 @@ import pytest
 from estexp_jax.discovery.doubt import directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.discovery.recorded import deviations
-from estexp_jax.estimation.windows import segments_of
+from estexp_jax.estimation.windows import windows_of
 from tests.discovery.planted import CASES, CONFIG, Plant, case_of, problem_of
 
 
@@ -79,7 +79,7 @@ def test_a_simulation_that_blew_up_is_worse_than_any_but_finite(setting):
 def test_the_correction_makes_a_coarse_step_as_good_as_a_fine_one(setting):
     case, problem, member = setting
     windows = problem.windows_of([0, 1])
-    finest = at(problem, segments_of(case.robots, problem.recordings, 1.25, 40)).simulated([member], windows)
+    finest = at(problem, windows_of(case.robots, problem.recordings, 1.25, 40)).simulated([member], windows)
     off = [np.nanmax(np.abs(p.simulated([member], windows) - finest)) for p in (problem, problem.about(member))]
     assert off[0] > 1e-3
     assert off[1] < 0.15 * off[0]

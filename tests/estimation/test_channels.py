@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
-from estexp_jax.estimation.channels import channels_of, spans
-from estexp_jax.physics.engines.open_loop import Replay
+from estexp_jax.estimation.channels import channel_ranges, channels_of
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout
 
 TIME = np.arange(40) / 10.0
 
@@ -26,7 +26,7 @@ def test_simulated_channels_are_those_recorded(mixed, blank):
     channels = channels_of(mixed, [blank(TIME, sensor={4: TIME}, qpos={0: TIME})])
     sensors = np.arange(2 * 3 * 5.0).reshape(2, 3, 5)
     qpos = -np.arange(2 * 3 * 9.0).reshape(2, 3, 9)
-    simulated = channels.simulated(Replay(sensors, qpos, np.zeros((2, 3, 8))))
+    simulated = channels.simulated(OpenLoopRollout(sensors, qpos, np.zeros((2, 3, 8))))
     assert simulated[1, 2].tolist() == [sensors[1, 2, 4], qpos[1, 2, 0]]
 
 
@@ -40,4 +40,4 @@ def test_spans_are_ranges_and_still_channels_have_their_size(mixed, blank):
     recording = blank(TIME, sensor={0: moving, 1: np.full(40, -4.0), 2: np.zeros(40)})
     other = blank(TIME, sensor={3: TIME})
     channels = channels_of(mixed, [recording, other])
-    assert spans(channels, recording) == pytest.approx([11.7, 4.0, 1.0, np.nan], nan_ok=True)
+    assert channel_ranges(channels, recording) == pytest.approx([11.7, 4.0, 1.0, np.nan], nan_ok=True)

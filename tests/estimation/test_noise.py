@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from estexp_jax.estimation.accuracy import nrmse
-from estexp_jax.estimation.channels import channels_of, spans
-from estexp_jax.estimation.noise import correlation_rows, noise_deviation, noise_floor
+from estexp_jax.estimation.channels import channel_ranges, channels_of
+from estexp_jax.estimation.noise import correlation_rows, noise_floor, noise_std_of
 
 
 def motion(time):
@@ -16,36 +16,36 @@ def motion(time):
 def test_white_noise_on_a_motion_is_measured(deviation):
     time = np.arange(4000) / 200.0
     noise = deviation * np.random.default_rng(31).standard_normal(len(time))
-    assert noise_deviation(time, motion(time) + noise) == pytest.approx(deviation, rel=0.1)
+    assert noise_std_of(time, motion(time) + noise) == pytest.approx(deviation, rel=0.1)
 
 
 def test_a_fast_motion_on_a_slow_uneven_clock_is_not_noise():
     rng = np.random.default_rng(37)
     time = np.arange(800) / 50.0 + 1.5e-3 * rng.standard_normal(800)
     noise = 3e-4 * rng.standard_normal(len(time))
-    assert noise_deviation(time, motion(time) + noise) == pytest.approx(3e-4, rel=0.15)
+    assert noise_std_of(time, motion(time) + noise) == pytest.approx(3e-4, rel=0.15)
 
 
 def test_jolts_count_little():
     time = np.arange(4000) / 200.0
     noise = 1e-3 * np.random.default_rng(32).standard_normal(len(time))
     jolts = np.repeat(np.random.default_rng(33).uniform(-1.0, 1.0, 40), 100)
-    assert noise_deviation(time, motion(time) + noise + jolts) == pytest.approx(1e-3, rel=0.15)
+    assert noise_std_of(time, motion(time) + noise + jolts) == pytest.approx(1e-3, rel=0.15)
 
 
 def test_an_encoders_steps_are_noise_even_at_rest():
     step = 2.0 * np.pi / 4096
     read = np.round(0.05 * motion(np.arange(4000) / 200.0) / step) * step
-    assert noise_deviation(np.arange(4000) / 200.0, read) == pytest.approx(step / np.sqrt(12.0), rel=0.35)
+    assert noise_std_of(np.arange(4000) / 200.0, read) == pytest.approx(step / np.sqrt(12.0), rel=0.35)
     resting = np.where(np.arange(400) == 200, step, 0.0)
-    assert noise_deviation(np.arange(400) / 200.0, resting) == pytest.approx(step / np.sqrt(12.0))
+    assert noise_std_of(np.arange(400) / 200.0, resting) == pytest.approx(step / np.sqrt(12.0))
 
 
 def test_gaps_are_passed_over_and_few_samples_say_nothing():
     noise = 1e-2 * np.random.default_rng(34).standard_normal(2000)
     noise[np.random.default_rng(35).random(2000) < 0.2] = np.nan
-    assert noise_deviation(np.arange(2000) / 200.0, noise) == pytest.approx(1e-2, rel=0.1)
-    assert np.isnan(noise_deviation(np.arange(5.0), np.array([1.0, np.nan, 2.0, 3.0, 4.0])))
+    assert noise_std_of(np.arange(2000) / 200.0, noise) == pytest.approx(1e-2, rel=0.1)
+    assert np.isnan(noise_std_of(np.arange(5.0), np.array([1.0, np.nan, 2.0, 3.0, 4.0])))
 
 
 def test_the_floor_is_the_error_of_a_perfect_simulator(mixed, blank):
@@ -59,7 +59,9 @@ def test_the_floor_is_the_error_of_a_perfect_simulator(mixed, blank):
     perfect = []
     for recording, truth in zip(recordings, truths, strict=True):
         difference = channels.recorded(recording)[:, 0] - truth
-        perfect.append(np.stack([difference, np.zeros(len(time))], axis=1) ** 2 / spans(channels, recording) ** 2)
+        perfect.append(
+            np.stack([difference, np.zeros(len(time))], axis=1) ** 2 / channel_ranges(channels, recording) ** 2
+        )
     assert noise_floor(channels, recordings) == pytest.approx(nrmse(perfect), rel=0.1)
     assert noise_floor(channels, []) == 0.0
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estexp_jax.estimation.windows import fitting_window, segments_of, window_rows
+from estexp_jax.estimation.windows import fitting_window, window_rows, windows_of
 from estexp_jax.physics.model.robot import Robot
 
 
@@ -48,7 +48,7 @@ def test_a_gap_longer_than_a_window_leaves_no_empty_window():
 def test_segments_start_at_their_own_first_row(mixed, blank):
     time = np.arange(250) / 100.0
     recordings = [blank(time, f"{k}.csv", sensor={3: (k + 1.0) * time**2}) for k in range(2)]
-    segments = segments_of([mixed, mixed], recordings, 1.0)
+    segments = windows_of([mixed, mixed], recordings, 1.0)
     assert [(s.recording, s.first, s.last) for s in segments] == [
         (r, a, b) for r in range(2) for a, b in ((0, 99), (100, 199), (200, 249))
     ]
@@ -61,7 +61,7 @@ def test_segments_start_at_their_own_first_row(mixed, blank):
 
 def test_a_finer_segment_has_as_many_times_the_steps(mixed, blank):
     recordings = [blank(np.arange(51) / 50.0, sensor={3: np.zeros(51)})]
-    [coarse], [fine] = (segments_of([mixed], recordings, np.inf, finer) for finer in (1, 4))
+    [coarse], [fine] = (windows_of([mixed], recordings, np.inf, finer) for finer in (1, 4))
     assert fine.steps.n_steps == 4 * coarse.steps.n_steps
     assert fine.steps.sample.tolist() == (4 * coarse.steps.sample).tolist()
 

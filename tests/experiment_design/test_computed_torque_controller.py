@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from estexp_jax.api.simulator import Simulator
+from estexp_jax.api.simulator import ExplainedSimulator
 from estexp_jax.errors import InputError
-from estexp_jax.experiment_design.computed_torque_controller import holding, torque_motors
+from estexp_jax.experiment_design.computed_torque_controller import controlled_commands, torque_motors
 from estexp_jax.experiment_design.excitation import multisine
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.model.robot import Robot
@@ -36,8 +36,8 @@ def upright() -> Robot:
 def test_an_upright_arm_moves_as_planned_and_its_commands_do_the_same_again(upright: Robot, differs: str) -> None:
     motors, time = torque_motors(upright), PERIOD * np.arange(ROWS)
     assert motors == (0, 1)
-    holder = holding(upright, motors, multisine(upright, time, 0.6, 41), PERIOD)
-    real = Simulator(upright, tuple(parse_change(text, upright) for text in [differs] if text))
+    holder = controlled_commands(upright, motors, multisine(upright, time, 0.6, 41), PERIOD)
+    real = ExplainedSimulator(upright, tuple(parse_change(text, upright) for text in [differs] if text))
     traces, commands = real.steered(holder, ROWS, period=PERIOD)
     low, high = upright.model.jnt_range[0]
     assert traces.qpos[:, 0].min() > low and traces.qpos[:, 0].max() < high
@@ -52,7 +52,7 @@ def test_an_upright_arm_moves_as_planned_and_its_commands_do_the_same_again(upri
 
 def test_one_row_is_no_motion(upright: Robot) -> None:
     with pytest.raises(InputError, match="1 rows are no motion"):
-        Simulator(upright, ()).steered(lambda *_: np.zeros(3), 1)
+        ExplainedSimulator(upright, ()).steered(lambda *_: np.zeros(3), 1)
 
 
 def test_who_is_held() -> None:

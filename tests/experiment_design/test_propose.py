@@ -10,14 +10,19 @@ import pytest
 
 from estexp_jax.discovery.contest import Contest, Rival
 from estexp_jax.experiment_design import propose as module
-from estexp_jax.experiment_design.predictive_simulation import Rehearsal, rehearsal_of
-from estexp_jax.experiment_design.propose import PLAIN, ProposeConfig, Proposed, propose
-from estexp_jax.experiment_design.separation import limits_of, separated, separation, separation_beside
+from estexp_jax.experiment_design.predictive_simulation import PredictiveSimulation, predictive_simulation_of
+from estexp_jax.experiment_design.propose import PLAIN, ProposeConfig, ProposedExperiment, search_experiment
+from estexp_jax.experiment_design.separation import (
+    limits_of,
+    pairwise_separation,
+    pairwise_separation_sensitive,
+    separation_score,
+)
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.report.propose.text import rows, standing, verdict
-from estexp_jax.runs.files import plain
+from estexp_jax.report.propose.text import propose_rows, propose_verdict, standing
+from estexp_jax.runs.files import json_plain
 from tests.discovery.planted import CASES, Plant, case_of, finished, nominal, problem_of, record, shared_replayer
 
 SMALL = ProposeConfig(duration=3.0, population=24, generations=8)
@@ -36,13 +41,13 @@ def contest(*changes: Change, probabilities: tuple[float, ...] | None = None, sp
     return Contest(rivals, ("angle",), np.array([5e-4]), 100.0, np.array([[-1.6, 1.6]]), np.array([speed]), files)
 
 
-def proposed(among: Contest, config: ProposeConfig = SMALL) -> Proposed:
+def proposed(among: Contest, config: ProposeConfig = SMALL) -> ProposedExperiment:
     with patch.object(module, "replayer", lambda *_, **__: shared_replayer("one")):
-        return finished(propose(nominal("one"), among, 4, config))
+        return finished(search_experiment(nominal("one"), among, 4, config))
 
 
-def rehearsal(among: Contest) -> Rehearsal:
-    return rehearsal_of(shared_replayer("one"), among).finer(4)
+def rehearsal(among: Contest) -> PredictiveSimulation:
+    return predictive_simulation_of(shared_replayer("one"), among).finer(4)
 
 
 def apart(among: Contest, time: np.ndarray, commands: np.ndarray) -> float:
@@ -70,7 +75,7 @@ def test_a_joint_that_was_held_may_move_as_fast_as_its_motor_allows():
 def test_no_motion_may_bring_parts_together_that_the_simulation_lets_through_each_other():
     among, spec = contest(PAYLOAD, WEAK), nominal("one").spec.copy()
     spec.worldbody.add_geom(name="wall", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.02, 0.5, 0.5], pos=[-0.2, 0, 0])
-    walled = rehearsal_of(shared_replayer("one"), among, Robot.from_spec(spec), [(0, 1)])
+    walled = predictive_simulation_of(shared_replayer("one"), among, Robot.from_spec(spec), [(0, 1)])
     limits, time = limits_of(nominal("one"), 0.9, among.commands, np.array([np.inf])), np.arange(150) / 100.0
     away, at = (np.full((150, 1), angle) for angle in (-1.0, 1.0))
     assert [shown.excess > 1.0 for shown in walled.shown(time, [away, at], limits)] == [False, True]
@@ -86,22 +91,22 @@ def test_a_proposed_motion_tells_more_than_what_was_recorded_or_random_ones(pair
     assert best > 1.15 * apart(among, recorded.time, recorded.ctrl)
     assert best > 1.25 * found.usual[0, 1]
     assert best == pytest.approx(apart(among, found.time, found.commands), rel=1e-3)
-    assert best > PLAIN and "tells them apart" in verdict(found)
+    assert best > PLAIN and "tells them apart" in propose_verdict(found)
     assert found.robot_steps > 10_000
 
 
 def test_what_no_motion_tells_apart_is_said_to_be_so():
     found = proposed(contest(VISCOUS, BACK_EMF))  # the same as long as the motor is on
     assert found.shown.apart[0, 1] < 0.1
-    assert verdict(found).startswith("No motion found") and "Still record it" not in verdict(found)
-    assert [row["told_apart"] for row in rows(found)] == [False]
+    assert propose_verdict(found).startswith("No motion found") and "Still record it" not in propose_verdict(found)
+    assert [row["told_apart"] for row in propose_rows(found)] == [False]
 
 
 def test_of_three_the_two_that_are_alike_do_not_hide_the_third():
     found = proposed(contest(VISCOUS, BACK_EMF, DRY))
     assert found.shown.apart[0, 1] < 0.1 and min(found.shown.apart[0, 2], found.shown.apart[1, 2]) > 10.0
     assert min(found.shown.apart[0, 2] / found.usual[0, 2], found.shown.apart[1, 2] / found.usual[1, 2]) > 1.1
-    assert "2 of 3 pairs" in verdict(found) and "1 and 2" in verdict(found)
+    assert "2 of 3 pairs" in propose_verdict(found) and "1 and 2" in propose_verdict(found)
 
 
 def test_the_same_seed_finds_the_same_and_another_one_another():
@@ -158,8 +163,8 @@ def test_a_simulation_that_blows_up_is_never_proposed():
 def test_separation_leaves_out_what_ordinary_errors_explain():
     draw = np.random.default_rng(3)
     readings, directions = draw.normal(size=(3, 40, 2)), 5.0 * draw.normal(size=(4, 40, 2))
-    found = separation(readings, directions)
-    assert separation(readings, directions[:0])[0, 1] == pytest.approx(
+    found = pairwise_separation(readings, directions)
+    assert pairwise_separation(readings, directions[:0])[0, 1] == pytest.approx(
         np.sqrt(np.sum((readings[0] - readings[1]) ** 2) / 40)
     )
     for i, j in ((0, 1), (1, 2), (0, 2)):  # the same by least squares, with the errors' price as further samples
@@ -168,25 +173,27 @@ def test_separation_leaves_out_what_ordinary_errors_explain():
         left = aim - design @ np.linalg.lstsq(design, aim, rcond=None)[0]
         assert found[i, j] == pytest.approx(np.linalg.norm(left))
     along = np.stack([0.0 * directions[0], 2.0 * directions[0]])
-    assert separation(along, directions[:1])[0, 1] == pytest.approx(2.0, rel=0.02)
+    assert pairwise_separation(along, directions[:1])[0, 1] == pytest.approx(2.0, rel=0.02)
 
 
 def test_where_robots_part_for_good_errors_count_as_noise():
     readings, directions = np.zeros((2, 4, 1)), np.zeros((1, 4, 1))
     readings[1, :, 0], directions[0, :, 0] = 6.0, (0.0, 0.0, np.sqrt(3.0), np.sqrt(3.0))
-    assert separation_beside(readings, directions)[0, 1] == pytest.approx(6.0 * np.sqrt((2.0 + 2.0 / 4.0) / 4.0))
+    assert pairwise_separation_sensitive(readings, directions)[0, 1] == pytest.approx(
+        6.0 * np.sqrt((2.0 + 2.0 / 4.0) / 4.0)
+    )
 
 
 def test_probable_rivals_count_more():
     first, second = np.zeros((3, 3)), np.zeros((3, 3))
     first[0, 1] = first[1, 0] = second[0, 2] = second[2, 0] = 5.0
     shares = np.array([0.6, 0.35, 0.05])
-    assert separated(first, shares) > separated(second, shares) > separated(0.0 * first, shares)
+    assert separation_score(first, shares) > separation_score(second, shares) > separation_score(0.0 * first, shares)
 
 
 def test_rivals_of_an_explanation_come_back_and_simulate_as_explained(diagnosed):
     diagnosis = diagnosed("coulomb_friction@shaft")
-    found = Contest.from_json(json.loads(json.dumps(plain(diagnosis.contest.to_json(), "contest"))))
+    found = Contest.from_json(json.loads(json.dumps(json_plain(diagnosis.contest.to_json(), "contest"))))
     assert [r.changes for r in found.rivals] == [r.changes for r in diagnosis.contest.rivals]
     assert found.rivals[0].label == "coulomb_friction@shaft" and len(found.rivals) >= 3
     assert len({r.label for r in found.rivals}) == len(found.rivals)
@@ -212,4 +219,6 @@ def test_a_rival_found_in_recordings_is_told_apart(diagnosed):
     limits = limits_of(nominal("one"), 0.9, found.contest.commands, np.array([np.inf]))
     ready = rehearsal(found.contest)
     [recorded] = ready.shown(usual.time, [usual.ctrl], limits)
-    assert separated(found.shown.apart, ready.probabilities) > separated(recorded.apart, ready.probabilities)
+    assert separation_score(found.shown.apart, ready.probabilities) > separation_score(
+        recorded.apart, ready.probabilities
+    )

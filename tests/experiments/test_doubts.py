@@ -5,7 +5,7 @@ import pytest
 from estexp_jax.physics.changes import parse_change
 from estexp_jax.physics.robot import Robot
 
-from estexp_jax.api.simulator import Simulator
+from estexp_jax.api.simulator import ExplainedSimulator
 from experiments.doubts.doubts import DOUBTS, Doubt
 from experiments.doubts.summary import is_open, summary
 
@@ -35,7 +35,7 @@ def test_a_tilt_and_a_moved_centre_of_mass_say_the_same_while_the_base_stands_st
 
     def apart(commands: np.ndarray) -> float:
         tilted, shifted = (
-            Simulator(robot, (parse_change(text, robot),)).rollout(commands, period=0.02).sensors[100:, 1]
+            ExplainedSimulator(robot, (parse_change(text, robot),)).rollout(commands, period=0.02).sensors[100:, 1]
             for text in (f"gravity_tilt angle=0.2 axis={np.pi / 2}", f"com_shift@arm x={0.15 * np.tan(0.2)}")
         )
         return float(np.abs(tilted - shifted).max())

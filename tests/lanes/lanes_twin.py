@@ -9,12 +9,12 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from estexp_jax.lanes.compilation import compiled
-from estexp_jax.lanes.forces import Drive
-from estexp_jax.lanes.layout import Plan, plan
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.sensors import Reader
-from estexp_jax.lanes.states import packed, unpacked
+from estexp_jax.lanes.compilation import compile_lowered
+from estexp_jax.lanes.forces import MotorCommands
+from estexp_jax.lanes.layout import Layout, layout_of
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.sensors import SensorReader
+from estexp_jax.lanes.states import from_lanes, to_lanes
 from estexp_jax.lanes.step import Stepper
 
 
@@ -76,22 +76,22 @@ def stepped(model: mujoco.MjModel, states: Visited, fields: dict[str, np.ndarray
         states: where from.
         fields: (n, ...) numbers that differ from robot to robot.
     """
-    structure, last = plan(model), [np.moveaxis(x, 0, -1) for x in states[:4]]
+    structure, last = layout_of(model), [np.moveaxis(x, 0, -1) for x in states[:4]]
     varying = {k: np.moveaxis(v, 0, -1) for k, v in (fields or {}).items()}
     dtype = jnp.zeros(()).dtype
     arguments = jax.tree.map(lambda x: np.asarray(x, dtype), (varying, *last))
-    program, fast = compiled(jax.jit(lambda *a: _step(structure, *a)).lower(*arguments), len(states.qpos))
+    program, fast = compile_lowered(jax.jit(lambda *a: _step(structure, *a)).lower(*arguments), len(states.qpos))
     qpos, qvel, sensordata = (np.moveaxis(np.asarray(x), -1, 0) for x in program(*arguments))
     return Stepped(qpos, qvel, sensordata, fast)
 
 
-def _step(plan: Plan, varying: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
-    numbers = Numbers(plan.model, varying, qpos.dtype)
+def _step(plan: Layout, varying: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
+    numbers = ModelParameters(plan.model, varying, qpos.dtype)
     stepper = Stepper(plan, numbers, 1e-24 if qpos.dtype == np.float64 else 1e-9)
     slots = [m.ids for j in plan.joints for m in j.motors]
-    drive = Drive({ids: ctrl[ids[0]] if len(ids) == 1 else jnp.stack([ctrl[i] for i in ids]) for ids in slots})
-    state, now = stepper.step(packed(plan, qpos, qvel, warmstart), drive, float(plan.model.opt.timestep))
-    readings = Reader(plan, numbers, stepper.inertias).read(now, range(plan.model.nsensor))
+    drive = MotorCommands({ids: ctrl[ids[0]] if len(ids) == 1 else jnp.stack([ctrl[i] for i in ids]) for ids in slots})
+    state, now = stepper.step(to_lanes(plan, qpos, qvel, warmstart), drive, float(plan.model.opt.timestep))
+    readings = SensorReader(plan, numbers, stepper.inertias).read(now, range(plan.model.nsensor))
     sensordata = [readings[i] + jnp.zeros_like(qpos[0]) for i in range(plan.model.nsensordata)]
     empty = jnp.zeros((0, qpos.shape[1]))
-    return (*unpacked(plan, state)[:2], jnp.stack(sensordata) if sensordata else empty)
+    return (*from_lanes(plan, state)[:2], jnp.stack(sensordata) if sensordata else empty)

@@ -9,9 +9,9 @@ import pytest
 
 from estexp_jax.physics.effects.changes import encode, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.closed_loop import BodyState, Walk, Walker
-from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.physics.engines.choice import closed_loop_simulator
+from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, Rollout
+from estexp_jax.physics.model.travel import root_position_map
 from tests.physics.robots import robot
 
 N, STEPS = 32, (1, 10, 100, 1000)
@@ -20,10 +20,10 @@ ROUNDING = 2.0**-24
 """Largest relative error of a number rounded to single precision."""
 
 
-def walked(name: str) -> tuple[Walker, BodyState, Walk]:
+def walked(name: str) -> tuple[ClosedLoopSimulator, BodyState, Rollout]:
     """Robots with random controllers, one physics step a control step."""
     one = robot(name)
-    walks = walker(
+    walks = closed_loop_simulator(
         one,
         catalogue(["body_mass"]),
         rows=STEPS[-1] + 1,
@@ -37,9 +37,9 @@ def walked(name: str) -> tuple[Walker, BodyState, Walk]:
     return walks, start, walks.walk(values, weights, start, STEPS[-1] + 1)
 
 
-def in_c(walks: Walker, start: BodyState, commands: np.ndarray, scale: float) -> np.ndarray:
+def in_c(walks: ClosedLoopSimulator, start: BodyState, commands: np.ndarray, scale: float) -> np.ndarray:
     """Where the roots are (N, rows, 3) under the same commands in the C engine, from `scale` times the start."""
-    model, (matrix, offset) = walks.robot.model, travel_map(walks.robot)
+    model, (matrix, offset) = walks.robot.model, root_position_map(walks.robot)
     places = []
     for i in range(N):
         data, rows = mujoco.MjData(model), []

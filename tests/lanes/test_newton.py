@@ -13,9 +13,9 @@ from mujoco import mjx
 from estexp_jax.physics.effects.changes import neutral, stack
 from estexp_jax.physics.effects.registry import ALL
 from tests.physics.conftest import Lab
-from tests.recovery.control.controller_twin import N_WEIGHTS, Body, Twin
 from tests.physics.reference import States, converged
 from tests.physics.robots import robot
+from tests.recovery.control.controller_twin import N_WEIGHTS, Body, Twin
 
 N_CONTROLLERS, CONTROL_STEPS = 16, 120
 REQUIRED = 1e-3

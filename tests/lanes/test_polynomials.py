@@ -9,11 +9,11 @@ import pytest
 from estexp_jax.lanes.capabilities import refusal
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Start, segment
+from estexp_jax.physics.window import InitialState, window_of
 
 XML = """
 <mujoco>
@@ -30,7 +30,7 @@ XML = """
 """
 ROWS, STEP = 250, 0.002
 EFFECTS = catalogue(["joint_stiffness"])
-START = Start(np.array([0.9, -1.0]), np.array([4.0, -6.0]))
+START = InitialState(np.array([0.9, -1.0]), np.array([4.0, -6.0]))
 COMMANDS = np.stack([np.sin(0.05 * np.arange(ROWS)), 0.3 * np.cos(0.03 * np.arange(ROWS))], axis=1)
 
 
@@ -52,8 +52,8 @@ def in_c(model: mujoco.MjModel) -> np.ndarray:
 def replayed(integrator: str, engine: str, *changes: Change) -> np.ndarray:
     here, nothing = robot(integrator), np.full((ROWS, 2), np.nan)
     log = Recording("log", STEP * np.arange(ROWS), COMMANDS, np.ones((ROWS, 2)), nothing[:, :1], nothing, nothing)
-    stretch = segment([log], 0, (0, ROWS - 1), STEP, START)
-    simulator = replayer(here, EFFECTS, [here], width=1, engine=engine)
+    stretch = window_of([log], 0, (0, ROWS - 1), STEP, START)
+    simulator = open_loop_simulator(here, EFFECTS, [here], width=1, engine=engine)
     return simulator.replay(stack([encode(here, EFFECTS, changes)]), [stretch], np.zeros(1, int)).qpos[0]
 
 
@@ -81,9 +81,9 @@ def test_what_mjx_would_pass_over_is_told() -> None:
         "springs that yield": XML.replace('name="b"', 'name="b" springyield="0.1"'),
     }
     for words, xml in models.items():
-        [left_out] = within_mjx(Robot.from_string(xml)).left_out
+        [left_out] = reduced_to_mjx(Robot.from_string(xml)).left_out
         assert left_out.startswith(words)
-    assert within_mjx(robot("Euler")).left_out == ()
+    assert reduced_to_mjx(robot("Euler")).left_out == ()
 
 
 def test_lanes_leave_curved_dampers_of_floating_bodies_to_mjx() -> None:

@@ -17,7 +17,7 @@ from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines import choice
 from estexp_jax.physics.engines.agreement import Agreement
-from estexp_jax.physics.engines.choice import chosen
+from estexp_jax.physics.engines.choice import choose_engine
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.model.robot import Robot
 from tests.lanes.lanes_twin import exact, stepped, visited
@@ -164,31 +164,31 @@ def test_a_lone_free_body_is_refused_where_c_takes_its_gyroscopic_forces_implici
 
 def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> None:
     on_mjx = mjx_model(Robot.from_string(BALL, "ball.xml"), ())
-    taken = chosen("auto", on_mjx)
+    taken = choose_engine("auto", on_mjx)
     assert taken.engine == "mjx" and taken.reason == "ball joint 'neck' is not supported by the lanes engine"
     with pytest.raises(
         InputError, match="ball.xml: ball joint 'neck' is not supported by the lanes engine; use --engine"
     ):
-        chosen("lanes", on_mjx)
+        choose_engine("lanes", on_mjx)
     with pytest.raises(InputError, match="auto, lanes, mjx"):
-        chosen("warp", on_mjx)
+        choose_engine("warp", on_mjx)
 
 
 def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = Agreement(states=32, physics_steps=2, median=0.2, high=0.4, largest=0.6)
     monkeypatch.setattr(choice, "agreement_of", lambda *_: wrong)
     short: Any = {"rows": 5, "control_step": 0.01}
-    instead = choice.walker(robot("cartpole"), catalogue(["body_mass"]), **short)
+    instead = choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short)
     assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
-        choice.walker(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
+        choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
 
 
 def test_replays_in_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = Agreement(states=32, physics_steps=1, median=0.2, high=0.4, largest=0.6)
     monkeypatch.setattr(choice, "replay_agreement", lambda *_: wrong)
     one, effects = robot("cartpole"), catalogue(["body_mass"])
-    instead = choice.replayer(one, effects, [one])
+    instead = choice.open_loop_simulator(one, effects, [one])
     assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
-        choice.replayer(one, effects, [one], engine="lanes")
+        choice.open_loop_simulator(one, effects, [one], engine="lanes")

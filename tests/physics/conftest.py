@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 from mujoco import mjx
 
-from estexp_jax.lanes.compilation import compiled
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.states import packed, unpacked
+from estexp_jax.lanes.compilation import compile_lowered
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.states import from_lanes, to_lanes
 from estexp_jax.lanes.step import Stepper
 from estexp_jax.physics.effects.changes import Values, neutral
 from estexp_jax.physics.effects.registry import ALL, PAPER, catalogue
 from estexp_jax.physics.engines.batching import in_chunks
-from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.closed_loop import Walker
+from estexp_jax.physics.engines.choice import closed_loop_simulator
+from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.lanes.model import lanes_model, lanes_refusal
-from estexp_jax.physics.engines.lanes.terms import Acting
+from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
-from estexp_jax.physics.engines.mjx.terms import Now
+from estexp_jax.physics.engines.mjx.terms import MjxStepStart
 from tests.physics.reference import TRAJECTORY, States
 from tests.physics.robots import robot
 
@@ -54,8 +54,8 @@ def _run_one(self: Lab, values: Values, qpos, qvel, ctrl, warmstart) -> dict[str
     model = on.edited(on.model, values)
     enable = jnp.ones(on.robot.model.nu)
 
-    def now(data: Any) -> Now:
-        return Now(data.qpos, data.qvel, ctrl, enable, model.opt.timestep)
+    def now(data: Any) -> MjxStepStart:
+        return MjxStepStart(data.qpos, data.qvel, ctrl, enable, model.opt.timestep)
 
     def step(k, carry):  # noqa: ANN001, ANN202
         data, hidden, first = carry
@@ -94,7 +94,7 @@ class LanesLab(Lab):
 
         def prepared(values: Values, qpos: Any, qvel: Any, ctrl: Any) -> Any:
             edited = on.edited(on.model, values)
-            now = Now(qpos, qvel, ctrl, jnp.ones(model.nu), model.opt.timestep)
+            now = MjxStepStart(qpos, qvel, ctrl, jnp.ones(model.nu), model.opt.timestep)
             constants = {k: getattr(edited, k) for k in CONSTANTS}
             return lanes.fields(on.model, values), values, on.rested(edited, values, now), constants
 
@@ -106,24 +106,24 @@ class LanesLab(Lab):
         step = jax.jit(partial(_lanes_run, self, lanes.plan)).lower(
             first.out_info, *(np.zeros((*s, WIDTH), np.float32) for s in shapes)
         )
-        return (first.compile(), *compiled(step, WIDTH))
+        return (first.compile(), *compile_lowered(step, WIDTH))
 
 
-def _lanes_run(self: LanesLab, plan: Plan, prepared: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
+def _lanes_run(self: LanesLab, plan: Layout, prepared: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
     fields, values, hidden, constants = prepared
-    numbers, dt = Numbers(plan.model, fields, np.float32), float(plan.model.opt.timestep)
+    numbers, dt = ModelParameters(plan.model, fields, np.float32), float(plan.model.opt.timestep)
     stepper = Stepper(plan, numbers, 1e-9)
-    acting = Acting(self.on_mjx.robot, self.on_mjx.catalogue, plan, numbers, values)
+    acting = ActiveEffects(self.on_mjx.robot, self.on_mjx.catalogue, plan, numbers, values)
 
     def step(k: Any, carry: Any) -> Any:
         state, hidden, first = carry
         drive, added, hidden = acting.act(state, ctrl, jnp.ones_like(ctrl), dt, hidden)
         state, _ = stepper.step(state, drive, dt, added)
-        return state, hidden, jnp.where(k == 0, unpacked(plan, state)[1], first)
+        return state, hidden, jnp.where(k == 0, from_lanes(plan, state)[1], first)
 
-    carry = (packed(plan, qpos, qvel, warmstart), hidden, qvel)
+    carry = (to_lanes(plan, qpos, qvel, warmstart), hidden, qvel)
     state, _, first = jax.lax.fori_loop(0, TRAJECTORY, step, carry)
-    return {"next_qvel": first, "final_qpos": unpacked(plan, state)[0]} | constants
+    return {"next_qvel": first, "final_qpos": from_lanes(plan, state)[0]} | constants
 
 
 @pytest.fixture(scope="session", params=["mjx", "lanes"])
@@ -147,7 +147,7 @@ WALKER_ROWS = 60
 
 
 @pytest.fixture(scope="session", params=["mjx", "lanes"])
-def walkers(request: pytest.FixtureRequest) -> Walker:
+def walkers(request: pytest.FixtureRequest) -> ClosedLoopSimulator:
     """The quadruped in closed loop with all that the paper breaks, in each engine."""
     effects = catalogue([*PAPER, "neuron_fault", "tied_outputs"])
-    return walker(robot("quadruped"), effects, rows=WALKER_ROWS, control_step=0.01, engine=request.param)
+    return closed_loop_simulator(robot("quadruped"), effects, rows=WALKER_ROWS, control_step=0.01, engine=request.param)

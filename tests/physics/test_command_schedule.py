@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from estexp_jax.physics.command_schedule import CommandHistory, command_before, schedule
+from estexp_jax.physics.command_schedule import CommandHistory, command_before, physics_steps
 
 UNEVEN = np.cumsum(np.random.default_rng(51).uniform(1e-4, 0.03, 120))
 
 
 @pytest.mark.parametrize("timestep", [0.001, 0.004, 0.1])
 def test_steps_end_on_every_row_and_are_no_longer_than_asked(timestep):
-    found = schedule(UNEVEN, timestep)
+    found = physics_steps(UNEVEN, timestep)
     assert found.length.max() <= timestep * (1.0 + 2e-6)
     assert found.n_steps == len(found.length) == len(found.row)
     assert found.start[found.sample[:-1]] == pytest.approx(UNEVEN[:-1], abs=1e-15)
@@ -21,13 +21,13 @@ def test_steps_end_on_every_row_and_are_no_longer_than_asked(timestep):
 
 
 def test_the_steps_between_two_rows_are_equal():
-    found = schedule(np.array([0.0, 0.01, 0.013]), 0.004)
+    found = physics_steps(np.array([0.0, 0.01, 0.013]), 0.004)
     assert found.length == pytest.approx([0.01 / 3] * 3 + [0.003])
 
 
 def test_whole_steps_stay_whole_in_spite_of_rounding():
     time = 1.7e5 + np.arange(400) * 0.01  # a clock that counts from long ago: 0.01 s is not exact
-    assert set(np.diff(schedule(time, 0.0025).sample)) == {4}
+    assert set(np.diff(physics_steps(time, 0.0025).sample)) == {4}
 
 
 def held(time, ctrl, when):
@@ -37,7 +37,7 @@ def held(time, ctrl, when):
 
 def test_without_delay_each_step_has_its_rows_command():
     ctrl = np.random.default_rng(52).standard_normal((120, 2))
-    steps = schedule(UNEVEN, 0.004)
+    steps = physics_steps(UNEVEN, 0.004)
     found = CommandHistory(UNEVEN, ctrl).mean(steps.start, steps.length, np.zeros(2))
     assert np.array_equal(found, ctrl[steps.row])
 
@@ -45,7 +45,7 @@ def test_without_delay_each_step_has_its_rows_command():
 @pytest.mark.parametrize("delay", [0.0013, 0.02, 0.5, 99.0])
 def test_a_late_command_is_the_mean_of_what_was_in_force_then(delay):
     ctrl = np.random.default_rng(53).standard_normal((120, 2))
-    steps = schedule(UNEVEN, 0.01)
+    steps = physics_steps(UNEVEN, 0.01)
     found = CommandHistory(UNEVEN, ctrl).mean(steps.start, steps.length, np.array([0.0, delay]))
     assert np.array_equal(found[:, 0], ctrl[steps.row, 0])
     for begin, length, value in list(zip(steps.start, steps.length, found[:, 1], strict=True))[::7]:
@@ -73,6 +73,6 @@ def test_what_nobody_logged_came_as_smoothly_as_what_follows_if_the_robot_moves(
 
 def test_the_mean_is_continuous_in_the_delay():
     ctrl = np.random.default_rng(54).standard_normal((120, 1))
-    steps, history = schedule(UNEVEN, 0.01), CommandHistory(UNEVEN, ctrl)
+    steps, history = physics_steps(UNEVEN, 0.01), CommandHistory(UNEVEN, ctrl)
     a, b = (history.mean(steps.start, steps.length, np.array([d])) for d in (0.02, 0.02 + 1e-7))
     assert np.abs(a - b).max() < 1e-2

@@ -5,7 +5,7 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recordings.bind import bind, column_names, read_recording
+from estexp_jax.recordings.bind import bind_columns, column_names, read_recording
 from estexp_jax.recordings.columns import Source
 from estexp_jax.recordings.table import Table
 
@@ -36,7 +36,7 @@ def test_columns_find_their_elements(pendulum):
             "temperature": [20.0, 20.0, 20.0],
         }
     )
-    recording = bind(pendulum, table, role="test", settings={"joint.hinge.damping": 0.2})
+    recording = bind_columns(pendulum, table, role="test", settings={"joint.hinge.damping": 0.2})
     np.testing.assert_array_equal(recording.ctrl, [[1.0, 0.0], [2.0, 0.0], [3.0, 0.0]])
     np.testing.assert_array_equal(recording.enable, np.ones((3, 2)))
     expected = [[0.1, 7.0, NAN, NAN, 4.0], [0.2, NAN, NAN, NAN, 5.0], [0.3, 9.0, NAN, NAN, 6.0]]
@@ -60,14 +60,14 @@ def test_free_and_ball_joints_have_several_columns():
         "qpos.h",
     ]
     columns = {"time": np.array([0.0, 1.0]), "qpos.ball.3": np.array([1.0, 2.0]), "qvel.h": np.array([3.0, 4.0])}
-    recording = bind(robot, Table("a.csv", columns))
+    recording = bind_columns(robot, Table("a.csv", columns))
     assert np.flatnonzero(np.isfinite(recording.qpos[0])).tolist() == [10]
     assert np.flatnonzero(np.isfinite(recording.qvel[0])).tolist() == [9]
 
 
 def test_empty_commands_and_switches_hold_the_last(pendulum):
     table = _table(**{"ctrl.servo.1": [1.0, NAN, 3.0], "enable.servo.1": [NAN, 0.0, NAN]})
-    recording = bind(pendulum, table)
+    recording = bind_columns(pendulum, table)
     np.testing.assert_array_equal(recording.ctrl[:, 0], [1.0, 1.0, 3.0])
     np.testing.assert_array_equal(recording.enable, [[1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
 
@@ -98,13 +98,13 @@ def test_empty_commands_and_switches_hold_the_last(pendulum):
 )
 def test_wrong_logs_name_the_place(pendulum, changes, message):
     with pytest.raises(InputError, match=message):
-        bind(pendulum, _table(**changes))
+        bind_columns(pendulum, _table(**changes))
 
 
 def test_one_row_is_no_recording(pendulum):
     columns = {"time": [0.0], "ctrl.servo.1": [0.0], "ctrl.actuator_1": [0.0], "sensor.angle": [0.0]}
     with pytest.raises(InputError, match="has 1 rows"):
-        bind(pendulum, Table("log.csv", {name: np.array(v) for name, v in columns.items()}))
+        bind_columns(pendulum, Table("log.csv", {name: np.array(v) for name, v in columns.items()}))
 
 
 def test_mapping_renames_scales_and_fills(pendulum):
@@ -114,7 +114,7 @@ def test_mapping_renames_scales_and_fills(pendulum):
         "ctrl.actuator_1": Source(value=0.5),
         "sensor.angle": Source("deg", scale=np.pi / 180, offset=1.0),
     }
-    recording = bind(pendulum, table, mapping=mapping)
+    recording = bind_columns(pendulum, table, mapping=mapping)
     np.testing.assert_allclose(recording.time, [0.0, 1.0, 2.0])
     np.testing.assert_array_equal(recording.ctrl, [[1.0, 0.5], [2.0, 0.5], [3.0, 0.5]])
     np.testing.assert_allclose(recording.sensor[:, 0], [1.0, 1.0 + np.pi / 2, NAN])
@@ -124,16 +124,16 @@ def test_mapping_renames_scales_and_fills(pendulum):
 def test_mapped_columns_are_named_as_in_the_log(pendulum):
     mapping = {"time": Source("stamp")}
     with pytest.raises(InputError, match=r"log\.csv, row 5, column 'stamp': time runs backwards"):
-        bind(pendulum, _table(stamp=[0.0, 2.0, 1.0]), mapping=mapping)
+        bind_columns(pendulum, _table(stamp=[0.0, 2.0, 1.0]), mapping=mapping)
     with pytest.raises(InputError, match=r"log\.csv: no column 'stamp'; known are: time"):
-        bind(pendulum, _table(), mapping=mapping)
+        bind_columns(pendulum, _table(), mapping=mapping)
     with pytest.raises(InputError, match=r"mapping: 'ctrl\.knee' names nothing"):
-        bind(pendulum, _table(), mapping={"ctrl.knee": Source("time")})
+        bind_columns(pendulum, _table(), mapping={"ctrl.knee": Source("time")})
 
 
 def test_a_column_with_our_prefix_may_serve_as_a_source(pendulum):
     table = _table(**{"sensor.angle": None, "sensor.raw": [1.0, 2.0, 3.0]})
-    recording = bind(pendulum, table, mapping={"sensor.angle": Source("sensor.raw", scale=2.0)})
+    recording = bind_columns(pendulum, table, mapping={"sensor.angle": Source("sensor.raw", scale=2.0)})
     np.testing.assert_array_equal(recording.sensor[:, 0], [2.0, 4.0, 6.0])
 
 

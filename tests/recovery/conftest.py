@@ -6,7 +6,7 @@ from estexp_jax.package_data import model_path
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import Job, planted_changes
-from estexp_jax.recovery.simulator import Simulator, simulator
+from estexp_jax.recovery.simulator import DamageSimulator, damage_simulator
 from estexp_jax.recovery.target import SameTarget
 from estexp_jax.runs import enable_compilation_cache
 
@@ -24,12 +24,12 @@ def settings() -> Settings:
 
 
 @pytest.fixture(scope="session")
-def world(quadruped: Robot) -> Simulator:
+def world(quadruped: Robot) -> DamageSimulator:
     enable_compilation_cache()
-    return simulator(quadruped, SETTINGS)
+    return damage_simulator(quadruped, SETTINGS)
 
 
 @pytest.fixture(scope="session")
-def job(quadruped: Robot, world: Simulator) -> Job:
+def job(quadruped: Robot, world: DamageSimulator) -> Job:
     planted = planted_changes(quadruped, SETTINGS)
     return Job(SETTINGS, world, planted, SameTarget(world, planted), SameTarget(world, ()))

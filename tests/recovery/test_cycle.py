@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.engines.closed_loop import Heard
+from estexp_jax.physics.engines.closed_loop import ReadingOverride
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.config import Settings, quick
-from estexp_jax.recovery.control.trial import Controller, Trial, distances
-from estexp_jax.recovery.cycle import Job, job_of, run
-from estexp_jax.recovery.exploration.explore import exploration_score, judged, jury
-from estexp_jax.recovery.model_error import ensemble, noise
+from estexp_jax.recovery.config import Settings, quick_settings
+from estexp_jax.recovery.control.trial import Controller, Trial, distances_along
+from estexp_jax.recovery.cycle import Job, job_of, run_cycle
+from estexp_jax.recovery.exploration.explore import exploration_score, rank_controllers, validation_ensemble
+from estexp_jax.recovery.model_error import perturbed_robots, sensor_noise
 from estexp_jax.recovery.state import RunState
 from estexp_jax.search.genetic import Population
 
@@ -33,7 +33,7 @@ def variant(request: pytest.FixtureRequest, job: Job) -> Job:
 
 @pytest.fixture(scope="module")
 def states(variant: Job) -> list[RunState]:
-    return list(run(variant))
+    return list(run_cycle(variant))
 
 
 def test_phases_follow_the_paper(variant: Job, states: list[RunState]) -> None:
@@ -56,7 +56,7 @@ def test_every_generation_is_in_the_history(variant: Job, states: list[RunState]
 @pytest.mark.parametrize("share", [0.0, 0.2, 0.5, 0.7, 0.9])
 def test_going_on_from_any_state_gives_the_same_bits(variant: Job, states: list[RunState], share: float) -> None:
     kept = RunState.from_tree(states[int(share * len(states))].to_tree())
-    assert equal(list(run(variant, kept))[-1].to_tree(), states[-1].to_tree())
+    assert equal(list(run_cycle(variant, kept))[-1].to_tree(), states[-1].to_tree())
 
 
 def test_controllers_start_from_the_robot_as_diagnosed(variant: Job, states: list[RunState]) -> None:
@@ -69,12 +69,15 @@ def test_controllers_start_from_the_robot_as_diagnosed(variant: Job, states: lis
 def test_a_rough_simulator_is_several_with_noise_in_exploration(job: Job) -> None:
     rough, lost, world = replace(job.settings, model_error=0.05), job.planted, job.simulator
     weights = np.random.default_rng(3).uniform(-1.0, 1.0, (2, world.n_weights))
-    robots, told = ensemble(world.robot, 0.05, rough.members), noise(world.walker.interface, rough.members, rough.steps)
+    robots, told = (
+        perturbed_robots(world.robot, 0.05, rough.members),
+        sensor_noise(world.walker.interface, rough.members, rough.steps),
+    )
     walks = []
     for i, robot in enumerate(robots):
-        one = Heard(told.factor[i, None, None], told.added[i, None, None])
+        one = ReadingOverride(told.factor[i, None, None], told.added[i, None, None])
         walk = world.walks([(*lost, *robot)], world.settled([(*lost, *robot)]), weights[1:], rough.steps, one)
-        walks.append(distances(walk.position, "x")[0, 0])
+        walks.append(distances_along(walk.position, "x")[0, 0])
     assert exploration_score(world, rough, lost)(weights)[1] == pytest.approx(-np.mean(walks), abs=1e-6)
     assert rough.members == 4 and len(set(walks)) == 4
     assert replace(rough, paper=True).members == 1 == job.settings.members == replace(rough, ensemble=1).members
@@ -87,28 +90,30 @@ def test_simulators_that_the_search_did_not_see_choose_among_its_last_and_what_w
     order = np.argsort(first)
     population = Population(weights[order], first[order], 3, 0)
     tried = [np.full(world.n_weights, 0.1), np.full(world.n_weights, 0.2)]
-    genomes, scores = judged(world, rough, lost, population, tried, last=True)
+    genomes, scores = rank_controllers(world, rough, lost, population, tried, last=True)
     candidates = [*population.genomes[:2], tried[1]]
-    assert jury(rough) == 8 and len({w.tobytes() for w in genomes} & {w.tobytes() for w in candidates}) == 3
+    assert (
+        validation_ensemble(rough) == 8 and len({w.tobytes() for w in genomes} & {w.tobytes() for w in candidates}) == 3
+    )
     again = [exploration_score(world, rough, lost, draw)(np.array(candidates)) for draw in range(1, 9)]
     np.testing.assert_allclose(scores, np.sort(np.mean(again, axis=0)), atol=1e-6)
     assert np.all(np.ptp(again, axis=0)[:2] > 0.0) and not np.any(np.isclose(scores, first[order][0], atol=1e-9))
-    before, _ = judged(world, rough, lost, population, [population.genomes[0], *tried], last=False)
+    before, _ = rank_controllers(world, rough, lost, population, [population.genomes[0], *tried], last=False)
     assert {w.tobytes() for w in before} == {w.tobytes() for w in population.genomes[1:4]}, "new ones only"
-    exact, _ = judged(world, job.settings, lost, population, tried, last=True)
-    assert exact is population.genomes and jury(job.settings) == 0
+    exact, _ = rank_controllers(world, job.settings, lost, population, tried, last=True)
+    assert exact is population.genomes and validation_ensemble(job.settings) == 0
 
 
 def test_noise_is_in_angles_and_turns_touch_round(job: Job) -> None:
     face = job.simulator.walker.interface
-    told = noise(face, 3, 400)
+    told = sensor_noise(face, 3, 400)
     assert np.std(told.added[..., ~face.is_touch]) == pytest.approx(0.005, rel=0.05)
     assert not np.any(told.added[..., face.is_touch]) and np.all(told.factor[..., ~face.is_touch] == 1.0)
     assert np.mean(told.factor[..., face.is_touch] == -1.0) == pytest.approx(0.02, abs=0.006)
 
 
 def test_an_exact_diagnosis_foretells_the_trial(job: Job) -> None:
-    last = list(run(job))[-1]
+    last = list(run_cycle(job))[-1]
     assert last.diagnoses[-1] == job.planted
     assert last.passes("x")[-1].hardware == last.simulated[-1]
 
@@ -124,7 +129,7 @@ def test_any_callable_is_a_target(job: Job) -> None:
         return Trial(np.arange(rows) * 0.01, np.zeros((rows, 8)), np.zeros((rows, 8)), np.zeros((rows, 3)))
 
     settings = replace(job.settings, paper=True)
-    last = list(run(replace(job, settings=settings, target=still, healthy=None, planted=())))[-1]
+    last = list(run_cycle(replace(job, settings=settings, target=still, healthy=None, planted=())))[-1]
     assert calls == [30, 30, 30]
     assert [trial.distance("x") for trial in last.trials] == [0.0] * 3
     assert last.before is not None and last.before.distance("x") == last.simulated[0]
@@ -143,17 +148,17 @@ def test_impossible_settings_are_the_users_errors() -> None:
     for wrong in wrongs:
         with pytest.raises(InputError, match=f"--{next(iter(wrong)).replace('_', '-')}"):
             Settings(**wrong)
-    assert quick(Settings(seed=5)).seed == 5
+    assert quick_settings(Settings(seed=5)).seed == 5
 
 
 @pytest.mark.slow
 def test_the_whole_loop_on_a_robot_that_is_not_its_simulator(job: Job, quadruped: Robot) -> None:
     settings = replace(job.settings, robot="foreign", passes=1)
     foreign = job_of(quadruped, settings, world=job.simulator)
-    states = list(run(foreign))
+    states = list(run_cycle(foreign))
     last = states[-1]
     assert last.phase == "done" and last.alarms == (False,)
     assert sum(p for _, p in last.rivals[0]) + (last.probabilities[0] or 0.0) <= 1.0 + 1e-9
     estimating = [state for state in states if state.phase == "estimation" and state.search is not None]
     kept = RunState.from_tree(estimating[len(estimating) // 2].to_tree())
-    assert equal(list(run(foreign, kept))[-1].to_tree(), last.to_tree())
+    assert equal(list(run_cycle(foreign, kept))[-1].to_tree(), last.to_tree())

@@ -1,4 +1,4 @@
-"""What `Simulator.rollout` simulates: contacts that occur in a motion, and no others."""
+"""What `ExplainedSimulator.rollout` simulates: contacts that occur in a motion, and no others."""
 
 from unittest.mock import patch
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.api import simulator as module
-from estexp_jax.api.simulator import Simulator
+from estexp_jax.api.simulator import ExplainedSimulator
 from estexp_jax.physics.model.robot import Robot
 
 LEGS = Robot.from_string(
@@ -39,7 +39,7 @@ def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: lis
 
     commands = np.tile([-torque, torque], (100, 1))
     with patch.object(module, "replayer", noting):
-        traces = Simulator(LEGS, ()).rollout(commands, period=0.01)
+        traces = ExplainedSimulator(LEGS, ()).rollout(commands, period=0.01)
     assert used == engines
     feet = [x + 0.5 * -np.sin(traces.qpos[:, i]) for i, x in enumerate((0.0, 0.3))]
     gap = feet[1] - feet[0] - 0.1

@@ -7,8 +7,8 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Predi
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.experiment_design.predictive_simulation import Shown
-from estexp_jax.experiment_design.propose import ProposeConfig, Proposed
+from estexp_jax.experiment_design.predictive_simulation import PredictedReadings
+from estexp_jax.experiment_design.propose import ProposeConfig, ProposedExperiment
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
@@ -133,7 +133,7 @@ def recovered() -> RunState:
     )
 
 
-def proposal(apart: tuple[float, float, float] = (9.0, 0.2, 12.0)) -> Proposed:
+def proposal(apart: tuple[float, float, float] = (9.0, 0.2, 12.0)) -> ProposedExperiment:
     """Three rivals; `apart`: separations of 1 and 2, 1 and 3, 2 and 3."""
     robot = Robot.from_string(ARM.format(LONG), "folder/arms <1>.xml")
     time = np.arange(200) / 100.0
@@ -147,6 +147,8 @@ def proposal(apart: tuple[float, float, float] = (9.0, 0.2, 12.0)) -> Proposed:
     contest = Contest(tuple(rivals), names, one, 100.0, np.array([[-1.0, 1.0]]), one, logs)
     between = np.zeros((3, 3))
     between[np.triu_indices(3, 1)] = apart
-    shown, commands = Shown(readings, between, 0.05), np.cos(3.0 * time)[:, None]
+    shown, commands = PredictedReadings(readings, between, 0.05), np.cos(3.0 * time)[:, None]
     config = ProposeConfig(duration=2.0)
-    return Proposed(robot, contest, config, time, commands, shown, between / 3.0, 120_000, ("lanes", "it can"))
+    return ProposedExperiment(
+        robot, contest, config, time, commands, shown, between / 3.0, 120_000, ("lanes", "it can")
+    )

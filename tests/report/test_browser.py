@@ -24,9 +24,11 @@ FLAGS += ("--disable-background-networking", "--disable-component-update", "--hi
 SMALLEST_TEXT_PX = 12.0
 
 PAGES = {
-    "explain": lambda: explain_page.page(diagnosis(), diagnosis().findings),
-    "recover": lambda: recover_page.page("<b>run</b>", [LOST, WEAK], recovered(), "x", {"seed": 0, "model": "a.xml"}),
-    "propose": lambda: propose_page.page(proposal()),
+    "explain": lambda: explain_page.explain_page(diagnosis(), diagnosis().findings),
+    "recover": lambda: recover_page.recover_page(
+        "<b>run</b>", [LOST, WEAK], recovered(), "x", {"seed": 0, "model": "a.xml"}
+    ),
+    "propose": lambda: propose_page.propose_page(proposal()),
 }
 
 
@@ -156,7 +158,7 @@ def test_paper_has_all_of_it_and_no_buttons(browser, files, name):
 def test_what_names_bring_in_never_runs(browser, tmp_path):
     """Even markup that got past the escaping would be refused, as the page allows its own script only."""
     hostile = "<script>window.ran = 1</script><img src=x onerror='window.ran = 2'><iframe src='https://x.invalid'>"
-    (tmp_path / "hostile.html").write_text(recover_page.page(hostile, [], recovered(), "x", {hostile: hostile}))
+    (tmp_path / "hostile.html").write_text(recover_page.recover_page(hostile, [], recovered(), "x", {hostile: hostile}))
     open_at(browser, tmp_path / "hostile.html", 1280)
     assert browser.get_log("browser") == []
     assert browser.execute_script("return [window.ran === undefined, document.querySelectorAll('iframe').length]") == [

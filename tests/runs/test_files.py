@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.runs import write_json
-from estexp_jax.runs.files import plain, replacing
+from estexp_jax.runs.files import json_plain, replacing
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def test_what_has_no_json_form_is_told_with_its_place(tmp_path):
     with pytest.raises(TypeError, match=r"value\.a\[1\] is a set"):
         write_json(tmp_path / "a.json", {"a": [1, {2}]})
     with pytest.raises(TypeError, match="keys are texts"):
-        plain({(1, 2): 3})
+        json_plain({(1, 2): 3})
     assert list(tmp_path.iterdir()) == []
 
 

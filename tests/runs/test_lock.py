@@ -10,7 +10,7 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.runs import open_run
-from estexp_jax.runs.lock import LOCK, hold
+from estexp_jax.runs.lock import LOCK, lock_folder
 
 OTHER = """
 import sys, time
@@ -51,11 +51,11 @@ def test_a_patient_one_gets_it_after_the_first(other, tmp_path):
 
 
 def test_one_process_may_ask_twice(tmp_path):
-    first = hold(tmp_path)
-    assert hold(tmp_path) is first
+    first = lock_folder(tmp_path)
+    assert lock_folder(tmp_path) is first
 
 
 def test_a_lock_in_a_folder_that_was_removed_counts_no_more(tmp_path):
-    first = hold(tmp_path)
+    first = lock_folder(tmp_path)
     (tmp_path / LOCK).unlink()
-    assert hold(tmp_path) is not first
+    assert lock_folder(tmp_path) is not first

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from estexp_jax.runs import Progress
+from estexp_jax.runs import ProgressDisplay
 from estexp_jax.runs.progress import duration
 
 
@@ -28,7 +28,7 @@ def streams():
 
 def test_plain_lines_come_at_once_and_then_every_period(streams):
     clock = Clock()
-    with Progress(**streams, clock=clock) as progress:
+    with ProgressDisplay(**streams, clock=clock) as progress:
         progress.stage("exploration 1/5", total=40)
         for _ in range(31):
             clock.now += 1.0
@@ -48,7 +48,7 @@ def test_plain_lines_come_at_once_and_then_every_period(streams):
 
 def test_a_stage_may_fall_back(streams):
     clock = Clock()
-    with Progress(**streams, clock=clock) as progress:
+    with ProgressDisplay(**streams, clock=clock) as progress:
         progress.stage("runs", total=4)
         for done in (2.5, 1.5, 4):
             clock.now += 10.0
@@ -62,7 +62,7 @@ def test_a_stage_may_fall_back(streams):
 
 
 def test_a_log_shows_life_where_nothing_is_reported(streams):
-    with Progress(**streams, period=0.02) as progress:
+    with ProgressDisplay(**streams, period=0.02) as progress:
         progress.stage("compiling")
         deadline = time.monotonic() + 5.0
         while streams["err"].getvalue().count("compiling") < 3 and time.monotonic() < deadline:
@@ -74,14 +74,14 @@ def test_a_log_shows_life_where_nothing_is_reported(streams):
 
 
 def test_the_story_is_always_told_on_standard_output(capsys):
-    with Progress() as progress:
+    with ProgressDisplay() as progress:
         progress.say("walks [3.2] m")
     assert capsys.readouterr().out == "walks [3.2] m\n"
 
 
 def test_a_terminal_gets_a_live_line():
     out, err = Terminal(), io.StringIO()
-    with Progress(out=out, err=err) as progress:
+    with ProgressDisplay(out=out, err=err) as progress:
         progress.stage("exploration 1/5", total=4)
         progress.say("walks [3.2] m")
         progress.stage("estimation [1/4]", total=4)
@@ -94,7 +94,7 @@ def test_a_terminal_gets_a_live_line():
 
 def test_the_story_stays_clean_where_only_the_errors_go_to_a_terminal():
     out, err = io.StringIO(), Terminal()
-    with Progress(out=out, err=err) as progress:
+    with ProgressDisplay(out=out, err=err) as progress:
         progress.stage("exploration", total=4)
         progress.say("walks")
     assert out.getvalue() == "walks\n"
@@ -102,13 +102,13 @@ def test_the_story_stays_clean_where_only_the_errors_go_to_a_terminal():
 
 
 def test_a_step_needs_a_stage(streams):
-    with Progress(**streams) as progress, pytest.raises(RuntimeError, match="no stage"):
+    with ProgressDisplay(**streams) as progress, pytest.raises(RuntimeError, match="no stage"):
         progress.advance()
 
 
 def test_the_end_of_a_run_ends_the_display():
     out = Terminal()
-    with pytest.raises(KeyboardInterrupt), Progress(out=out, err=io.StringIO()) as progress:
+    with pytest.raises(KeyboardInterrupt), ProgressDisplay(out=out, err=io.StringIO()) as progress:
         progress.stage("exploration", total=4)
         raise KeyboardInterrupt
     assert "\x1b[?25h" in out.getvalue()  # the cursor is back

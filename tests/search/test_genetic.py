@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.search.driver import evolve
-from estexp_jax.search.genetic import Genetic, Population, ask, begin, tell
+from estexp_jax.search.genetic import Genetic, Population, ask_genetic, begin_genetic, tell_genetic
 
 GENETIC = Genetic(length=12, population=40, seed=3, tags=(1, 2))
 
@@ -63,9 +63,9 @@ def test_going_on_from_any_generation_gives_the_same_bits(stop: int) -> None:
 
 
 def test_other_seeds_and_tags_give_other_populations() -> None:
-    first = ask(GENETIC, begin(GENETIC))
-    assert not np.array_equal(first, ask(Genetic(12, 40, 4, (1, 2)), begin(GENETIC)))
-    assert not np.array_equal(first, ask(Genetic(12, 40, 3, (1, 3)), begin(GENETIC)))
+    first = ask_genetic(GENETIC, begin_genetic(GENETIC))
+    assert not np.array_equal(first, ask_genetic(Genetic(12, 40, 4, (1, 2)), begin_genetic(GENETIC)))
+    assert not np.array_equal(first, ask_genetic(Genetic(12, 40, 3, (1, 3)), begin_genetic(GENETIC)))
 
 
 def test_seeds_take_the_first_places() -> None:
@@ -75,33 +75,33 @@ def test_seeds_take_the_first_places() -> None:
 
 
 def test_what_blew_up_is_worst_and_never_best() -> None:
-    genomes = ask(GENETIC, begin(GENETIC))
+    genomes = ask_genetic(GENETIC, begin_genetic(GENETIC))
     scores = np.full(40, np.nan)
-    assert np.all(tell(GENETIC, begin(GENETIC), genomes, scores).scores == np.inf)
+    assert np.all(tell_genetic(GENETIC, begin_genetic(GENETIC), genomes, scores).scores == np.inf)
     scores[7] = 5.0
-    told = tell(GENETIC, begin(GENETIC), genomes, scores)
+    told = tell_genetic(GENETIC, begin_genetic(GENETIC), genomes, scores)
     assert told.scores[0] == 5.0 and np.array_equal(told.genomes[0], genomes[7])
 
 
 def test_dominants_are_new_genomes_better_than_all_before() -> None:
     state = next(evolve(GENETIC, sphere, 1))
-    children = ask(GENETIC, state)
+    children = ask_genetic(GENETIC, state)
     scores = np.full(20, state.scores[0])
     scores[:3] -= [0.1, 0.2, 0.3]
-    assert tell(GENETIC, state, children, scores).dominants == 3
+    assert tell_genetic(GENETIC, state, children, scores).dominants == 3
 
 
 def test_without_mutation_and_crossover_children_are_copies_of_survivors() -> None:
     genetic = Genetic(12, 40, 3, mutation=0.0, crossover=0.0)
     state = next(evolve(genetic, sphere, 1))
     survivors = {genome.tobytes() for genome in state.genomes[:20]}
-    assert {child.tobytes() for child in ask(genetic, state)} <= survivors
+    assert {child.tobytes() for child in ask_genetic(genetic, state)} <= survivors
 
 
 def test_crossover_mixes_values_but_makes_none() -> None:
     genetic = Genetic(12, 40, 3, mutation=0.0)
     state = next(evolve(genetic, sphere, 1))
-    survivors, children = state.genomes[:20], ask(genetic, state)
+    survivors, children = state.genomes[:20], ask_genetic(genetic, state)
     assert all(np.isin(children[:, i], survivors[:, i]).all() for i in range(12))
     assert not {child.tobytes() for child in children} <= {genome.tobytes() for genome in survivors}
 
@@ -109,7 +109,7 @@ def test_crossover_mixes_values_but_makes_none() -> None:
 def test_mutation_draws_one_value_in_a_hundred_anew() -> None:
     genetic = Genetic(2000, 40, 3, crossover=0.0)
     state = next(evolve(genetic, sphere, 1))
-    differing = [np.min(np.sum(child != state.genomes[:20], axis=1)) for child in ask(genetic, state)]
+    differing = [np.min(np.sum(child != state.genomes[:20], axis=1)) for child in ask_genetic(genetic, state)]
     assert 0.008 < np.mean(differing) / 2000 < 0.012
 
 

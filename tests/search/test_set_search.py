@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from estexp_jax.search.set_moves import Items, Option
-from estexp_jax.search.set_search import SetSearch, State, ask, begin, done, probabilities, tell
+from estexp_jax.search.set_search import (
+    SetSearch,
+    SetSearchState,
+    ask_set_search,
+    begin_set_search,
+    done,
+    set_probabilities,
+    tell_set_search,
+)
 
 OPTIONS = (Option(1.0, 1.0, (1.0,)), *(Option(0.0, 1.0, (0.2, 0.4, 0.7, 1.0)) for _ in range(5)))
 SEARCH = SetSearch(OPTIONS)
@@ -20,12 +28,12 @@ def world(truth: dict[int, float], error: float = 0.0) -> Callable[[Items], floa
 
 
 def search(
-    residual: Callable[[Items], float], state: State | None = None, seeds: tuple[Items, ...] = ()
-) -> list[State]:
-    states = [begin() if state is None else state]
+    residual: Callable[[Items], float], state: SetSearchState | None = None, seeds: tuple[Items, ...] = ()
+) -> list[SetSearchState]:
+    states = [begin_set_search() if state is None else state]
     while not done(states[-1]):
-        asked = ask(SEARCH, states[-1], seeds)
-        states.append(tell(SEARCH, states[-1], asked, [residual(items) for items in asked]))
+        asked = ask_set_search(SEARCH, states[-1], seeds)
+        states.append(tell_set_search(SEARCH, states[-1], asked, [residual(items) for items in asked]))
     return states
 
 
@@ -46,7 +54,7 @@ def test_going_on_from_any_round_gives_the_same() -> None:
     residual = world({1: 0.9, 4: 0.31})
     states = search(residual)
     for state in states[1:-1:3]:
-        assert search(residual, State.from_tree(state.to_tree()))[-1] == states[-1]
+        assert search(residual, SetSearchState.from_tree(state.to_tree()))[-1] == states[-1]
 
 
 def test_a_seed_that_explains_everything_ends_the_search_at_once() -> None:
@@ -60,6 +68,6 @@ def test_what_blew_up_is_never_best() -> None:
 
 
 def test_probabilities_sum_to_one_and_fall() -> None:
-    shares = probabilities(SEARCH, search(world({2: 0.5}))[-1], 4.0)
+    shares = set_probabilities(SEARCH, search(world({2: 0.5}))[-1], 4.0)
     assert shares.sum() == pytest.approx(1.0)
     assert np.all(np.diff(shares) <= 0.0)

@@ -117,7 +117,7 @@ class Edit(Effect):
     stales_inertia: ClassVar[bool] = False
 
 
-class JointMoment(NamedTuple):
+class JointState(NamedTuple):
     """What a term sees of its sites' joints at the beginning of a physics step.
 
     At a site of kind actuator, "the motor" is that actuator alone; at a joint, all that drive it, taken together.
@@ -164,7 +164,7 @@ class Term(Effect):
     shows: ClassVar[int | None] = None
 
     @abc.abstractmethod
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         """What happens in one step.
 
         Args:
@@ -187,7 +187,7 @@ class Term(Effect):
         return robot.model.jnt_dofadr[np.array(joints, dtype=int)]
 
 
-class BodyPull(Effect):
+class BodyForce(Effect):
     """Acts during each step, elementwise over bodies: where a body is -> a force on it."""
 
     @abc.abstractmethod

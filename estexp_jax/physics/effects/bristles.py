@@ -8,15 +8,15 @@ Source: Canudas de Wit, Olsson, Astrom and Lischinsky, IEEE Transactions on Auto
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState
 
 
-def rest(q: Array) -> Arrays:
+def bristle_at_rest(q: Array) -> Arrays:
     """The state of unbent bristles."""
     return jnp.zeros_like(q), q
 
 
-def rubbed(level: Array, way: Array, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+def bristle_friction(level: Array, way: Array, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
     """What bristles do for one step, and their state.
 
     Since the last step the joint moved by dq, over which the law has the exact solution

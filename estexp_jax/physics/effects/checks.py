@@ -12,14 +12,14 @@ from mujoco import mjx
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import (
-    BodyPull,
+    BodyForce,
     CommandLaw,
     CommandShift,
     Distortion,
     Edit,
     Effect,
     JointForce,
-    JointMoment,
+    JointState,
     ReadingDrift,
     ReadingShift,
     Term,
@@ -37,7 +37,7 @@ _INSIDE = 0.7
 """Where between its bounds an effect is tried."""
 
 
-def faults(effect: Effect, robot: Robot | None = None) -> list[str]:
+def effect_faults(effect: Effect, robot: Robot | None = None) -> list[str]:
     """What is wrong with an effect, a clause each; nothing where it is sound.
 
     Args:
@@ -54,7 +54,7 @@ def faults(effect: Effect, robot: Robot | None = None) -> list[str]:
     return []
 
 
-def middle(effect: Effect, robot: Robot, site: str) -> dict[str, float]:
+def middle_values(effect: Effect, robot: Robot, site: str) -> dict[str, float]:
     """Parameters well inside the bounds."""
     bounds = effect.bounds(robot, site)
     return {p.name: low + _INSIDE * (high - low) for p, (low, high) in zip(effect.parameters, bounds, strict=True)}
@@ -119,7 +119,7 @@ def _signs(e: Effect, site: str, bounds: np.ndarray) -> Iterator[str]:
 
 def _sentences(e: Effect, robot: Robot) -> Iterator[str]:
     for site in e.sites(robot):
-        said = e.sentence(site, middle(e, robot, site))
+        said = e.sentence(site, middle_values(e, robot, site))
         if site not in said:
             yield f"says nothing of '{site}' in its sentence there"
         if not any(c.isdigit() for c in said.replace(site, "")) and e.name != "part_lost":
@@ -131,7 +131,7 @@ def _sentences(e: Effect, robot: Robot) -> Iterator[str]:
 def _carried(e: Effect, robot: Robot) -> Iterator[str]:
     """Text, JSON and arrays carry it unchanged."""
     for row, site in enumerate(e.sites(robot)):
-        change = Change(e.name, site or None, middle(e, robot, site))
+        change = Change(e.name, site or None, middle_values(e, robot, site))
         text = " ".join([change.place, *(f"{k}={v!r}" for k, v in change.parameters.items())])
         if parse_change(text, robot) != change or Change.from_json(change.to_json()) != change:
             yield f"is another when it was written and read, at '{site}'"
@@ -162,7 +162,7 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             before = mjx.put_model(model)
             return before, e.edit(robot, before, values)
         case Term():
-            moment = moment_of(n)
+            moment = sample_joint_state(n)
             force, _ = e.act(p, moment, e.initial(p, moment.q, moment.w))
             nothing = JointForce()
             return jax.tree.map(lambda x: jnp.broadcast_to(x, n), (nothing, force))
@@ -180,17 +180,17 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             return np.zeros(model.nsensordata), e.rate(robot, np.asarray(values))
         case CommandLaw():
             return line, e.act(p, line, 0.3 * line, 0.002, e.initial(p, line))[0]
-        case BodyPull():
+        case BodyForce():
             nothing, place = jnp.zeros(n), jnp.ones(n)
             return (nothing,) * 3, e.pull(p, (place, place, place))
         case _:
             raise TypeError("it is no Edit, Term, BodyPull, CommandLaw, CommandShift, ReadingShift or Distortion")
 
 
-def moment_of(n: int) -> JointMoment:
+def sample_joint_state(n: int) -> JointState:
     """Joints (n,) that move, pulled by springs as motors."""
     ones, q = jnp.ones(n), jnp.linspace(-1.0, 1.0, n)
-    return JointMoment(
+    return JointState(
         q=q,
         w=2.0 * ones,
         torque=_spring(q, 2.0 * ones),

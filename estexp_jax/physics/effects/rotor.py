@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Array, JointMoment
+from estexp_jax.physics.effects.base import Array, JointState
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -14,7 +14,7 @@ _LEAST_INERTIA = 1e-7
 
 
 def rotor_step(
-    moment: JointMoment,
+    moment: JointState,
     r: Array,
     a: Array,
     h: Array,
@@ -48,7 +48,7 @@ def rotor_step(
     return r + h * after, after, by_speed
 
 
-def held(moment: JointMoment) -> JointMoment:
+def holding_force(moment: JointState) -> JointState:
     """The same moment of a motor whose own loop sees the joint: where its rotor is does not change its torque."""
     return moment._replace(torque_at=lambda r, a: moment.torque)
 

@@ -23,18 +23,18 @@ _TOLD_APART = 3
 """Up to so many joints that all rub are told one by one."""
 
 
-def rubbing_joint_sites(robot: Robot) -> tuple[str, ...]:
+def friction_sites(robot: Robot) -> tuple[str, ...]:
     """`scalar_joint_sites`, and of many all of them alike: what is missing at one is mostly missing at each."""
     names, kinds = scalar_joint_sites(robot), set(robot.model.jnt_type[list(robot.scalar_joints)].tolist())
     return with_all(names) if len(names) > _TOLD_APART and len(kinds) == 1 else names
 
 
 def joints_at(robot: Robot, site: str) -> tuple[str, ...]:
-    """The joints that a site of `rubbing_joint_sites` stands for."""
+    """The joints that a site of `friction_sites` stands for."""
     return scalar_joint_sites(robot) if site == ALL_ALIKE else (site,)
 
 
-def joint_sentence(site: str) -> str:
+def joint_subject(site: str) -> str:
     """The subject of what is said about a joint, or about all of them."""
     return f"every joint ({site})" if site == ALL_ALIKE else f"the joint {site}"
 

@@ -23,7 +23,7 @@ _SLIDES = {
 _UNIT = re.compile("|".join(rf"(?<![\w.]){re.escape(unit)}(?!\w)" for unit in _SLIDES))
 
 
-def told_of(robot: Robot, kind: str, name: str | None, text: str) -> str:
+def unit_at(robot: Robot, kind: str, name: str | None, text: str) -> str:
     """A unit, or a sentence with units, of something at an element: those of a slide where it acts on one.
 
     Args:

@@ -13,15 +13,15 @@ from typing import NamedTuple, final
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.command_schedule import CommandHistory, schedule
+from estexp_jax.physics.command_schedule import CommandHistory, physics_steps
 from estexp_jax.physics.effects.base import Edit, Term
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.physics.engines.closed_loop import Walker
+from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.controller_interface import Interface
-from estexp_jax.physics.engines.open_loop import Replayer
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.window import Segment, Start
+from estexp_jax.physics.window import InitialState, Window
 from estexp_jax.recovery.control.network import HIDDEN
 
 MEDIAN, HIGH = 1e-4, 1e-2
@@ -35,7 +35,7 @@ _WALK = 16
 """States visited before the robot starts again from home, so that not all lie on their backs."""
 
 
-class Visited(NamedTuple):
+class SampledStates(NamedTuple):
     """States of the nominal robot, (n, ...), and the network outputs in [-1, 1] (n, nu) with which it goes on."""
 
     qpos: np.ndarray
@@ -78,12 +78,12 @@ class Agreement:
         )
 
 
-def visited(robot: Robot, face: Interface, n: int, seed: int = 0) -> Visited:
+def sample_states(robot: Robot, face: Interface, n: int, seed: int = 0) -> SampledStates:
     """States that the nominal robot passes through in the C engine under random commands, rounded to float32."""
     return _wandered(robot, lambda outputs: commands_of(face, outputs), n, seed)
 
 
-def _wandered(robot: Robot, commands: Callable[[np.ndarray], np.ndarray], n: int, seed: int) -> Visited:
+def _wandered(robot: Robot, commands: Callable[[np.ndarray], np.ndarray], n: int, seed: int) -> SampledStates:
     rng, model = np.random.default_rng(seed), robot.model
     data, rows = mujoco.MjData(model), []
     for k in range(n):
@@ -95,7 +95,7 @@ def _wandered(robot: Robot, commands: Callable[[np.ndarray], np.ndarray], n: int
         mujoco.mj_step(model, data, _EVERY)
         outputs = rng.uniform(-1.0, 1.0, model.nu)
         rows.append((data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy(), outputs))
-    return Visited(*(np.array(column, np.float32) for column in zip(*rows, strict=True)))
+    return SampledStates(*(np.array(column, np.float32) for column in zip(*rows, strict=True)))
 
 
 def commands_of(face: Interface, outputs: np.ndarray) -> np.ndarray:
@@ -104,7 +104,7 @@ def commands_of(face: Interface, outputs: np.ndarray) -> np.ndarray:
 
 
 def converged_speeds(
-    robot: Robot, face: Interface, states: Visited, substeps: int, sets: Sequence[Sequence[Change]] = ((),)
+    robot: Robot, face: Interface, states: SampledStates, substeps: int, sets: Sequence[Sequence[Change]] = ((),)
 ) -> np.ndarray:
     """Velocities (n, nv) after one control step in the converged C engine.
 
@@ -119,7 +119,7 @@ def converged_speeds(
     return _stepped(models, states, commands_of(face, states.outputs), substeps)
 
 
-def _stepped(models: Sequence[mujoco.MjModel], states: Visited, commands: np.ndarray, steps: int) -> np.ndarray:
+def _stepped(models: Sequence[mujoco.MjModel], states: SampledStates, commands: np.ndarray, steps: int) -> np.ndarray:
     found = []
     for k, ctrl in enumerate(commands):
         model = models[k % len(models)]
@@ -131,7 +131,9 @@ def _stepped(models: Sequence[mujoco.MjModel], states: Visited, commands: np.nda
     return np.array(found)
 
 
-def engine_speeds(walker: Walker, states: Visited, sets: Sequence[Sequence[Change]] = ((),)) -> np.ndarray:
+def engine_speeds(
+    walker: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
+) -> np.ndarray:
     """The same of an engine."""
     n, face = len(states.qpos), walker.interface
     values = stack([encode(walker.robot, walker.catalogue, sets[k % len(sets)]) for k in range(n)])
@@ -144,7 +146,7 @@ def engine_speeds(walker: Walker, states: Visited, sets: Sequence[Sequence[Chang
     return np.asarray(walker.walk(values, weights, start, 1).final.qvel)
 
 
-def agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> Agreement:
+def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> Agreement:
     """How far velocities (n, nv) of an engine are from those of the referee."""
     scale = np.maximum(1.0, np.abs(expected).max(axis=1))
     error = np.abs(found - expected).max(axis=1) / scale
@@ -153,19 +155,21 @@ def agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> Agreeme
     return Agreement(len(error), substeps, median, high, float(error[-1]))
 
 
-def agreement_of(walker: Walker, states: Visited, sets: Sequence[Sequence[Change]] = ((),)) -> Agreement:
+def closed_loop_agreement(
+    walker: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
+) -> Agreement:
     """How far an engine is from the referee, with one executable: that of its walks.
 
     Args:
         walker: the engine.
-        states: where to start, as `visited` gives them.
+        states: where to start, as `sample_states` gives them.
         sets: changes of robots, taken in turns by the states; from the walker's catalogue.
     """
     expected = converged_speeds(walker.robot, walker.interface, states, walker.substeps, sets)
-    return agreement(engine_speeds(walker, states, sets), expected, walker.substeps)
+    return engine_agreement(engine_speeds(walker, states, sets), expected, walker.substeps)
 
 
-def replay_agreement(replayer: Replayer, robot: Robot, n: int) -> Agreement:
+def open_loop_agreement(replayer: OpenLoopSimulator, robot: Robot, n: int) -> Agreement:
     """How far a replayer is from the referee after one physics step, with each of the executables of its replays.
 
     Args:
@@ -182,12 +186,20 @@ def replay_agreement(replayer: Replayer, robot: Robot, n: int) -> Agreement:
     told, step = commands(states.outputs.astype(float)), float(robot.model.opt.timestep)
     time, on = np.array([0.0, step]), np.ones((2, robot.model.nu))
     parts = [
-        Segment(0, 0, 1, schedule(time, step), CommandHistory(time, np.stack([ctrl, ctrl])), on, Start(qpos, qvel))
+        Window(
+            0,
+            0,
+            1,
+            physics_steps(time, step),
+            CommandHistory(time, np.stack([ctrl, ctrl])),
+            on,
+            InitialState(qpos, qvel),
+        )
         for ctrl, qpos, qvel in zip(told, states.qpos, states.qvel, strict=True)
     ]
     values = stack([encode(replayer.robot, replayer.catalogue, ())] * n)
     expected = _stepped([_changed(robot, ())], states, told, 1)
-    return agreement(replayer.replay(values, parts, np.arange(n)).qvel[:, 1], expected, 1)
+    return engine_agreement(replayer.replay(values, parts, np.arange(n)).qvel[:, 1], expected, 1)
 
 
 def _changed(robot: Robot, changes: Sequence[Change]) -> mujoco.MjModel:

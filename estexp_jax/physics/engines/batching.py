@@ -15,7 +15,7 @@ import jax
 import numpy as np
 
 
-class Choice(NamedTuple):
+class EngineChoice(NamedTuple):
     """An engine, and why it."""
 
     engine: str

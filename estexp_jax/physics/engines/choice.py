@@ -10,17 +10,17 @@ import numpy as np
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.engines.agreement import Agreement, agreement_of, replay_agreement, visited
-from estexp_jax.physics.engines.batching import Choice
-from estexp_jax.physics.engines.closed_loop import Walker
+from estexp_jax.physics.engines.agreement import Agreement, closed_loop_agreement, open_loop_agreement, sample_states
+from estexp_jax.physics.engines.batching import EngineChoice
+from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.controller_interface import interface_of
-from estexp_jax.physics.engines.lanes.closed_loop import LanesWalker, lanes_width
+from estexp_jax.physics.engines.lanes.closed_loop import LanesClosedLoop, lanes_width
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
-from estexp_jax.physics.engines.lanes.open_loop import LANES_REPLAY, LanesReplayer
-from estexp_jax.physics.engines.mjx.closed_loop import MjxWalker, mjx_width
+from estexp_jax.physics.engines.lanes.open_loop import LANES_REPLAY, LanesOpenLoop
+from estexp_jax.physics.engines.mjx.closed_loop import MjxClosedLoop, mjx_width
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
-from estexp_jax.physics.engines.mjx.open_loop import MJX_REPLAY, MjxReplayer
-from estexp_jax.physics.engines.open_loop import Replayer, differing
+from estexp_jax.physics.engines.mjx.open_loop import MJX_REPLAY, MjxOpenLoop
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator, per_recording_model
 from estexp_jax.physics.model.robot import Robot
 
 Engine = Literal["auto", "lanes", "mjx"]
@@ -29,7 +29,7 @@ _STATES = 32
 """States from which lanes are tried against the C engine before they are believed."""
 
 
-def chosen(engine: str, on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> Choice:
+def choose_engine(engine: str, on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> EngineChoice:
     """The engine for a robot.
 
     Args:
@@ -43,16 +43,18 @@ def chosen(engine: str, on_mjx: MjxModel, overridden: frozenset[str] = frozenset
     if engine not in ENGINES:
         raise InputError(f"there is no engine '{engine}'", where="--engine", right=known(ENGINES))
     if engine == "mjx":
-        return Choice("mjx", "as asked for")
+        return EngineChoice("mjx", "as asked for")
     refused = lanes_refusal(on_mjx, overridden)
     if refused is None:
-        return Choice("lanes", "as asked for" if engine == "lanes" else "the fastest that can simulate this robot")
+        return EngineChoice(
+            "lanes", "as asked for" if engine == "lanes" else "the fastest that can simulate this robot"
+        )
     if engine == "lanes":
         raise InputError(f"{refused} by the lanes engine", where=on_mjx.robot.source, right="use --engine mjx")
-    return Choice("mjx", f"{refused} by the lanes engine")
+    return EngineChoice("mjx", f"{refused} by the lanes engine")
 
 
-def walker(
+def closed_loop_simulator(
     robot: Robot,
     catalogue: Catalogue,
     *,
@@ -61,7 +63,7 @@ def walker(
     gain: float = 3.0,
     population: int = 200,
     engine: str = "auto",
-) -> Walker:
+) -> ClosedLoopSimulator:
     """Compile-ready simulator of a robot in closed loop.
 
     Args:
@@ -81,17 +83,17 @@ def walker(
         raise ValueError(f"not simulated in closed loop: {', '.join(timed)}")
     on_mjx = mjx_model(robot, catalogue)
     substeps = max(1, int(np.round(control_step / robot.model.opt.timestep)))
-    choice, face = chosen(engine, on_mjx), interface_of(robot)
+    choice, face = choose_engine(engine, on_mjx), interface_of(robot)
     if choice.engine == "lanes":
-        fast = LanesWalker(on_mjx, face, rows, substeps, gain, lanes_width(population), choice)
-        found = agreement_of(fast, visited(robot, face, _STATES))
+        fast = LanesClosedLoop(on_mjx, face, rows, substeps, gain, lanes_width(population), choice)
+        found = closed_loop_agreement(fast, sample_states(robot, face, _STATES))
         if found.agrees:
             return fast
         choice = _distrusted(engine, found, robot)
-    return MjxWalker(on_mjx, face, rows, substeps, gain, mjx_width(population), choice)
+    return MjxClosedLoop(on_mjx, face, rows, substeps, gain, mjx_width(population), choice)
 
 
-def replayer(
+def open_loop_simulator(
     robot: Robot,
     catalogue: Catalogue,
     per_recording: Sequence[Robot],
@@ -99,7 +101,7 @@ def replayer(
     engine: str = "auto",
     width: int | None = None,
     block: int | None = None,
-) -> Replayer:
+) -> OpenLoopSimulator:
     """A replayer for recordings of a robot.
 
     Args:
@@ -114,20 +116,20 @@ def replayer(
         InputError: no engine can simulate the model, or a recording's settings change the model's structure.
     """
     nominal = mjx_model(robot, catalogue)
-    differs = differing(nominal, per_recording)
-    choice = chosen(engine, nominal, differs.fields)
+    differs = per_recording_model(nominal, per_recording)
+    choice = choose_engine(engine, nominal, differs.fields)
     if choice.engine == "lanes":
-        fast = LanesReplayer(nominal, differs, width or LANES_REPLAY[0], block or LANES_REPLAY[1], choice)
-        found = replay_agreement(fast, per_recording[0], _STATES)
+        fast = LanesOpenLoop(nominal, differs, width or LANES_REPLAY[0], block or LANES_REPLAY[1], choice)
+        found = open_loop_agreement(fast, per_recording[0], _STATES)
         if found.agrees:
             return fast
         choice = _distrusted(engine, found, robot)
-    return MjxReplayer(nominal, differs, width or MJX_REPLAY[0], block or MJX_REPLAY[1], choice)
+    return MjxOpenLoop(nominal, differs, width or MJX_REPLAY[0], block or MJX_REPLAY[1], choice)
 
 
-def _distrusted(engine: str, found: Agreement, robot: Robot) -> Choice:
+def _distrusted(engine: str, found: Agreement, robot: Robot) -> EngineChoice:
     """MJX instead of lanes that do not move a robot as they should: the engine depends on how XLA compiles it."""
     what = f"the lanes engine, as compiled here, {found.sentence()}"
     if engine == "lanes":
         raise InputError(what, where=robot.source, right="use --engine mjx")
-    return Choice("mjx", what)
+    return EngineChoice("mjx", what)

@@ -14,10 +14,10 @@ import numpy as np
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.engines.batching import Choice
+from estexp_jax.physics.engines.batching import EngineChoice
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
-from estexp_jax.physics.engines.mjx.terms import Hidden, Now
+from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.control.network import Network, decode, n_weights
 
@@ -32,7 +32,7 @@ class BodyState(NamedTuple):
     hidden: Hidden  #: variables of effects that have some
 
 
-class Walk(NamedTuple):
+class Rollout(NamedTuple):
     """What robots did; every array has the robots as first axis.
 
     Rows are control steps; only the first `steps` of them are filled.
@@ -45,7 +45,7 @@ class Walk(NamedTuple):
     failed: Any  #: (robots,) bool: the simulation blew up
 
 
-class Heard(NamedTuple):
+class ReadingOverride(NamedTuple):
     """What networks get: `factor` times the robot's own reading, touch as +1/-1, and `added` to it.
 
     Both (robots, steps, n_inputs), raw. Factor 0 replays what was recorded; noise is added, and turns touch readings
@@ -56,17 +56,17 @@ class Heard(NamedTuple):
     added: Any
 
 
-def recorded(readings: np.ndarray) -> Heard:
+def replace_readings(readings: np.ndarray) -> ReadingOverride:
     """Readings (..., steps, n_inputs) in place of the robots' own."""
-    return Heard(np.zeros_like(readings), readings)
+    return ReadingOverride(np.zeros_like(readings), readings)
 
 
-def hear(factor: Any, added: Any, reading: Any) -> Any:
-    """As in `Heard`; what does not count does no harm, even where it is no number."""
+def override_reading(factor: Any, added: Any, reading: Any) -> Any:
+    """As in `ReadingOverride`; what does not count does no harm, even where it is no number."""
     return jnp.where(factor == 0.0, added, factor * reading + added)
 
 
-class Lane(NamedTuple):
+class RobotInstance(NamedTuple):
     """One robot to simulate; batched, every array has a leading axis."""
 
     values: Values
@@ -75,7 +75,7 @@ class Lane(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Walker(abc.ABC):
+class ClosedLoopSimulator(abc.ABC):
     """Simulates populations of one robot in closed loop, all with one executable.
 
     Attributes:
@@ -94,10 +94,10 @@ class Walker(abc.ABC):
     substeps: int
     gain: float
     width: int
-    choice: Choice
+    choice: EngineChoice
 
     @abc.abstractmethod
-    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: Heard | None) -> Walk:
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, heard: ReadingOverride | None) -> Rollout:
         """Simulate lanes for some control steps.
 
         Args:
@@ -117,7 +117,7 @@ class Walker(abc.ABC):
         """The effects that `values` have an entry for."""
         return self.on_mjx.catalogue
 
-    def finer(self, parts: int) -> Walker:
+    def finer(self, parts: int) -> ClosedLoopSimulator:
         """The same simulator at a part of the physics step."""
         on_mjx = mjx_model(self.robot.finer(parts), self.catalogue)
         return replace(self, on_mjx=on_mjx, substeps=self.substeps * parts)
@@ -128,7 +128,7 @@ class Walker(abc.ABC):
         zeros = partial(np.zeros, dtype=np.float32)
         qpos = self.robot.home().astype(np.float32)
         centre = self.interface.ctrl_centre.astype(np.float32)
-        now = Now(qpos, zeros(model.nv), centre, np.ones(model.nu), model.opt.timestep)
+        now = MjxStepStart(qpos, zeros(model.nv), centre, np.ones(model.nu), model.opt.timestep)
         hidden = jax.vmap(lambda v: self.on_mjx.rested(self.on_mjx.model, v, jax.tree.map(jnp.asarray, now)))(values)
         one = (qpos, zeros(model.nv), zeros(model.nv), zeros(model.nsensordata))
         place, speed, warmstart, sensordata = (np.broadcast_to(x, (n, *x.shape)) for x in one)
@@ -145,8 +145,8 @@ class Walker(abc.ABC):
         return self._walk(values, weights, self.home(values), steps, active=False).final
 
     def walk(
-        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: Heard | None = None
-    ) -> Walk:
+        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: ReadingOverride | None = None
+    ) -> Rollout:
         """Drive robots by their networks.
 
         Args:
@@ -158,7 +158,7 @@ class Walker(abc.ABC):
         """
         return self._walk(values, weights, start, steps, active=True, heard=heard)
 
-    def network(self, lane: Lane) -> Network:
+    def network(self, lane: RobotInstance) -> Network:
         """One robot's network, its faults in it."""
         network = decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
         for effect in self.catalogue:
@@ -179,12 +179,12 @@ class Walker(abc.ABC):
         steps: int,
         *,
         active: bool,
-        heard: Heard | None = None,
-    ) -> Walk:
+        heard: ReadingOverride | None = None,
+    ) -> Rollout:
         if not 0 < steps <= self.rows:
             raise ValueError(f"{steps} steps do not fit into 1..{self.rows}")
-        lanes = Lane(values, np.asarray(weights, np.float32), start)
-        heard = None if heard is None else Heard(*(np.asarray(x, np.float32)[:, :steps] for x in heard))
+        lanes = RobotInstance(values, np.asarray(weights, np.float32), start)
+        heard = None if heard is None else ReadingOverride(*(np.asarray(x, np.float32)[:, :steps] for x in heard))
         walk = self._run(lanes, steps, active=active, heard=heard)
         return walk._replace(**{k: getattr(walk, k)[:, :steps] for k in ("readings", "commands", "position")})
 

@@ -15,7 +15,7 @@ from estexp_jax.physics.effects.sites import driven_actuators
 from estexp_jax.physics.model.robot import Robot
 
 
-class Shown(NamedTuple):
+class MotorReading(NamedTuple):
     """A hidden variable at one site, to be added to one value of `sensordata`."""
 
     column: int
@@ -25,7 +25,7 @@ class Shown(NamedTuple):
     factor: float
 
 
-def shown_torques(robot: Robot, catalogue: Catalogue) -> list[Shown]:
+def motor_readings(robot: Robot, catalogue: Catalogue) -> list[MotorReading]:
     """All that sensors of motors' forces show of a catalogue's rotors."""
     model, found = robot.model, []
     on_joint = {a: robot.joint_of_actuator(a) for a in driven_actuators(robot)}
@@ -43,5 +43,5 @@ def shown_torques(robot: Robot, catalogue: Catalogue) -> list[Shown]:
                 elif kind == int(mujoco.mjtSensor.mjSENS_JOINTACTFRC) and at == joint:
                     factor = 1.0
                 if factor:
-                    found.append(Shown(int(model.sensor_adr[sensor]), e.name, e.shows, row, factor))
+                    found.append(MotorReading(int(model.sensor_adr[sensor]), e.name, e.shows, row, factor))
     return found

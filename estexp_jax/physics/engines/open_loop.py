@@ -22,23 +22,23 @@ from estexp_jax.physics.command_schedule import CommandHistory
 from estexp_jax.physics.effects.base import CommandLaw, Term
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.engines.batching import Choice, cores
+from estexp_jax.physics.engines.batching import EngineChoice, cores
 from estexp_jax.physics.engines.mjx.model import MjxModel, fields_of, mjx_model
 from estexp_jax.physics.engines.mjx.terms import Hidden, stateful
 from estexp_jax.physics.engines.open_loop_inputs import (
-    Drive,
-    Roll,
+    CommandSteps,
+    RolledRows,
     add_drift,
-    alike,
-    changed,
-    drive_of,
-    read_late,
-    rolls,
-    routes,
-    starts,
+    command_routes,
+    command_steps,
+    delay_readings,
+    equal_commands,
+    initial_states,
+    instances_with,
+    rolled_rows,
 )
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.window import Segment
+from estexp_jax.physics.window import Window
 
 _ROLL = 256
 """Rows in one call that hidden variables are rolled along."""
@@ -48,7 +48,7 @@ _Array = Any
 """A NumPy array outside the compiled function, a JAX array inside."""
 
 
-class State(NamedTuple):
+class LaneBatchState(NamedTuple):
     """Lanes between two blocks: arrays (lanes, ...), and hidden variables as an engine keeps them."""
 
     qpos: _Array
@@ -59,7 +59,7 @@ class State(NamedTuple):
     hidden: Hidden
 
 
-class Seen(NamedTuple):
+class StepReadings(NamedTuple):
     """What lanes showed at the beginning of steps, (steps, ..., lanes)."""
 
     sensors: np.ndarray
@@ -67,7 +67,7 @@ class Seen(NamedTuple):
     qvel: np.ndarray
 
 
-class Replay(NamedTuple):
+class OpenLoopRollout(NamedTuple):
     """What lanes did at the rows of their segments, NaN beyond a segment's end.
 
     Attributes:
@@ -81,7 +81,7 @@ class Replay(NamedTuple):
     qvel: np.ndarray
 
 
-class Differing(NamedTuple):
+class PerRecordingModel(NamedTuple):
     """What recordings' known settings make different from recording to recording.
 
     Attributes:
@@ -96,7 +96,7 @@ class Differing(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Replayer(abc.ABC):
+class OpenLoopSimulator(abc.ABC):
     """Replays recordings through hypotheses about a robot.
 
     Attributes:
@@ -108,25 +108,27 @@ class Replayer(abc.ABC):
     """
 
     on_mjx: MjxModel
-    differing: Differing
+    differing: PerRecordingModel
     width: int
     block: int
-    choice: Choice
+    choice: EngineChoice
 
     @abc.abstractmethod
     def _prepared(self, values: Values, overrides: tuple) -> Any:
-        """What does not change from block to block; `overrides` are the lanes' `differing`."""
+        """What does not change from block to block; `overrides` are the lanes' `per_recording_model`."""
 
     @abc.abstractmethod
-    def _rested(self, prepared: Any, roll: Roll) -> Hidden:
+    def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
         """Hidden variables of robots that have been where they are, a row of a roll, for long."""
 
     @abc.abstractmethod
-    def _rolled(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
+    def _rolled(self, prepared: Any, hidden: Hidden, roll: RolledRows) -> Hidden:
         """Hidden variables after the rows of a roll, along which robots moved as recorded."""
 
     @abc.abstractmethod
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Seen]:
+    def _advanced(
+        self, prepared: Any, state: LaneBatchState, drive: CommandSteps
+    ) -> tuple[LaneBatchState, StepReadings]:
         """Whole blocks of steps: the state after them, and what was seen at the beginning of each."""
 
     @property
@@ -146,7 +148,7 @@ class Replayer(abc.ABC):
             leaves[position] = leaf
         return self.on_mjx.edited(jax.tree.unflatten(tree, leaves), values)
 
-    def replay(self, values: Values, segments: Sequence[Segment], which: np.ndarray) -> Replay:
+    def replay(self, values: Values, segments: Sequence[Window], which: np.ndarray) -> OpenLoopRollout:
         """Replay lanes.
 
         Args:
@@ -155,11 +157,11 @@ class Replayer(abc.ABC):
             which: (lanes,) index of each lane's segment.
         """
         which = np.asarray(which)
-        remembers = changed(self.robot, stateful(self.catalogue), values)
+        remembers = instances_with(self.robot, stateful(self.catalogue), values)
         order = np.lexsort([which, self._at_work(values, which), [segments[w].steps.n_steps for w in which]])
         chunks = [order[i : i + self.width] for i in range(0, len(order), self.width)]
 
-        def run(lanes: np.ndarray) -> Replay:
+        def run(lanes: np.ndarray) -> OpenLoopRollout:
             chosen = np.resize(lanes, self.width)  # the last chunk repeats its lanes
             part = {name: np.asarray(v, np.float32)[chosen] for name, v in values.items()}
             here = [segments[w] for w in which[chosen]]
@@ -168,25 +170,25 @@ class Replayer(abc.ABC):
         with ThreadPoolExecutor(cores()) as threads:
             parts = list(threads.map(run, chunks))
         rows = max(segments[w].rows for w in which)
-        return Replay(*(self._gather(parts, chunks, field, rows) for field in Replay._fields))
+        return OpenLoopRollout(*(self._gather(parts, chunks, field, rows) for field in OpenLoopRollout._fields))
 
-    def _gather(self, parts: list[Replay], chunks: list[np.ndarray], field: str, rows: int) -> np.ndarray:
+    def _gather(self, parts: list[OpenLoopRollout], chunks: list[np.ndarray], field: str, rows: int) -> np.ndarray:
         whole = np.full((sum(map(len, chunks)), rows, getattr(parts[0], field).shape[2]), np.nan, np.float32)
         for part, lanes in zip(parts, chunks, strict=True):
             found = getattr(part, field)
             whole[lanes, : found.shape[1]] = found
         return whole
 
-    def _chunk(self, values: Values, segments: list[Segment], n: int, *, remembers: bool) -> Replay:
+    def _chunk(self, values: Values, segments: list[Window], n: int, *, remembers: bool) -> OpenLoopRollout:
         """Replay a chunk's lanes, keep the first `n`; if none remembers, what came before the start does not matter."""
         n_steps = max(s.steps.n_steps for s in segments) + 2  # one before for the forces, one more to read the last row
         blocks = -(-n_steps // self.block)
-        drive = drive_of(self.robot, self.catalogue, values, segments, blocks * self.block)
+        drive = command_steps(self.robot, self.catalogue, values, segments, blocks * self.block)
         prepared, state = self._started(values, segments, remembers=remembers)
         _, seen = self._advanced(prepared, state, drive)
-        return self._shown(Seen(*(x[1:] for x in seen)), values, segments, n)
+        return self._shown(StepReadings(*(x[1:] for x in seen)), values, segments, n)
 
-    def steered(self, values: Values, stretch: Segment, controller: Controller) -> tuple[Replay, np.ndarray]:
+    def steered(self, values: Values, stretch: Window, controller: Controller) -> tuple[OpenLoopRollout, np.ndarray]:
         """Replay one lane from its start under a controller's commands instead of recorded ones; for a `width` of 1.
 
         Args:
@@ -200,9 +202,9 @@ class Replayer(abc.ABC):
         values = {name: np.asarray(v, np.float32) for name, v in values.items()}
         prepared, state = self._started(values, [stretch], remembers=False)
         steps, time, nothing = stretch.steps, stretch.history.time, np.zeros(self.block)
-        late, source = routes(self.robot, self.catalogue, values)
+        late, source = command_routes(self.robot, self.catalogue, values)
         rows: list[np.ndarray] = []
-        seen: list[Seen] = []
+        seen: list[StepReadings] = []
         for row in range(stretch.rows):
             rows.append(np.asarray(controller(float(time[row]), *(np.asarray(x[0], float) for x in state[:2])), float))
             own = slice(*steps.sample[row : row + 2]) if row + 1 < stretch.rows else slice(0, 0)
@@ -211,23 +213,23 @@ class Replayer(abc.ABC):
             length[:count], start[:count] = steps.length[own], steps.start[own]
             ctrl = CommandHistory(time[: row + 1], np.array(rows)).mean(start, length, late[0], source[0])
             enable = np.tile(stretch.enable[row], (self.block, 1))
-            drive = Drive(*(np.asarray(x, np.float32)[..., None] for x in (length, ctrl, enable)))
+            drive = CommandSteps(*(np.asarray(x, np.float32)[..., None] for x in (length, ctrl, enable)))
             if row == 0:  # what sensors of forces show in the first row
                 state, _ = self._advanced(prepared, state, drive._replace(length=np.zeros_like(drive.length)))
             state, part = self._advanced(prepared, state, drive)
-            seen.append(Seen(*(x[: max(count, 1)] for x in part)))
+            seen.append(StepReadings(*(x[: max(count, 1)] for x in part)))
         commands = np.array(rows)
-        whole = Seen(*(np.concatenate(kind) for kind in zip(*seen, strict=True)))
+        whole = StepReadings(*(np.concatenate(kind) for kind in zip(*seen, strict=True)))
         told = replace(stretch, history=stretch.history.told(commands))
         return self._shown(whole, values, [told], 1), commands
 
-    def _started(self, values: Values, segments: list[Segment], *, remembers: bool) -> tuple[Any, State]:
+    def _started(self, values: Values, segments: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
         """What does not change from block to block, and the state that lanes start from."""
         model, template = self.robot.model, self.on_mjx.data
         recording = [s.recording for s in segments]
         prepared = self._prepared(values, tuple(o[recording] for o in self.differing.values))
-        state = State(
-            *starts(self.robot, self.catalogue, values, segments),
+        state = LaneBatchState(
+            *initial_states(self.robot, self.catalogue, values, segments),
             np.zeros((len(segments), model.na), np.float32),
             np.zeros((len(segments), model.nv), np.float32),
             np.broadcast_to(np.asarray(template.sensordata), (len(segments), model.nsensordata)),
@@ -237,40 +239,40 @@ class Replayer(abc.ABC):
             state = state._replace(hidden=self._hidden(prepared, values, segments, remembers=remembers))
         return prepared, state
 
-    def _shown(self, seen: Seen, values: Values, segments: list[Segment], n: int) -> Replay:
+    def _shown(self, seen: StepReadings, values: Values, segments: list[Window], n: int) -> OpenLoopRollout:
         """What the first `n` lanes show at their rows, of all steps: late and adrift as sensors are."""
-        read_late(self.robot, self.catalogue, seen.sensors, values, segments)
+        delay_readings(self.robot, self.catalogue, seen.sensors, values, segments)
         add_drift(self.robot, self.catalogue, seen.sensors, values, segments)
         rows = max(s.rows for s in segments[:n])
-        return Replay(*(_rows(x, segments[:n], rows) for x in seen))
+        return OpenLoopRollout(*(_rows(x, segments[:n], rows) for x in seen))
 
-    def _hidden(self, prepared: Any, values: Values, segments: list[Segment], *, remembers: bool) -> Hidden:
+    def _hidden(self, prepared: Any, values: Values, segments: list[Window], *, remembers: bool) -> Hidden:
         """Hidden variables at the lanes' starts: rolled along each recording's rows before them."""
         n_rows = max(s.first if s.path is not None else 0 for s in segments) if remembers else 0
         blocks = -(-n_rows // _ROLL)
-        before = rolls(self.robot, self.catalogue, values, segments, blocks * _ROLL)
-        hidden = self._rested(prepared, Roll(*(x[0] for x in before)))
+        before = rolled_rows(self.robot, self.catalogue, values, segments, blocks * _ROLL)
+        hidden = self._rested(prepared, RolledRows(*(x[0] for x in before)))
         for b in range(blocks):
-            hidden = self._rolled(prepared, hidden, Roll(*(x[b * _ROLL : (b + 1) * _ROLL] for x in before)))
+            hidden = self._rolled(prepared, hidden, RolledRows(*(x[b * _ROLL : (b + 1) * _ROLL] for x in before)))
         return hidden
 
     def _at_work(self, values: Values, which: np.ndarray) -> np.ndarray:
         """Numbers (lanes,), alike for lanes that have the same terms and command laws at work."""
         acting = [e for e in self.catalogue if isinstance(e, Term | CommandLaw)]
-        each = np.array([np.zeros(len(which), bool), *(changed(self.robot, [e], values) for e in acting)])
+        each = np.array([np.zeros(len(which), bool), *(instances_with(self.robot, [e], values) for e in acting)])
         return np.unique(each, axis=1, return_inverse=True)[1]
 
 
-def _rows(x: np.ndarray, segments: Sequence[Segment], rows: int) -> np.ndarray:
+def _rows(x: np.ndarray, segments: Sequence[Window], rows: int) -> np.ndarray:
     """Columns (lanes, rows, columns) at the rows of segments, of those (steps, columns, lanes) at all steps."""
     found = np.full((len(segments), rows, x.shape[1]), np.nan, np.float32)
-    for i, there in alike(segments, np.ones(len(segments), bool)):
+    for i, there in equal_commands(segments, np.ones(len(segments), bool)):
         sample = segments[i].steps.sample
         found[there, : len(sample)] = np.moveaxis(x[sample, :, there], -1, 0)
     return found
 
 
-def differing(nominal: MjxModel, per_recording: Sequence[Robot]) -> Differing:
+def per_recording_model(nominal: MjxModel, per_recording: Sequence[Robot]) -> PerRecordingModel:
     """What the known settings of recordings change in a model.
 
     Raises:
@@ -285,7 +287,9 @@ def differing(nominal: MjxModel, per_recording: Sequence[Robot]) -> Differing:
     positions = tuple(i for i, leaf in enumerate(leaves) if any(not np.array_equal(leaf, own[i]) for own in each))
     names = {id(leaf): name for name, leaf in fields_of(nominal.model).items()}
     fields = frozenset(names[id(leaves[i])] for i in positions if id(leaves[i]) in names)
-    return Differing(positions, tuple(np.stack([np.asarray(own[i]) for own in each]) for i in positions), fields)
+    return PerRecordingModel(
+        positions, tuple(np.stack([np.asarray(own[i]) for own in each]) for i in positions), fields
+    )
 
 
 def is_acceleration(robot: Robot) -> np.ndarray:

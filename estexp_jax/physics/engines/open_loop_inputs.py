@@ -15,13 +15,13 @@ from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.controller_fault import CommandRoute
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.window import Segment
+from estexp_jax.physics.window import Window
 
 _LAG = 0.04
 """Commands of this time tell where a servo is, s: it follows a little late."""
 
 
-class Drive(NamedTuple):
+class CommandSteps(NamedTuple):
     """Physics steps of lanes: (steps, ..., lanes)."""
 
     length: Any  # (steps, lanes)
@@ -29,7 +29,7 @@ class Drive(NamedTuple):
     enable: Any
 
 
-class Roll(NamedTuple):
+class RolledRows(NamedTuple):
     """Rows before lanes' starts: (rows, ..., lanes)."""
 
     qpos: Any
@@ -39,26 +39,28 @@ class Roll(NamedTuple):
     length: Any  # s; 0: not a row, but to fill up
 
 
-def drive_of(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_steps: int) -> Drive:
+def command_steps(
+    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window], n_steps: int
+) -> CommandSteps:
     """Steps of lanes, each with its own commands; beyond a segment's end the last ones are held.
 
     The first step has no length: it leaves the robot as it is, under the command before the segment's first row, and so
     gives sensors of forces what they show in that row.
     """
-    shifts, sources = routes(robot, catalogue, values)
+    shifts, sources = command_routes(robot, catalogue, values)
     nu, punctual = robot.model.nu, _punctual(shifts, sources)
     length = np.zeros((n_steps, len(segments)), np.float32)
     ctrl, enable = (np.empty((n_steps, nu, len(segments)), np.float32) for _ in range(2))
-    for i, there in alike(segments, punctual):
+    for i, there in equal_commands(segments, punctual):
         s, k = segments[i], segments[i].steps.n_steps + 1
         length[1:k, there] = s.steps.length[:, None]
         commands = s.logged if punctual[i] else s.commands(shifts[i], sources[i])
         for whole, own in ((ctrl, commands), (enable, s.switched_on)):
             whole[:k, :, there], whole[k:, :, there] = own[..., None], own[-1][:, None]
-    return Drive(length, ctrl, enable)
+    return CommandSteps(length, ctrl, enable)
 
 
-def alike(segments: Sequence[Segment], punctual: np.ndarray) -> Iterator[tuple[int, slice]]:
+def equal_commands(segments: Sequence[Window], punctual: np.ndarray) -> Iterator[tuple[int, slice]]:
     """Neighbouring lanes that get the same commands: the first one, and all of them."""
     first = 0
     for i, s in enumerate(segments):
@@ -67,8 +69,8 @@ def alike(segments: Sequence[Segment], punctual: np.ndarray) -> Iterator[tuple[i
             first = i + 1
 
 
-def starts(
-    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment]
+def initial_states(
+    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
     qpos = np.array([s.start.qpos for s in segments], np.float32)
@@ -76,7 +78,7 @@ def starts(
     faults = [e for e in catalogue if isinstance(e, Distortion)]
     late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     drift = _drifts(robot, catalogue, values)
-    doubted = late.any(axis=1) | drift.any(axis=1) | changed(robot, faults, values)
+    doubted = late.any(axis=1) | drift.any(axis=1) | instances_with(robot, faults, values)
     for i, s in enumerate(segments):
         if not (doubted[i] and s.start.sensed):
             continue
@@ -101,7 +103,7 @@ def starts(
     return qpos, qvel
 
 
-def _commanded(robot: Robot, s: Segment) -> tuple[np.ndarray, np.ndarray]:
+def _commanded(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
     """Where servos were told to be at a segment's start, (nq,) and (nv,); home and at rest what has none.
 
     The best guess of a joint that nothing was read of.
@@ -118,16 +120,16 @@ def _commanded(robot: Robot, s: Segment) -> tuple[np.ndarray, np.ndarray]:
     return qpos, qvel
 
 
-def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Segment], n_rows: int) -> Roll:
+def rolled_rows(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window], n_rows: int) -> RolledRows:
     """Rows before each segment (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
-    shifts, sources = routes(robot, catalogue, values)
+    shifts, sources = command_routes(robot, catalogue, values)
     punctual, n = _punctual(shifts, sources), n_rows + 1
     model, length = robot.model, np.zeros((n, len(segments)), np.float32)
     qpos, qvel, ctrl, enable = (
         np.empty((n, width, len(segments)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
     )
-    found = Roll(qpos, qvel, ctrl, enable, length)
-    for i, there in alike(segments, punctual):
+    found = RolledRows(qpos, qvel, ctrl, enable, length)
+    for i, there in equal_commands(segments, punctual):
         past = segments[i].logged_past if punctual[i] else segments[i].past(n, shifts[i], sources[i])
         k = min(n, len(past.length))
         for whole, own in zip(found[:-1], past[:-1], strict=True):
@@ -136,7 +138,7 @@ def rolls(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Seg
     return found
 
 
-def changed(robot: Robot, effects: Sequence[Effect], values: Values) -> np.ndarray:
+def instances_with(robot: Robot, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """Which lanes (lanes,) have one of some effects at work."""
     found = np.zeros(_lanes(values), bool)
     for e in effects:
@@ -145,7 +147,7 @@ def changed(robot: Robot, effects: Sequence[Effect], values: Values) -> np.ndarr
     return found
 
 
-def routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[np.ndarray, np.ndarray]:
+def command_routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[np.ndarray, np.ndarray]:
     """How late each lane's commands arrive (s) and whose commands its motors get, (lanes, nu) each."""
     return _shifts(robot, catalogue, values, CommandShift, robot.model.nu), _sources(robot, catalogue, values)
 
@@ -155,7 +157,9 @@ def _punctual(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
     return ~shifts.any(axis=1) & (sources == np.arange(sources.shape[1])).all(axis=1)
 
 
-def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:
+def delay_readings(
+    robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Window]
+) -> None:
     """Replace, in place, the readings (steps, nsensordata, lanes) of sensors that are late by older ones.
 
     What a late sensor shows at first was true before the start; there it counts as it was recorded.
@@ -172,7 +176,7 @@ def read_late(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: V
         sensors[: n + 1, column, i] = read
 
 
-def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Segment]) -> None:
+def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Window]) -> None:
     """Add, in place, to the readings (steps, nsensordata, lanes) what they gained since the recordings began."""
     drift = _drifts(robot, catalogue, values)
     for i in np.flatnonzero(drift.any(axis=1)).tolist():

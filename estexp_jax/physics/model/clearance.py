@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.lanes.collision_pairs import contacts_on, touching_pairs
-from estexp_jax.physics.model.collision_pairs import gap, overlapping
+from estexp_jax.physics.model.collision_pairs import geom_distance, overlapping_bodies
 from estexp_jax.physics.model.robot import Robot
 
 NEAR, TOGETHER = 0.02, 0.005
@@ -22,7 +22,7 @@ ROWS = 300
 """So many rows of each recording are looked at."""
 
 
-def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) -> list[tuple[int, int]]:
+def without_collisions(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) -> list[tuple[int, int]]:
     """Pairs of bodies whose contacts can be left out: they stayed apart all along.
 
     Two moving bodies, or one of a robot that is bolted down and one of its surroundings: what floats falls on these.
@@ -34,7 +34,7 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
         near: gap of parts that may touch, m.
     """
     model, data = robot.model, mujoco.MjData(robot.model)
-    ever = overlapping(robot)
+    ever = overlapping_bodies(robot)
     pairs = {bodies: geoms for bodies, geoms in _pairs(robot).items() if bodies not in ever}
     met = set[tuple[int, int]]()
     mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
@@ -45,7 +45,7 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
             for bodies in pairs.keys() - met:
-                found = min(gap(model, data, one, other, 2.0 * NEAR) for one, other in pairs[bodies])
+                found = min(geom_distance(model, data, one, other, 2.0 * NEAR) for one, other in pairs[bodies])
                 if bodies in gaps:
                     gaps[bodies].append(found)
                 elif found <= touch[bodies]:
@@ -54,8 +54,8 @@ def kept_apart(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) ->
     return [*ever, *(bodies for bodies in pairs if bodies not in met)] if len(paths) else []
 
 
-def meet(robot: Robot, paths: Sequence[np.ndarray]) -> bool:
-    """Whether parts that are apart at home, as of `kept_apart`, come together in some motions.
+def pairs_that_touch(robot: Robot, paths: Sequence[np.ndarray]) -> bool:
+    """Whether parts that are apart at home, as of `without_collisions`, come together in some motions.
 
     Args:
         robot: as described.
@@ -63,8 +63,8 @@ def meet(robot: Robot, paths: Sequence[np.ndarray]) -> bool:
     """
     if not contacts_on(robot.model):
         return False
-    apart = kept_apart(robot, [robot.home()[None]], TOGETHER)
-    return not set(apart) <= set(kept_apart(robot, paths, TOGETHER))
+    apart = without_collisions(robot, [robot.home()[None]], TOGETHER)
+    return not set(apart) <= set(without_collisions(robot, paths, TOGETHER))
 
 
 def _may_touch(gaps: list[float], near: float) -> bool:

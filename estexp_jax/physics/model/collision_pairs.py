@@ -12,7 +12,7 @@ _DEEP = 1e-3
 """Meshes that overlap by more at home, m, were not drawn to touch: MuJoCo fills their hollows."""
 
 
-def overlapping(robot: Robot) -> tuple[tuple[int, int], ...]:
+def overlapping_bodies(robot: Robot) -> tuple[tuple[int, int], ...]:
     """Pairs of bodies of which a mesh overlaps with what it may touch while the robot is at home, in order.
 
     None of a robot that floats and its surroundings: it may stand on these.
@@ -27,12 +27,12 @@ def overlapping(robot: Robot) -> tuple[tuple[int, int], ...]:
         one, other = sorted((int(model.geom_bodyid[a]), int(model.geom_bodyid[b])))
         floor = any(model.body_weldid[body] == 0 for body in (one, other))
         if (mesh[a] or mesh[b]) and not (floor and (robot.floats(one) or robot.floats(other))):
-            if gap(model, data, a, b, 0.0) < -_DEEP:
+            if geom_distance(model, data, a, b, 0.0) < -_DEEP:
                 found.add((one, other))
     return tuple(sorted(found))
 
 
-def gap(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int, most: float) -> float:
+def geom_distance(model: mujoco.MjModel, data: mujoco.MjData, one: int, other: int, most: float) -> float:
     """Distance of two geoms, m, at most `most`; balls around them, which planes have not, tell most."""
     around = model.geom_rbound[[one, other]]
     if around.all() and np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]) > around.sum() + most:

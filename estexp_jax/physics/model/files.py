@@ -19,8 +19,8 @@ from typing import Any, final
 
 import mujoco
 
-from estexp_jax.errors import InputError, shown
-from estexp_jax.physics.model.xml_text import Element, elements
+from estexp_jax.errors import InputError, abbreviated
+from estexp_jax.physics.model.xml_text import Element, xml_elements
 
 _MOST_XML, _MOST_BYTES, _MOST_FILES = 16 * 2**20, 256 * 2**20, 1000
 _MOST_PIXELS = 2**26
@@ -118,7 +118,7 @@ class _Files:
         if len(self._seen) > _MOST_FILES:
             raise InputError(f"refers to more than {_MOST_FILES} files", where=str(self.model))
         folders, text = [folder], _text(path)
-        for element in elements(text, str(path)):
+        for element in xml_elements(text, str(path)):
             for inner in self._opened(element, path, folder):
                 if element.tag == "flexcomp":
                     continue
@@ -154,11 +154,15 @@ class _Files:
             right = (
                 f"put it there, or the model beside its files; a ROS package is known by its package.xml ({self.root})"
             )
-            raise InputError(f"there is no file {shown(file)} in the model's folder", where=place, right=right)
+            raise InputError(f"there is no file {abbreviated(file)} in the model's folder", where=place, right=right)
         if len(found) > 1 and len({candidate.read_bytes() for candidate in found}) > 1:
-            raise InputError(f"{shown(file)} may be any of {len(found)} files", where=place, right="name them apart")
+            raise InputError(
+                f"{abbreviated(file)} may be any of {len(found)} files", where=place, right="name them apart"
+            )
         if found[0].suffix.lower() == ".dae":
-            raise InputError(f"{shown(file)} is a Collada file", where=place, right="convert it to OBJ, STL or MSH")
+            raise InputError(
+                f"{abbreviated(file)} is a Collada file", where=place, right="convert it to OBJ, STL or MSH"
+            )
         _sized(found[0], file, place, _MOST_BYTES)
         _pixels(found[0], file, place)
         return found[0]
@@ -177,10 +181,10 @@ class _Files:
         try:
             resolved = candidate.resolve()
         except (OSError, ValueError, RuntimeError):  # a loop of links, a NUL, a name that no file can have
-            raise InputError(f"{shown(file)} is no path", where=place) from None
+            raise InputError(f"{abbreviated(file)} is no path", where=place) from None
         if not resolved.is_relative_to(self.root):
             right = f"a model reads only what is in its folder, {self.root}; copy the file there"
-            raise InputError(f"{shown(file)} leads out of the model's folder", where=place, right=right)
+            raise InputError(f"{abbreviated(file)} leads out of the model's folder", where=place, right=right)
         return resolved
 
 
@@ -207,7 +211,7 @@ def is_file(path: Path) -> bool:
 def _sized(path: Path, file: str, place: str, most: int) -> None:
     size = path.stat().st_size
     if size > most:
-        raise InputError(f"{shown(file)} is {size:,} bytes long", where=place, right=f"at most {most:,}")
+        raise InputError(f"{abbreviated(file)} is {size:,} bytes long", where=place, right=f"at most {most:,}")
 
 
 def _pixels(path: Path, file: str, place: str) -> None:
@@ -217,5 +221,5 @@ def _pixels(path: Path, file: str, place: str) -> None:
     if head[:8] == b"\x89PNG\r\n\x1a\n" and len(head) == 24:
         width, height = struct.unpack(">II", head[16:])
         if width * height > _MOST_PIXELS:
-            said = f"{shown(file)} claims {width:,} x {height:,} pixels"
+            said = f"{abbreviated(file)} claims {width:,} x {height:,} pixels"
             raise InputError(said, where=place, right=f"at most {_MOST_PIXELS:,} in all")

@@ -13,8 +13,8 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.files import is_file, read_description
-from estexp_jax.physics.model.spec import elements, freeze, named, with_masses
-from estexp_jax.physics.model.validation import refuse_unbounded, refuse_unsound, unheard
+from estexp_jax.physics.model.spec import freeze, named, spec_elements, with_masses
+from estexp_jax.physics.model.validation import refuse_invalid, refuse_unbounded, warnings_suppressed
 
 _TYPES = {
     "body": mujoco.mjtObj.mjOBJ_BODY,
@@ -57,7 +57,7 @@ class Robot:
                 "no such MJCF file", where=str(path), right="give the path of a MuJoCo XML model or a URDF"
             )
         try:
-            with unheard():
+            with warnings_suppressed():
                 return cls.from_spec(read_description(path), str(path))
         except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=str(path)) from None
@@ -70,7 +70,7 @@ class Robot:
             InputError: the text does not compile.
         """
         try:
-            with unheard():
+            with warnings_suppressed():
                 return cls.from_spec(mujoco.MjSpec.from_string(xml), source)
         except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=source) from None
@@ -84,7 +84,7 @@ class Robot:
         """
         refuse_unbounded(spec, source)
         model = spec.compile()
-        refuse_unsound(model, source)
+        refuse_invalid(model, source)
         return cls(with_masses(named(spec), model), model, source)
 
     def names(self, kind: str) -> tuple[str, ...]:
@@ -212,7 +212,7 @@ def spec_element(spec: mujoco.MjSpec, robot: Robot, kind: str, name: str) -> Any
     """
     robot.index(kind, name)
     freeze(spec, robot.model, robot.index)
-    for element in elements(spec)[kind]:
+    for element in spec_elements(spec)[kind]:
         if element.name == name:
             return element
     raise InputError(f"the {kind} '{name}' is no longer there", where=robot.source, right="change it before its part")

@@ -16,7 +16,7 @@ Index = Callable[[str, str], int]
 """MuJoCo's index in the nominal model of an element of a kind by its name."""
 
 
-def elements(spec: mujoco.MjSpec) -> dict[str, Sequence[Any]]:
+def spec_elements(spec: mujoco.MjSpec) -> dict[str, Sequence[Any]]:
     """The elements of a description that effects change, by kind."""
     return {"body": spec.bodies, "joint": spec.joints, "actuator": spec.actuators, "sensor": spec.sensors}
 
@@ -27,7 +27,7 @@ def named(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     Indices shift when a part is deleted from a description; names stay.
     """
     spec = spec.copy()
-    for kind, some in elements(spec).items():
+    for kind, some in spec_elements(spec).items():
         taken = {element.name for element in some}
         for element in some:
             if not element.name and f"{kind}_{element.id}" not in taken:
@@ -65,10 +65,10 @@ def _write_masses(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Callable[
         b = index(body)
         if nominal.body_mass[b] > 0.0:
             body.explicitinertial = False  # what it says was not used
-            weigh(body, nominal, b, float(nominal.body_mass[b]))
+            set_masses(body, nominal, b, float(nominal.body_mass[b]))
 
 
-def weigh(body: Any, nominal: mujoco.MjModel, index: int, mass: float) -> None:
+def set_masses(body: Any, nominal: mujoco.MjModel, index: int, mass: float) -> None:
     """Give a body of a description this mass, its nominal inertia scaled with it, about the centre it has."""
     centre = body.ipos if body.explicitinertial else nominal.body_ipos[index]
     body.explicitinertial, body.fullinertia = True, np.full(6, np.nan)

@@ -15,7 +15,7 @@ from estexp_jax.physics.model.robot import Robot
 _FREE, _SLIDE = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 
 
-def travel_of(robot: Robot) -> Callable[[jax.Array], jax.Array]:
+def root_position(robot: Robot) -> Callable[[jax.Array], jax.Array]:
     """The map from a configuration (nq,) to the root's position (3,), m.
 
     The root is the body with the first free joint, or else the first moving body, which then has to slide.
@@ -23,12 +23,12 @@ def travel_of(robot: Robot) -> Callable[[jax.Array], jax.Array]:
     Raises:
         InputError: the root can neither float nor slide, so no distance is defined.
     """
-    matrix, offset = travel_map(robot)
+    matrix, offset = root_position_map(robot)
     return lambda qpos: jnp.asarray(matrix, jnp.float32) @ qpos + jnp.asarray(offset, jnp.float32)
 
 
-def travel_map(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix (3, nq) and offset (3,) of the map in `travel_of`."""
+def root_position_map(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """Matrix (3, nq) and offset (3,) of the map in `root_position`."""
     model = robot.model
     matrix, offset = np.zeros((3, model.nq)), np.zeros(3)
     free = [j for j in range(model.njnt) if int(model.jnt_type[j]) == _FREE]

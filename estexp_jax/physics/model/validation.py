@@ -22,7 +22,7 @@ _FIELDS = (
 )  # fmt: skip
 
 
-def refuse_unsound(model: mujoco.MjModel, source: str) -> None:
+def refuse_invalid(model: mujoco.MjModel, source: str) -> None:
     """See that a model's numbers are numbers, and its step one that can be taken.
 
     Args:
@@ -47,7 +47,7 @@ def refuse_unsound(model: mujoco.MjModel, source: str) -> None:
 def _refuse_massless(model: mujoco.MjModel, source: str) -> None:
     """See that every joint moves something, and no two the same: else no force tells an acceleration."""
     data = mujoco.MjData(model)
-    with unheard():
+    with warnings_suppressed():
         mujoco.mj_forward(model, data)
     warned = data.warning[int(mujoco.mjtWarning.mjWARN_INERTIA)]
     if warned.number:
@@ -70,15 +70,15 @@ def refuse_unbounded(spec: mujoco.MjSpec, source: str) -> None:
 
 
 @contextmanager
-def unheard() -> Iterator[None]:
+def warnings_suppressed() -> Iterator[None]:
     """All warnings kept back while a model is read: what is wrong is told once."""
-    with unlogged(), warnings.catch_warnings():
+    with mujoco_warnings_suppressed(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
 
 
 @contextmanager
-def unlogged() -> Iterator[None]:
+def mujoco_warnings_suppressed() -> Iterator[None]:
     """MuJoCo's warnings, such as of a simulation that diverges, kept from stderr and from a MUJOCO_LOG.TXT."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(_ignore)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import NamedTuple, final
 from xml.parsers import expat
 
-from estexp_jax.errors import InputError, shown
+from estexp_jax.errors import InputError, abbreviated
 
 MOST_ELEMENTS = 20_000
 """Elements of a model, replicated ones counted each: from there on MuJoCo takes many seconds to compile it."""
@@ -34,7 +34,7 @@ class Element(NamedTuple):
     attributes: Mapping[str, str]
 
 
-def elements(text: str, where: str) -> list[Element]:
+def xml_elements(text: str, where: str) -> list[Element]:
     """All elements of a model's XML, in its order, the root first.
 
     Args:
@@ -94,7 +94,7 @@ class _Reader:
             for name, value in attributes.items():
                 most = _MOST_ROOM.get(name, _MOST_SIZE)
                 if name.startswith("n") and _product(attributes, (name,)) > most:
-                    raise InputError(f"{name} is {shown(value)}", where=place, right=f"at most {most:,}")
+                    raise InputError(f"{name} is {abbreviated(value)}", where=place, right=f"at most {most:,}")
         self.found.append(Element(tag, attributes))
 
     def _end(self, _: str) -> None:

@@ -33,7 +33,7 @@ _SPREAD, _REVERSALS, _SUDDEN, _SOON = 3.0, 4, 0.1, 0.05
 _WIDE = {"angle": 0.5, "length": 0.05}
 
 
-def tells(
+def sufficient_excitation(
     kind: str, time: np.ndarray, values: np.ndarray, clock: np.ndarray, command: np.ndarray | None
 ) -> dict[str, bool | None]:
     """Which suspects one joint's motion in one recording can tell apart, by the names in `SUSPECTS`.

@@ -116,10 +116,10 @@ def slope_faults(angle: str, rate: str, time: np.ndarray, values: np.ndarray, sp
     if len(time) < 20:
         return
     slope = signals.speed(time, values)
-    if abs(signals.agreement(slope, speeds)) < 0.8:
+    if abs(signals.slope_agreement(slope, speeds)) < 0.8:
         return
     ratio = float(np.std(speeds) / max(np.std(slope), 1e-300))
-    sign = "-" if signals.agreement(slope, speeds) < 0.0 else ""
+    sign = "-" if signals.slope_agreement(slope, speeds) < 0.0 else ""
     if sign or not 0.6 < ratio < 1.6:
         what = f"is {sign}{ratio:.3g} times the slope of {angle}"
         yield Fault("speed_unit", rate, f"{what}; give its unit (deg/s, rpm) or scale, or mend the angle's")

@@ -142,7 +142,7 @@ def _joints(robot: Robot, recording: Recording, readings: dict[str, np.ndarray])
             rows = np.isfinite(readings[position])
             command = recording.ctrl[:, driven[joint]] if joint in driven else None
             motion = kinds[position], recording.time[rows], readings[position][rows]
-            judged[name]["tells"] = excitation.tells(*motion, recording.time, command)
+            judged[name]["tells"] = excitation.sufficient_excitation(*motion, recording.time, command)
     return judged
 
 
@@ -178,7 +178,7 @@ def _followers(robot: Robot, readings: dict[str, np.ndarray]) -> Iterator[servo_
 
 
 def _lag(robot: Robot, recording: Recording, actuator: int, values: np.ndarray) -> float | None:
-    pair = servo_faults.followed(robot, recording, actuator, values)
+    pair = servo_faults.follows_commands(robot, recording, actuator, values)
     late, best, _ = signals.lag(*pair) if len(pair[0]) >= 20 else (0.0, 0.0, 0.0)
     return late if best > 0.8 else None
 

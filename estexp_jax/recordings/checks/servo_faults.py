@@ -47,7 +47,7 @@ def follower_faults(robot: Robot, recording: Recording, follower: Follower, valu
         follower: servo and reading.
         values: (rows,) the reading, NaN where there is no sample.
     """
-    (time, command, reading), name = followed(robot, recording, follower.actuator, values), follower.column
+    (time, command, reading), name = follows_commands(robot, recording, follower.actuator, values), follower.column
     if len(time) < 20 or float(np.ptp(command)) <= 0.0 or float(np.ptp(reading)) <= 0.0:
         return
     late, best, plain = signals.lag(time, command, reading)
@@ -68,7 +68,7 @@ def follower_faults(robot: Robot, recording: Recording, follower: Follower, valu
     yield from _stuck(name, time, command, reading)
 
 
-def followed(
+def follows_commands(
     robot: Robot, recording: Recording, actuator: int, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time, commanded and read position of a servo's joint, over the longest stretch with the motor on.

@@ -95,7 +95,7 @@ def spikes(values: np.ndarray, step: float) -> np.ndarray:
     return found if len(found) <= 0.02 * len(values) else np.empty(0, dtype=int)
 
 
-def agreement(first: np.ndarray, second: np.ndarray) -> float:
+def slope_agreement(first: np.ndarray, second: np.ndarray) -> float:
     """Correlation of two signals, -1 to 1; 0.0 where one does not move."""
     a, b = first - first.mean(), second - second.mean()
     size = float(np.sqrt((a @ a) * (b @ b)))
@@ -121,7 +121,7 @@ def lag(time: np.ndarray, cause: np.ndarray, effect: np.ndarray, most: float = 0
     if furthest < 1:
         return 0.0, 0.0, 0.0
     shifts = range(-furthest, furthest + 1)
-    found = [agreement(a[: len(a) - k], b[k:]) if k >= 0 else agreement(a[-k:], b[:k]) for k in shifts]
+    found = [slope_agreement(a[: len(a) - k], b[k:]) if k >= 0 else slope_agreement(a[-k:], b[:k]) for k in shifts]
     best = int(np.argmax(found))
     return shifts[best] * period, found[best], found[furthest]
 

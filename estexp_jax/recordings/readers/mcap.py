@@ -16,7 +16,15 @@ from typing import IO, Any, final
 import numpy as np
 
 from estexp_jax.errors import InputError, listing
-from estexp_jax.recordings.readers.messages import Step, decoder_of, follow, nanoseconds, number, numbers_in, path_in
+from estexp_jax.recordings.readers.messages import (
+    Step,
+    decoder_of,
+    follow,
+    message_number,
+    nanoseconds,
+    numbers_in,
+    path_in,
+)
 from estexp_jax.recordings.table import MOST_COLUMNS, Selection, Table, check_size
 
 MOST_CHUNK_BYTES = 2**28
@@ -173,7 +181,7 @@ def _take(
     for rest, column in columns.items():
         if not column.ways and (way := path_in(message, rest)) is not None:
             column.ways.append(way)
-        value = number(follow(message, column.ways[0])) if column.ways else None
+        value = message_number(follow(message, column.ways[0])) if column.ways else None
         if value is not None:
             column.times.append(time)
             column.values.append(value)

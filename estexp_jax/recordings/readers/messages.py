@@ -105,7 +105,7 @@ def follow(message: Any, steps: Sequence[Step]) -> Any:
     return value
 
 
-def number(value: Any) -> float | None:
+def message_number(value: Any) -> float | None:
     """A value as a number, a stamp of seconds and nanoseconds among them; None where it is neither."""
     if isinstance(value, bool | int | float):
         try:

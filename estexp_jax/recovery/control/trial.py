@@ -49,7 +49,7 @@ class Trial:
 
     def distance(self, axis: str) -> float:
         """How far the root came along an axis, m; NaN where nobody knows."""
-        return float(distances(self.position, axis))
+        return float(distances_along(self.position, axis))
 
     def to_tree(self) -> dict[str, np.ndarray]:
         """What a checkpoint holds."""
@@ -63,7 +63,7 @@ class Trial:
         return cls(*tables, heard=None if heard is None else np.asarray(heard))
 
 
-def distances(position: np.ndarray, axis: str) -> np.ndarray:
+def distances_along(position: np.ndarray, axis: str) -> np.ndarray:
     """How far roots came along an axis, m: (..., rows, 3) to (...)."""
     component, sign = AXES[axis]
     return sign * (position[..., -1, component] - position[..., 0, component])
@@ -109,7 +109,7 @@ class Controller:
         Returns:
             Hidden outputs (HIDDEN,) for the next step, and commands (nu,) in each actuator's unit.
         """
-        return drive(self.network(), self.interface, self.gain, hidden, readings)
+        return controller_step(self.network(), self.interface, self.gain, hidden, readings)
 
 
 class Scales(NamedTuple):
@@ -123,7 +123,7 @@ class Scales(NamedTuple):
     ctrl_high: np.ndarray
 
 
-def drive(
+def controller_step(
     network: Network, interface: Interface | Scales, gain: float, hidden: np.ndarray, readings: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `Controller.respond`, for a network that may carry a fault.

@@ -17,14 +17,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.control.trial import Trial, distances
+from estexp_jax.recovery.control.trial import Trial, distances_along
 from estexp_jax.recovery.estimation.edits import Place, change_of
 from estexp_jax.recovery.estimation.genome import Items
 from estexp_jax.recovery.estimation.metrics import distance_error, rolling_mean
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.simulator import DamageSimulator
 
 
-class Residuals(Protocol):
+class HypothesisCost(Protocol):
     """How badly hypotheses reproduce what was recorded."""
 
     def __call__(self, hypotheses: Sequence[Items], reference: Items = ()) -> np.ndarray:
@@ -46,7 +46,7 @@ class Residuals(Protocol):
         ...
 
 
-class Diagnosis(NamedTuple):
+class DamageDiagnosis(NamedTuple):
     """What the estimation believes.
 
     Attributes:
@@ -80,7 +80,7 @@ class Estimation(abc.ABC):
         """The state before the first round; `seeds` are what `seed` gave after earlier passes."""
 
     @abc.abstractmethod
-    def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
+    def advance(self, state: dict[str, Any], residuals: HypothesisCost) -> dict[str, Any]:
         """The state after one more round."""
 
     @abc.abstractmethod
@@ -92,7 +92,7 @@ class Estimation(abc.ABC):
         """How many there will be; None where nobody knows."""
 
     @abc.abstractmethod
-    def diagnosis(self, state: dict[str, Any]) -> Diagnosis:
+    def diagnosis(self, state: dict[str, Any]) -> DamageDiagnosis:
         """The best hypothesis so far."""
 
     @abc.abstractmethod
@@ -104,12 +104,12 @@ class Estimation(abc.ABC):
         """Numbers of the last round."""
 
 
-def changes_of(simulator: Simulator, items: Sequence[tuple[Place, float]]) -> tuple[Any, ...]:
+def changes_of(simulator: DamageSimulator, items: Sequence[tuple[Place, float]]) -> tuple[Any, ...]:
     """The changes that a diagnosis stands for."""
     return tuple(change_of(simulator.robot, place, amount) for place, amount in items)
 
 
-class MetricResiduals:
+class MetricCost:
     """The paper's metrics on all trials so far: in closed loop for the paper's search, else under replay.
 
     Replay takes apart what the loop ties together: a faulty sensor then shows in its own reading only, and not in all
@@ -123,7 +123,7 @@ class MetricResiduals:
     """
 
     def __init__(
-        self, simulator: Simulator, settings: Settings, controllers: Sequence[np.ndarray], trials: Sequence[Trial]
+        self, simulator: DamageSimulator, settings: Settings, controllers: Sequence[np.ndarray], trials: Sequence[Trial]
     ) -> None:
         self._simulator, self._settings = simulator, settings
         self._weights = np.stack(list(controllers))
@@ -136,7 +136,7 @@ class MetricResiduals:
         self._travelled = np.array([t.distance(settings.axis) for t in trials])
 
     def __call__(self, hypotheses: Sequence[Items], reference: Items = ()) -> np.ndarray:
-        """See `Residuals`."""
+        """See `HypothesisCost`."""
         settings = self._settings
         sets = [changes_of(self._simulator, items) for items in hypotheses]
         steps = settings.samples if self._short else settings.steps
@@ -145,11 +145,11 @@ class MetricResiduals:
             seen = self._seen(walk.readings)
             values = rolling_mean(self._inputs, seen, header=settings.header, window=settings.window)
         else:
-            values = distance_error(self._travelled, distances(walk.position, settings.axis))
+            values = distance_error(self._travelled, distances_along(walk.position, settings.axis))
         return np.where(walk.failed.any(axis=1), np.inf, values)
 
     def alone(self, hypothesis: Items, *, thorough: bool = False) -> tuple[float, float]:
-        """See `Residuals`; a simulator without errors reproduces the truth exactly."""
+        """See `HypothesisCost`; a simulator without errors reproduces the truth exactly."""
         value = float(self([hypothesis])[0])
         return value, value / _NOTHING
 

@@ -8,28 +8,28 @@ import numpy as np
 
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Trial
-from estexp_jax.recovery.estimation.base import Estimation, MetricResiduals, Residuals
-from estexp_jax.recovery.estimation.likelihood import Reproduction
+from estexp_jax.recovery.estimation.base import Estimation, HypothesisCost, MetricCost
+from estexp_jax.recovery.estimation.likelihood import EnsembleLikelihood
 from estexp_jax.recovery.estimation.paper import PaperEstimation
 from estexp_jax.recovery.estimation.replay import ReplayEstimation
 from estexp_jax.recovery.estimation.set import SetEstimation
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.simulator import DamageSimulator
 
 
-def estimation(simulator: Simulator, settings: Settings, number: int) -> Estimation:
+def estimation_of(simulator: DamageSimulator, settings: Settings, number: int) -> Estimation:
     """The estimation of one pass, counted from 1."""
     if settings.paper:
         return PaperEstimation(simulator, settings, number)
     return ReplayEstimation(simulator, settings, number) if _replays(settings) else SetEstimation(simulator, settings)
 
 
-def residuals_of(
-    simulator: Simulator,
+def hypothesis_cost_of(
+    simulator: DamageSimulator,
     settings: Settings,
     controllers: Sequence[np.ndarray],
     trials: Sequence[Trial],
     healthy: Sequence[tuple[np.ndarray, Trial]] = (),
-) -> Residuals:
+) -> HypothesisCost:
     """What hypotheses are judged by: all trials so far.
 
     Args:
@@ -40,8 +40,8 @@ def residuals_of(
         healthy: controllers and trials before the damage; only a rough simulator needs them.
     """
     if _replays(settings):
-        return Reproduction(simulator, settings, controllers, trials, healthy)
-    return MetricResiduals(simulator, settings, controllers, trials)
+        return EnsembleLikelihood(simulator, settings, controllers, trials, healthy)
+    return MetricCost(simulator, settings, controllers, trials)
 
 
 def _replays(settings: Settings) -> bool:

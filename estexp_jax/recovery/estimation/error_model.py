@@ -43,7 +43,7 @@ class Reference(NamedTuple):
     unsure: np.ndarray  #: (trials, rows, touches) chance that a touch reading has the other sign
 
 
-def errors_about(walk: np.ndarray, touch: np.ndarray, before: np.ndarray) -> Reference:
+def linearise_errors_at(walk: np.ndarray, touch: np.ndarray, before: np.ndarray) -> Reference:
     """What errors do about the first of some robots, of which the others are perturbed copies.
 
     Args:
@@ -51,7 +51,7 @@ def errors_about(walk: np.ndarray, touch: np.ndarray, before: np.ndarray) -> Ref
         touch: (n_inputs,) which readings are touch.
         before: (members, samples) deviations of other trials, which come first.
     """
-    off = deviations(walk, touch, before)
+    off = angle_deviations(walk, touch, before)
     sd = np.sqrt(NOISE**2 + _FLOOR**2 + _SHARE**2 * np.sum(off**2, axis=0))
     white = off / sd
     factor = np.linalg.cholesky(np.eye(len(white)) + white @ white.T)
@@ -60,7 +60,7 @@ def errors_about(walk: np.ndarray, touch: np.ndarray, before: np.ndarray) -> Ref
     return Reference(white, factor, sd, float(log_det), np.mean(signs[1:] != signs[0], axis=0))
 
 
-def deviations(walk: np.ndarray, touch: np.ndarray, before: np.ndarray) -> np.ndarray:
+def angle_deviations(walk: np.ndarray, touch: np.ndarray, before: np.ndarray) -> np.ndarray:
     """The first robot's angles (members, samples), after those of other trials; what blew up tells nothing."""
     found = (walk[1:] - walk[0])[..., ~touch].reshape(len(walk) - 1, -1)
     found = np.where(np.all(np.isfinite(found), axis=1, keepdims=True), found, 0.0)

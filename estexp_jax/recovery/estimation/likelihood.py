@@ -23,13 +23,13 @@ from estexp_jax.recovery.estimation.error_model import (
     SAMPLES,
     Reference,
     angle_cost,
-    deviations,
-    errors_about,
+    angle_deviations,
+    linearise_errors_at,
     touch_cost,
 )
 from estexp_jax.recovery.estimation.genome import Items
-from estexp_jax.recovery.model_error import ensemble
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.model_error import perturbed_robots
+from estexp_jax.recovery.simulator import DamageSimulator
 
 _MEMBERS, _MANY = 48, 256
 """Of an ensemble; and of one that also meets the rare robots in which a leg slips or the torso tips over."""
@@ -39,7 +39,7 @@ _GENEROUS = 0.6
 
 @final
 @dataclass(frozen=True, eq=False)
-class Recorded:
+class Measurements:
     """Trials with the controllers that drove them.
 
     Attributes:
@@ -54,7 +54,7 @@ class Recorded:
 
 
 @final
-class Reproduction:
+class EnsembleLikelihood:
     """See the module.
 
     Args:
@@ -68,7 +68,7 @@ class Reproduction:
 
     def __init__(
         self,
-        simulator: Simulator,
+        simulator: DamageSimulator,
         settings: Settings,
         controllers: Sequence[np.ndarray],
         trials: Sequence[Trial],
@@ -76,8 +76,8 @@ class Reproduction:
         members: int = _MEMBERS,
     ) -> None:
         self._simulator, self._touch = simulator.finer, simulator.walker.interface.is_touch
-        self._with_members = partial(Reproduction, simulator, settings, controllers, trials, healthy)
-        self._members = ensemble(simulator.robot, settings.rough, members)
+        self._with_members = partial(EnsembleLikelihood, simulator, settings, controllers, trials, healthy)
+        self._members = perturbed_robots(simulator.robot, settings.rough, members)
         self._damaged = _recorded(controllers, trials)
         self._healthy = _recorded([w for w, _ in healthy], [t for _, t in healthy]) if healthy else None
         self._before = self._about_healthy()
@@ -94,14 +94,14 @@ class Reproduction:
         return np.where(failed, np.inf, cost)
 
     def alone(self, hypothesis: Items, *, thorough: bool = False) -> tuple[float, float]:
-        """See `Residuals`: cost and log determinant, comparable between hypotheses; and the cost of a sample."""
+        """See `HypothesisCost`: cost and log determinant, comparable between hypotheses; and the cost of a sample."""
         if thorough:
             return self._larger.alone(hypothesis)
         cost, about = float(self([hypothesis], hypothesis)[0]), self._references.pop(hypothesis)
         return cost + _GENEROUS * about.log_det, cost / len(about.sd)
 
     @cached_property
-    def _larger(self) -> Reproduction:
+    def _larger(self) -> EnsembleLikelihood:
         return self._with_members(members=_MANY)
 
     def _reference(self, items: Items) -> Reference:
@@ -112,7 +112,7 @@ class Reproduction:
     def _about(self, items: Items) -> Reference:
         centre = changes_of(self._simulator, items)
         walk = self._walk([centre, *((*centre, *member) for member in self._members)], self._damaged)
-        return errors_about(walk, self._touch, self._before[1])
+        return linearise_errors_at(walk, self._touch, self._before[1])
 
     def _about_healthy(self) -> tuple[np.ndarray, np.ndarray]:
         """Errors (samples,) and deviations (members, samples) of the trials before the damage."""
@@ -120,7 +120,7 @@ class Reproduction:
             return np.zeros(0), np.zeros((len(self._members), 0))
         walk = self._walk([(), *self._members], self._healthy)
         errors = (self._healthy.readings - walk[0])[..., ~self._touch].ravel()
-        return errors, deviations(walk, self._touch, np.zeros((len(self._members), 0)))
+        return errors, angle_deviations(walk, self._touch, np.zeros((len(self._members), 0)))
 
     def _replayed(self, hypotheses: Sequence[Items]) -> tuple[np.ndarray, Any]:
         sets = [changes_of(self._simulator, items) for items in hypotheses]
@@ -129,12 +129,12 @@ class Reproduction:
         failed = np.any(np.asarray(walk.failed), axis=1)
         return np.where(failed[:, None, None, None], 0.0, np.asarray(walk.readings, float)), failed
 
-    def _walk(self, sets: Sequence[Sequence], seen: Recorded) -> np.ndarray:
+    def _walk(self, sets: Sequence[Sequence], seen: Measurements) -> np.ndarray:
         walk = self._simulator.trials(sets, seen.weights, seen.heard.shape[1], seen.heard)
         return np.asarray(walk.readings, float)
 
 
-def _recorded(controllers: Sequence[np.ndarray], trials: Sequence[Trial]) -> Recorded:
+def _recorded(controllers: Sequence[np.ndarray], trials: Sequence[Trial]) -> Measurements:
     n = min(SAMPLES, *(len(trial.readings) for trial in trials))
     tables = ([trial.readings[:n] for trial in trials], [trial.network_heard[:n] for trial in trials])
-    return Recorded(np.stack(list(controllers)), *(np.stack(table) for table in tables))
+    return Measurements(np.stack(list(controllers)), *(np.stack(table) for table in tables))

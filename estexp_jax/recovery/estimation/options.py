@@ -39,7 +39,7 @@ _GROWING = Option(0.0, 1.0, (0.4, 0.7, 1.0))
 
 
 @final
-class Menu(NamedTuple):
+class DamageOptions(NamedTuple):
     """A robot's options; a hypothesis of the search counts them."""
 
     robot: Robot
@@ -51,9 +51,9 @@ class Menu(NamedTuple):
         return merged(self.robot, [(self.places[index], amount) for index, amount in hypothesis])
 
 
-def menu(robot: Robot, catalogue: Catalogue) -> Menu:
+def damage_options(robot: Robot, catalogue: Catalogue) -> DamageOptions:
     """What may differ from a robot's nominal model."""
     names = PAPER if catalogue == "paper" else (*PAPER, *EXTENDED)
     found = tuple(place for name in names for place in places(robot, name))
     options = {**_OPTIONS, "body_mass": _GROWING} if catalogue == "paper" else _OPTIONS
-    return Menu(robot, found, tuple(options[place.effect] for place in found))
+    return DamageOptions(robot, found, tuple(options[place.effect] for place in found))

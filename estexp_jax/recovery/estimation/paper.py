@@ -11,9 +11,9 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import Diagnosis, Estimation, Residuals, Round
+from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, Round
 from estexp_jax.recovery.estimation.genome import LENGTH, Codec, key
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import genetic
 from estexp_jax.search.genetic import Genetic, Population
 
@@ -25,26 +25,26 @@ TAG = 2
 class PaperEstimation(Estimation):
     """The paper's genetic algorithm; genomes that say the same are simulated once a pass."""
 
-    def __init__(self, simulator: Simulator, settings: Settings, number: int) -> None:
+    def __init__(self, simulator: DamageSimulator, settings: Settings, number: int) -> None:
         self._codec = Codec(simulator.robot)
         self._generations = settings.generations
         self._genetic = Genetic(LENGTH, settings.population, settings.seed, (TAG, number), settings.mutation)
 
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""
-        population = genetic.begin(self._genetic).to_tree()
+        population = genetic.begin_genetic(self._genetic).to_tree()
         return {"population": population, "seeds": [np.asarray(s) for s in seeds], "known": {}}
 
-    def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
+    def advance(self, state: dict[str, Any], residuals: HypothesisCost) -> dict[str, Any]:
         """See `Estimation`."""
         population = Population.from_tree(state["population"])
-        genomes = genetic.ask(self._genetic, population, state["seeds"])
+        genomes = genetic.ask_genetic(self._genetic, population, state["seeds"])
         items = [self._codec.items(genome) for genome in genomes]
         new = {key(i): i for i in items if key(i) not in state["known"]}
         values = residuals(list(new.values())) if new else np.zeros(0)
         known = {**state["known"], **{k: float(v) for k, v in zip(new, values, strict=True)}}
         scores = np.array([known[key(i)] for i in items])
-        told = genetic.tell(self._genetic, population, genomes, scores)
+        told = genetic.tell_genetic(self._genetic, population, genomes, scores)
         return {**state, "population": told.to_tree(), "known": known}
 
     def done(self, state: dict[str, Any]) -> bool:
@@ -55,10 +55,10 @@ class PaperEstimation(Estimation):
         """See `Estimation`."""
         return self._generations
 
-    def diagnosis(self, state: dict[str, Any]) -> Diagnosis:
+    def diagnosis(self, state: dict[str, Any]) -> DamageDiagnosis:
         """See `Estimation`."""
         population = Population.from_tree(state["population"])
-        return Diagnosis(self._codec.items(population.genomes[0]), float(population.scores[0]), None)
+        return DamageDiagnosis(self._codec.items(population.genomes[0]), float(population.scores[0]), None)
 
     def seed(self, state: dict[str, Any]) -> Any:
         """See `Estimation`."""

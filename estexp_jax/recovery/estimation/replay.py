@@ -12,12 +12,12 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import Diagnosis, Estimation, Residuals, Round
+from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, Round
 from estexp_jax.recovery.estimation.edits import Place
 from estexp_jax.recovery.estimation.error_model import TEMPER
 from estexp_jax.recovery.estimation.genome import Items
-from estexp_jax.recovery.estimation.options import Menu, menu
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.estimation.options import DamageOptions, damage_options
+from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import set_search
 from estexp_jax.search.set_moves import Items as Indexed
 from estexp_jax.search.set_moves import pruned
@@ -41,26 +41,26 @@ _RIVALS, _UNLIKELY = 3, 0.01
 class ReplayEstimation(Estimation):
     """See the module."""
 
-    def __init__(self, simulator: Simulator, settings: Settings, number: int) -> None:
-        self._menu = menu(simulator.robot, settings.catalogue)
+    def __init__(self, simulator: DamageSimulator, settings: Settings, number: int) -> None:
+        self._menu = damage_options(simulator.robot, settings.catalogue)
         price = _PRICE + _PRICE_OF_TRIAL * number
         self._search = SetSearch(self._menu.options, price=price, floor=0.0, costs=True, **_FEWER)
 
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""
-        search = set_search.begin().to_tree()
+        search = set_search.begin_set_search().to_tree()
         first = {"searches": 1, "told": [np.inf, np.inf, 0], "judged": None}
         return {"search": search, "seeds": list(seeds), "about": [], **first}
 
-    def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
+    def advance(self, state: dict[str, Any], residuals: HypothesisCost) -> dict[str, Any]:
         """See `Estimation`."""
-        before = set_search.State.from_tree(state["search"])
+        before = set_search.SetSearchState.from_tree(state["search"])
         about = self._menu.items(_plain(state["about"]))
         if set_search.done(before):
             return self._judged(state, before, residuals)
-        asked = set_search.ask(self._search, before, [_plain(seed) for seed in state["seeds"]])
+        asked = set_search.ask_set_search(self._search, before, [_plain(seed) for seed in state["seeds"]])
         values = residuals([self._menu.items(items) for items in asked], about)
-        after = set_search.tell(self._search, before, asked, values)
+        after = set_search.tell_set_search(self._search, before, asked, values)
         least = min((f.residual for f in before.pool), default=-np.inf)
         costs, new = [f.residual for f in after.pool], int(np.sum(np.asarray(values) < least))
         state = {**state, "search": after.to_tree(), "told": [costs[0], float(np.median(costs)), new]}
@@ -74,7 +74,7 @@ class ReplayEstimation(Estimation):
         """See `Estimation`."""
         return None
 
-    def diagnosis(self, state: dict[str, Any]) -> Diagnosis:
+    def diagnosis(self, state: dict[str, Any]) -> DamageDiagnosis:
         """See `Estimation`."""
         judged = [(self._menu.items(_plain(j["items"])), j["cost"], j["misfit"]) for j in state["judged"]]
         worth = np.array([cost for _, cost, _ in judged]) - judged[0][1]
@@ -83,7 +83,7 @@ class ReplayEstimation(Estimation):
         rivals = [(items, float(p)) for (items, _, _), p in zip(judged, shares, strict=True)][1:]
         told = tuple((items, p) for items, p in rivals if p >= _UNLIKELY)[:_RIVALS]
         items, _, misfit = judged[0]
-        return Diagnosis(items, misfit, float(shares[0]), told, misfit > _ALARM)
+        return DamageDiagnosis(items, misfit, float(shares[0]), told, misfit > _ALARM)
 
     def seed(self, state: dict[str, Any]) -> Any:
         """See `Estimation`."""
@@ -94,29 +94,31 @@ class ReplayEstimation(Estimation):
         best, median, dominants = state["told"]
         return Round(best, median, dominants)
 
-    def _again(self, state: dict[str, Any], found: set_search.State) -> dict[str, Any]:
+    def _again(self, state: dict[str, Any], found: set_search.SetSearchState) -> dict[str, Any]:
         """Search once more about the result, unless it is the same set as before."""
         best = [list(item) for item in found.pool[0].items]
         same = [i for i, _ in best] == [i for i, _ in state["about"]]
         if same or state["searches"] >= _SEARCHES:
             return state
         seeds = [[list(item) for item in f.items] for f in found.pool[:_KEPT]]
-        again = {"search": set_search.begin().to_tree(), "about": best, "searches": state["searches"] + 1}
+        again = {"search": set_search.begin_set_search().to_tree(), "about": best, "searches": state["searches"] + 1}
         return {**state, **again, "seeds": seeds}
 
-    def _judged(self, state: dict[str, Any], found: set_search.State, residuals: Residuals) -> dict[str, Any]:
+    def _judged(
+        self, state: dict[str, Any], found: set_search.SetSearchState, residuals: HypothesisCost
+    ) -> dict[str, Any]:
         """The finalists and what is left of the best without each member, each about itself; the best then refined.
 
         The last few are judged by many more of the simulator's errors: a robot on three legs may tip over or not, and
         where a small ensemble holds none that does, what happened looks impossible.
         """
         first = [f.items for f in found.pool[:_FINALISTS]]
-        judged = Judged(self._menu, self._search.price, residuals)
+        judged = LinearisedCandidates(self._menu, self._search.price, residuals)
         for items in [*first, *pruned(first[:_REFINED])]:
             judged.worth(items)
         for items in judged.ranked()[:_REFINED]:
             judged.refine(items)
-        last = Judged(self._menu, self._search.price, residuals, thorough=True)
+        last = LinearisedCandidates(self._menu, self._search.price, residuals, thorough=True)
         best, *others = judged.ranked()
         for items in [best, *pruned([best]), *others[: _LAST - 1]]:
             last.worth(items)
@@ -124,17 +126,17 @@ class ReplayEstimation(Estimation):
 
 
 @final
-class Judged:
+class LinearisedCandidates:
     """Hypotheses, the simulator's errors judged about each itself: a reference draws amounts towards its own.
 
     Args:
         menu: what hypotheses count.
         price: of one more change.
         residuals: what they are judged by.
-        thorough: see `Residuals`.
+        thorough: see `HypothesisCost`.
     """
 
-    def __init__(self, menu: Menu, price: float, residuals: Residuals, *, thorough: bool = False) -> None:
+    def __init__(self, menu: DamageOptions, price: float, residuals: HypothesisCost, *, thorough: bool = False) -> None:
         self._menu, self._price, self._residuals, self._thorough = menu, price, residuals, thorough
         self._known: dict[Items, tuple[Indexed, float, float]] = {}
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from estexp_jax.physics.effects.registry import PAPER
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import Diagnosis, Estimation, Residuals, Round
-from estexp_jax.recovery.estimation.options import menu
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, Round
+from estexp_jax.recovery.estimation.options import damage_options
+from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import set_search
 from estexp_jax.search.set_search import SetSearch
 
@@ -37,8 +37,8 @@ _RIVALS, _UNLIKELY = 3, 0.01
 class SetEstimation(Estimation):
     """The set search: all places first, amounts later, a price on each change."""
 
-    def __init__(self, simulator: Simulator, settings: Settings) -> None:
-        self._menu = menu(simulator.robot, settings.catalogue)
+    def __init__(self, simulator: DamageSimulator, settings: Settings) -> None:
+        self._menu = damage_options(simulator.robot, settings.catalogue)
         options = self._menu.options
         inside = sum(place.effect in PAPER for place in self._menu.places)  # they come first
         lost = tuple(i for i, place in enumerate(self._menu.places) if place.effect == "part_lost")
@@ -48,17 +48,17 @@ class SetEstimation(Estimation):
 
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""
-        search = set_search.begin().to_tree()
+        search = set_search.begin_set_search().to_tree()
         return {"search": search, "rung": 0, "seeds": list(seeds), "told": [np.inf, np.inf, 0]}
 
-    def advance(self, state: dict[str, Any], residuals: Residuals) -> dict[str, Any]:
+    def advance(self, state: dict[str, Any], residuals: HypothesisCost) -> dict[str, Any]:
         """See `Estimation`."""
-        before = set_search.State.from_tree(state["search"])
+        before = set_search.SetSearchState.from_tree(state["search"])
         seeds = [tuple((int(o), float(a)) for o, a in seed) for seed in state["seeds"]]
         search = self._ladder[state["rung"]]
-        asked = set_search.ask(search, before, seeds)
+        asked = set_search.ask_set_search(search, before, seeds)
         values = residuals([self._menu.items(items) for items in asked])
-        after = set_search.tell(search, before, asked, values)
+        after = set_search.tell_set_search(search, before, asked, values)
         least = min((f.residual for f in before.pool), default=-np.inf)
         left = [f.residual for f in after.pool]
         told = [left[0], float(np.median(left)), int(np.sum(np.asarray(values) < least))]
@@ -73,14 +73,14 @@ class SetEstimation(Estimation):
         """See `Estimation`."""
         return None
 
-    def diagnosis(self, state: dict[str, Any]) -> Diagnosis:
+    def diagnosis(self, state: dict[str, Any]) -> DamageDiagnosis:
         """See `Estimation`."""
-        found = set_search.State.from_tree(state["search"])
-        shares = set_search.probabilities(self._ladder[-1], found, _WEIGHT)
+        found = set_search.SetSearchState.from_tree(state["search"])
+        shares = set_search.set_probabilities(self._ladder[-1], found, _WEIGHT)
         first, *others = [(self._menu.items(f.items), float(p)) for f, p in zip(found.pool, shares, strict=True)]
         rivals = tuple((items, p) for items, p in others if p >= _UNLIKELY and items != first[0])[:_RIVALS]
         residual = found.pool[0].residual
-        return Diagnosis(first[0], residual, first[1], rivals, residual > _ALARM)
+        return DamageDiagnosis(first[0], residual, first[1], rivals, residual > _ALARM)
 
     def seed(self, state: dict[str, Any]) -> Any:
         """See `Estimation`."""
@@ -91,7 +91,7 @@ class SetEstimation(Estimation):
         best, median, dominants = state["told"]
         return Round(best, median, dominants)
 
-    def _climbed(self, state: dict[str, Any], found: set_search.State) -> dict[str, Any]:
+    def _climbed(self, state: dict[str, Any], found: set_search.SetSearchState) -> dict[str, Any]:
         """The next search of the ladder where this one leaves an error, with its best hypotheses as seeds."""
         best = found.pool[0]
         if best.residual <= _SOLVED or state["rung"] + 1 == len(self._ladder):
@@ -99,4 +99,4 @@ class SetEstimation(Estimation):
         options = len(self._ladder[state["rung"] + 1].options)
         kept = [f.items for f in found.pool if all(index < options for index, _ in f.items)][:_SEEDS]
         seeds = [[list(item) for item in items] for items in kept]
-        return {**state, "search": set_search.begin().to_tree(), "rung": state["rung"] + 1, "seeds": seeds}
+        return {**state, "search": set_search.begin_set_search().to_tree(), "rung": state["rung"] + 1, "seeds": seeds}

@@ -17,20 +17,20 @@ import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.error_model import SAMPLES, TEMPER, angle_cost, errors_about, touch_cost
-from estexp_jax.recovery.model_error import ensemble
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.estimation.error_model import SAMPLES, TEMPER, angle_cost, linearise_errors_at, touch_cost
+from estexp_jax.recovery.model_error import perturbed_robots
+from estexp_jax.recovery.simulator import DamageSimulator
 
 _MEMBERS = 16
 _ALIKE = 0.02
 """Shares left to the rivals that are this near tell controllers no more apart."""
 
-Explanation = tuple[tuple[Change, ...], float]
+RivalDamage = tuple[tuple[Change, ...], float]
 """What differs, and its probability."""
 
 
-def undecided(
-    simulator: Simulator, settings: Settings, controllers: np.ndarray, explanations: Sequence[Explanation]
+def remaining_probability(
+    simulator: DamageSimulator, settings: Settings, controllers: np.ndarray, explanations: Sequence[RivalDamage]
 ) -> np.ndarray:
     """Share (controllers,) of the rivals' probability that would be left to them after a trial under each controller.
 
@@ -43,13 +43,13 @@ def undecided(
     told, n = [changes for changes, _ in explanations], len(explanations)
     steps, touch = min(SAMPLES, settings.steps), simulator.walker.interface.is_touch
     heard = np.asarray(simulator.trials(told[:1], controllers, steps).readings[0])
-    off = [(*told[0], *member) for member in ensemble(simulator.robot, settings.rough, _MEMBERS)]
+    off = [(*told[0], *member) for member in perturbed_robots(simulator.robot, settings.rough, _MEMBERS)]
     walk = np.asarray(simulator.trials([*told, *off], controllers, steps, heard).readings, float)
     shares = np.array([p for _, p in explanations[1:]])
     left = []
     for each in np.moveaxis(walk, 1, 0)[:, :, None]:  # (sets, one trial, steps, n_inputs)
         first, rivals = each[0], each[1:n]
-        about = errors_about(np.concatenate([each[:1], each[n:]]), touch, np.zeros((_MEMBERS, 0)))
+        about = linearise_errors_at(np.concatenate([each[:1], each[n:]]), touch, np.zeros((_MEMBERS, 0)))
         cost = angle_cost(about, (first - rivals)[..., ~touch].reshape(n - 1, -1))
         cost += touch_cost(about, first[..., touch], rivals[..., touch])
         cost = np.nan_to_num(cost, nan=np.inf)  # a rival that blows up would be excluded
@@ -57,6 +57,6 @@ def undecided(
     return np.array(left)
 
 
-def most_telling(left: np.ndarray) -> int:
+def most_informative(left: np.ndarray) -> int:
     """Index of the first controller, in the order given, that leaves the rivals about as little as any does."""
     return int(np.flatnonzero(left <= np.min(left) + _ALIKE)[0])

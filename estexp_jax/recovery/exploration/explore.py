@@ -12,11 +12,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.engines.closed_loop import Heard
+from estexp_jax.physics.engines.closed_loop import ReadingOverride
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.control.trial import distances
-from estexp_jax.recovery.model_error import ensemble, noise
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.control.trial import distances_along
+from estexp_jax.recovery.model_error import perturbed_robots, sensor_noise
+from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search.genetic import Genetic, Population
 
 TAG = 1
@@ -24,7 +24,7 @@ _JURY = 32
 """Simulators that judge after the search. Seen on development seeds: with them the robot comes a tenth farther."""
 
 
-def exploration_algorithm(simulator: Simulator, settings: Settings, number: int) -> Genetic:
+def exploration_algorithm(simulator: DamageSimulator, settings: Settings, number: int) -> Genetic:
     """The genetic algorithm of one pass, counted from 0."""
     return Genetic(
         length=simulator.n_weights,
@@ -36,7 +36,7 @@ def exploration_algorithm(simulator: Simulator, settings: Settings, number: int)
 
 
 def exploration_score(
-    simulator: Simulator, settings: Settings, changes: Sequence[Change], draw: int = 0
+    simulator: DamageSimulator, settings: Settings, changes: Sequence[Change], draw: int = 0
 ) -> Callable[[np.ndarray], np.ndarray]:
     """Score of controllers on the robot as diagnosed: minus the distance along the axis, m; +inf if it blew up.
 
@@ -50,24 +50,24 @@ def exploration_score(
         draw: of the rough simulators; others for each number.
     """
     sets: list[tuple[Change, ...]] = [tuple(changes)]
-    heard: Heard | None = None
+    heard: ReadingOverride | None = None
     if settings.members > 1:
-        off = ensemble(simulator.robot, settings.rough, settings.members, draw)
+        off = perturbed_robots(simulator.robot, settings.rough, settings.members, draw)
         sets = [(*changes, *member) for member in off]
-        told = noise(simulator.walker.interface, settings.members, settings.steps, draw)
-        heard = Heard(told.factor[:, None], told.added[:, None])
+        told = sensor_noise(simulator.walker.interface, settings.members, settings.steps, draw)
+        heard = ReadingOverride(told.factor[:, None], told.added[:, None])
     start = simulator.settled(sets)
 
     def score(weights: np.ndarray) -> np.ndarray:
         walk = simulator.walks(sets, start, weights, settings.steps, heard)
-        mean = np.mean(distances(walk.position, settings.axis), axis=0)
+        mean = np.mean(distances_along(walk.position, settings.axis), axis=0)
         return np.where(np.any(walk.failed, axis=0), np.inf, -mean)
 
     return score
 
 
-def judged(
-    simulator: Simulator,
+def rank_controllers(
+    simulator: DamageSimulator,
     settings: Settings,
     changes: Sequence[Change],
     population: Population,
@@ -96,12 +96,12 @@ def judged(
     n = len(population.genomes) - len(population.genomes) // 2  # as many as are new in a generation: compiled already
     again = list(tried)[-(n // 2) :] if last else []
     genomes = np.array([*new[: n - len(again)], *again])
-    draws = range(1, jury(settings) + 1)
+    draws = range(1, validation_ensemble(settings) + 1)
     scores = np.mean([exploration_score(simulator, settings, changes, i)(genomes) for i in draws], axis=0)
     order = np.argsort(scores, kind="stable")
     return genomes[order], scores[order]
 
 
-def jury(settings: Settings) -> int:
+def validation_ensemble(settings: Settings) -> int:
     """Sets of rough simulators, as large as that of the search, on which controllers are judged after it."""
     return 0 if settings.members == 1 else max(1, round(_JURY / settings.members))

@@ -21,7 +21,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.physics.model.travel import root_position_map
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recovery.control.trial import AXES, Controller, Trial
 
@@ -37,7 +37,7 @@ _DISAGREES = 0.2
 
 @final
 @dataclass(frozen=True, eq=False)
-class Wanted:
+class ExpectedTrial:
     """What a recording is to be a trial of.
 
     Attributes:
@@ -55,14 +55,14 @@ class Wanted:
     measured: bool = False
 
 
-class Logged(NamedTuple):
+class LoggedTrial(NamedTuple):
     """A trial, and what there is to say of its recording."""
 
     trial: Trial
     notes: tuple[str, ...]
 
 
-def logged(robot: Robot, recording: Recording, wanted: Wanted, where: str) -> Logged:
+def trial_of_recording(robot: Robot, recording: Recording, wanted: ExpectedTrial, where: str) -> LoggedTrial:
     """The trial that a recording tells of.
 
     Args:
@@ -88,11 +88,11 @@ def logged(robot: Robot, recording: Recording, wanted: Wanted, where: str) -> Lo
     row = float(np.median(np.diff(time)))
     if row > 1.2 * period:
         notes += (f"rows are {row:.3g} s apart, control steps {period:g} s",)
-    return Logged(_heard(robot, trial, wanted, where), (*notes, *_unmeasured(robot, trial, wanted, where)))
+    return LoggedTrial(_heard(robot, trial, wanted, where), (*notes, *_unmeasured(robot, trial, wanted, where)))
 
 
 def _readings(
-    recording: Recording, time: np.ndarray, grid: np.ndarray, wanted: Wanted, where: str
+    recording: Recording, time: np.ndarray, grid: np.ndarray, wanted: ExpectedTrial, where: str
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     face, period = wanted.controller.interface, wanted.controller.control_step
     columns, notes = [], []
@@ -123,7 +123,7 @@ def _nearest(grid: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray
 
 def _position(robot: Robot, recording: Recording, time: np.ndarray, grid: np.ndarray, period: float) -> np.ndarray:
     """The root's position (steps, 3), m; NaN where no column tells it."""
-    matrix, offset = travel_map(robot)
+    matrix, offset = root_position_map(robot)
     position = np.tile(offset, (len(grid), 1))
     for component, row in enumerate(matrix):
         for coordinate in np.flatnonzero(row):
@@ -140,7 +140,7 @@ def _position(robot: Robot, recording: Recording, time: np.ndarray, grid: np.nda
     return position
 
 
-def _unmeasured(robot: Robot, trial: Trial, wanted: Wanted, where: str) -> tuple[str, ...]:
+def _unmeasured(robot: Robot, trial: Trial, wanted: ExpectedTrial, where: str) -> tuple[str, ...]:
     """A note on a distance that nobody knows.
 
     Raises:
@@ -159,7 +159,7 @@ def _columns(robot: Robot, component: int) -> list[str]:
     """The columns of a recording that tell one component of the root's position."""
     addresses = robot.model.jnt_qposadr.tolist()
     found = []
-    for coordinate in np.flatnonzero(travel_map(robot)[0][component]).tolist():
+    for coordinate in np.flatnonzero(root_position_map(robot)[0][component]).tolist():
         joint = max(j for j, address in enumerate(addresses) if address <= coordinate)
         scalar = joint in robot.scalar_joints
         name = robot.names("joint")[joint]
@@ -167,7 +167,7 @@ def _columns(robot: Robot, component: int) -> list[str]:
     return found
 
 
-def _heard(robot: Robot, trial: Trial, wanted: Wanted, where: str) -> Trial:
+def _heard(robot: Robot, trial: Trial, wanted: ExpectedTrial, where: str) -> Trial:
     """The trial, with what its network heard.
 
     Raises:

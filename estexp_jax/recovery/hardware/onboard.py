@@ -18,7 +18,7 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recovery.control.network import HIDDEN, Network
-from estexp_jax.recovery.control.trial import Controller, Scales, drive
+from estexp_jax.recovery.control.trial import Controller, Scales, controller_step
 
 _NETWORK = ("w_hidden", "w_recurrent", "w_output")
 _OTHERS = ("inputs", "is_touch", "rest", "actuators", "gain", "control_step", "steps", "weights")
@@ -28,7 +28,7 @@ ARRAYS = (*_NETWORK, *Scales._fields, *_OTHERS)
 
 @final
 @dataclass(frozen=True, eq=False)
-class Onboard:
+class OnboardController:
     """A controller that needs no simulator; its file has the same names.
 
     Attributes:
@@ -61,7 +61,7 @@ class Onboard:
     weights: np.ndarray
 
     @classmethod
-    def of(cls, controller: Controller, actuators: Sequence[str]) -> Onboard:
+    def of(cls, controller: Controller, actuators: Sequence[str]) -> OnboardController:
         """A controller of a robot with these actuators."""
         network, face = controller.network(), controller.interface
         return cls(
@@ -95,7 +95,7 @@ class Onboard:
         """
         healthy = np.ones(HIDDEN, np.float32), np.arange(len(self.w_output))
         tables: Any = (self.w_hidden, self.w_recurrent, self.w_output, *healthy)
-        return drive(Network(*tables), self.scales, self.gain, hidden, readings)
+        return controller_step(Network(*tables), self.scales, self.gain, hidden, readings)
 
     def to_arrays(self) -> dict[str, np.ndarray]:
         """The arrays of its file, named as in `ARRAYS`."""
@@ -103,7 +103,7 @@ class Onboard:
         return {name: np.asarray(value) for name, value in (named | self.scales._asdict()).items()}
 
     @classmethod
-    def from_arrays(cls, arrays: Mapping[str, np.ndarray]) -> Onboard:
+    def from_arrays(cls, arrays: Mapping[str, np.ndarray]) -> OnboardController:
         """The inverse of `to_arrays`.
 
         Raises:

@@ -48,7 +48,7 @@ class Shot:
     elevation: float
 
 
-def render(
+def render_shots(
     model: mujoco.MjModel, shots: Sequence[Shot], *, width: int, height: int, shadows: bool = False
 ) -> np.ndarray:
     """Draw shots that are alike in numbers of frames and robots.

@@ -14,7 +14,7 @@ import numpy as np
 _THICKER = 0.03
 
 
-def draw(job: Any) -> np.ndarray:
+def draw_shot(job: Any) -> np.ndarray:
     """Pictures (shots, frames, height, width, 3) of a job as `gl.py` writes it."""
     model = _loaded(job["model"])
     height, width = (int(x) for x in job["size"])
@@ -64,4 +64,4 @@ def _compose(renderer: Any, data: Any, ghost: Any, job: Any, shot: int, frame: i
 
 if __name__ == "__main__":
     with np.load(sys.argv[1], allow_pickle=False) as given:
-        np.save(sys.argv[2], draw(given), allow_pickle=False)
+        np.save(sys.argv[2], draw_shot(given), allow_pickle=False)

@@ -26,7 +26,7 @@ _COLOURS = {"nominal": "#d95f02", "explained": "#1b6ca8"}
 _RIVAL = "#7a7a7a"
 
 
-def figure_rivals(findings: Mapping[str, Any]) -> Figure:
+def figure_competing_models(findings: Mapping[str, Any]) -> Figure:
     """Errors of all rivals: filled on test recordings, hollow on training recordings.
 
     Args:

@@ -10,7 +10,7 @@ import numpy as np
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.drawing.film import captioned, strip
-from estexp_jax.report.drawing.gl import Shot, render
+from estexp_jax.report.drawing.gl import Shot, render_shots
 from estexp_jax.report.drawing.robot_pictures import drawn, ground_covered, standing_view, tinted
 
 _SIZE, _MOMENTS = (320, 262), 4
@@ -44,7 +44,7 @@ def ghosts_of(diagnosis: Diagnosis) -> bytes | None:
     centre, radius = ground_covered(robot, qpos.reshape(-1, robot.model.nq))
     rgba = np.stack([tinted(robot, _REAL, 1.0), tinted(robot, _NOMINAL, 0.45), tinted(robot, _EXPLAINED, 0.45)])
     shot = Shot(qpos, rgba, np.tile(centre, (len(moments), 1)), *standing_view(robot, radius))
-    (pictures,) = render(drawn(robot), [shot], width=_SIZE[0], height=_SIZE[1])
+    (pictures,) = render_shots(drawn(robot), [shot], width=_SIZE[0], height=_SIZE[1])
     told = [f"{prediction.recording}, {prediction.time[k]:.2f} s" for k in moments]
     return strip([[captioned(picture, text) for picture, text in zip(pictures, told, strict=True)]])
 

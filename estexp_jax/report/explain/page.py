@@ -11,12 +11,12 @@ from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.estimation.windows import FINER
 from estexp_jax.physics.effects.laws.base import UNKNOWN
 from estexp_jax.report.drawing.film import source
-from estexp_jax.report.explain.competing_models import NAMES, figure_rivals
+from estexp_jax.report.explain.competing_models import NAMES, figure_competing_models
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where
 from estexp_jax.report.explain.latex import latex
 from estexp_jax.report.explain.law_figure import figure_law
 from estexp_jax.report.explain.text import VERDICTS
-from estexp_jax.report.pages import capital, finite, image, number, percent, probability, render
+from estexp_jax.report.pages import capital, finite, format_number, image, percent, probability, render_page
 
 _NOTHING = {
     "consistent": "Nothing: the nominal simulator is as good as noise lets one see.",
@@ -26,7 +26,7 @@ _NOTHING = {
 }
 
 
-def page(
+def explain_page(
     diagnosis: Diagnosis, findings: Mapping[str, Any], *, ghosts: bytes | None = None, marked: bytes | None = None
 ) -> str:
     """HTML of an explanation.
@@ -37,11 +37,11 @@ def page(
         ghosts: the robots in one scene (JPEG), where they could be drawn.
         marked: the robot with the parts that are named (JPEG), where it could be drawn.
     """
-    return render(
+    return render_page(
         "explain_page.html",
         model=Path(diagnosis.case.robot.source).name,
         verdict=findings["verdict"],
-        headline=headline(findings),
+        headline=explain_headline(findings),
         proof=_agreement(findings["fit"]) if findings["verdict"] == "consistent" else _proof(findings["fit"]),
         claims=[_claim(entry, diagnosis) for entry in findings["what"]],
         nothing=_NOTHING[findings["verdict"]],
@@ -53,19 +53,19 @@ def page(
         steps=_steps(diagnosis),
         alternatives=_alternatives(findings),
         advice=findings["advice"],
-        data=[{**entry, "hz": number(entry["hz"])} for entry in findings["data"]],
+        data=[{**entry, "hz": format_number(entry["hz"])} for entry in findings["data"]],
         cost=_cost(findings),
         versions=sorted(findings["versions"].items()),
         where=image(figure_where(diagnosis)),
         fit=image(figure_fit(diagnosis)),
-        rivals=image(figure_rivals(findings)),
+        rivals=image(figure_competing_models(findings)),
         ranking=image(figure_ranking(diagnosis)),
         ghosts="" if ghosts is None else source(ghosts, "image/jpeg"),
         marked="" if marked is None else source(marked, "image/jpeg"),
     )
 
 
-def headline(findings: Mapping[str, Any]) -> str:
+def explain_headline(findings: Mapping[str, Any]) -> str:
     """The verdict in a sentence, with the first claim where physics is missing."""
     text = VERDICTS[findings["verdict"]]
     if findings["verdict"] != "missing_physics" or not findings["what"]:
@@ -78,7 +78,7 @@ def headline(findings: Mapping[str, Any]) -> str:
 def _claim(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
     laws = [law for law in diagnosis.laws if entry["effect"] == UNKNOWN and law.joint == entry["name"]]
     numbers = [
-        {"name": name, "unit": p["unit"], **{key: number(p[key]) for key in ("value", "low", "high")}}
+        {"name": name, "unit": p["unit"], **{key: format_number(p[key]) for key in ("value", "low", "high")}}
         for name, p in entry["parameters"].items()
     ]
     return {
@@ -94,7 +94,7 @@ def _claim(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _place(entry: Mapping[str, Any]) -> dict[str, str]:
-    return {"place": _named(entry), "share": percent(entry["share"], 0), "p_value": number(entry["p_value"], 2)}
+    return {"place": _named(entry), "share": percent(entry["share"], 0), "p_value": format_number(entry["p_value"], 2)}
 
 
 def _named(entry: Mapping[str, Any]) -> str:
@@ -102,7 +102,9 @@ def _named(entry: Mapping[str, Any]) -> str:
 
 
 def _when(when: Mapping[str, Any]) -> str:
-    late = [f"from {number(onset)} s on in {file}" for file, onset in when["onset_s"].items() if onset is not None]
+    late = [
+        f"from {format_number(onset)} s on in {file}" for file, onset in when["onset_s"].items() if onset is not None
+    ]
     return "; ".join([*([when["regime"]] if when["regime"] else []), *late])
 
 
@@ -136,16 +138,16 @@ def _proof(fit: Mapping[str, Any]) -> str:
 def _steps(diagnosis: Diagnosis) -> str:
     """At which steps the simulators ran."""
     own = 1e3 * float(diagnosis.case.robot.model.opt.timestep)
-    finest = {finer: f"{number(own / finer)} ms" for finer in (diagnosis.rivals_finer, FINER)}
+    finest = {finer: f"{format_number(own / finer)} ms" for finer in (diagnosis.rivals_finer, FINER)}
     black_box = f", the black-box correction {finest[FINER]}" if len(finest) > 1 else ""
     alike = ", and so does the explained one" if diagnosis.finer < diagnosis.rivals_finer else ""
-    nominal, others = f"{number(own)} ms{alike}", f"{finest[diagnosis.rivals_finer]}{black_box}"
+    nominal, others = f"{format_number(own)} ms{alike}", f"{finest[diagnosis.rivals_finer]}{black_box}"
     told = f"The nominal simulator takes steps of {nominal}, the others of {others}"
     return f"{told}: so fine that noise hides what they cost, or as fine as pays."
 
 
 def _gain(fit: Mapping[str, Any], *, told: bool) -> str:
-    windows = "whole recordings" if not finite(fit["window_s"]) else f"windows of {number(fit['window_s'])} s"
+    windows = "whole recordings" if not finite(fit["window_s"]) else f"windows of {format_number(fit['window_s'])} s"
     measure = f"Root mean square over sensors and recordings, simulated in {windows}, each from a state estimated anew."
     gain = fit["gain"]
     if not (told and finite(gain["value"])):

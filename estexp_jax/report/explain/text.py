@@ -15,7 +15,7 @@ VERDICTS = {
 """What each verdict says."""
 
 
-def summary(findings: Mapping[str, Any]) -> str:
+def explain_summary(findings: Mapping[str, Any]) -> str:
     """The verdict, each claim with its numbers, the proof, and what else it could be; several lines."""
     lines = [VERDICTS[findings["verdict"]]]
     lines += [f"  {claim(entry)}" for entry in findings["what"]]
@@ -54,7 +54,7 @@ def proof(findings: Mapping[str, Any]) -> str:
     return f"{told}: {value['value']:.0%} of the excess is gone ({interval})."
 
 
-def rows(findings: Mapping[str, Any]) -> list[dict[str, Any]]:
+def explain_rows(findings: Mapping[str, Any]) -> list[dict[str, Any]]:
     """One row for each parameter of each claim."""
     return [
         {"effect": entry["effect"], "at": entry["name"], "parameter": name, **p, "probability": entry["probability"]}
@@ -63,11 +63,13 @@ def rows(findings: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def html_table(findings: Mapping[str, Any]) -> str:
+def explain_table(findings: Mapping[str, Any]) -> str:
     """Verdict, claims as a table, proof."""
     columns = ("effect", "at", "parameter", "value", "low", "high", "unit", "probability")
     head = "".join(f"<th>{c}</th>" for c in columns)
-    body = "".join("<tr>" + "".join(f"<td>{_cell(row[c])}</td>" for c in columns) + "</tr>" for row in rows(findings))
+    body = "".join(
+        "<tr>" + "".join(f"<td>{_cell(row[c])}</td>" for c in columns) + "</tr>" for row in explain_rows(findings)
+    )
     table = f"<table><tr>{head}</tr>{body}</table>" if body else ""
     return f"<p><b>{escape(VERDICTS[findings['verdict']])}</b></p>{table}<p>{escape(proof(findings))}</p>"
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from estexp_jax.experiment_design.propose import Proposed
+from estexp_jax.experiment_design.propose import ProposedExperiment
 from estexp_jax.report.drawing.axes import short
-from estexp_jax.report.propose.text import rows, unit_of
+from estexp_jax.report.propose.text import propose_rows, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +19,7 @@ _STYLES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (1, 1)))
 _MOST_MOTORS, _MOST_SENSORS = 8, 3
 
 
-def figure_commands(proposed: Proposed) -> Figure:
+def figure_commands(proposed: ProposedExperiment) -> Figure:
     """The commands, those of the motors that move most, one panel each."""
     from matplotlib.figure import Figure
 
@@ -37,14 +37,14 @@ def figure_commands(proposed: Proposed) -> Figure:
     return figure
 
 
-def figure_predictions(proposed: Proposed) -> Figure:
+def figure_predictions(proposed: ProposedExperiment) -> Figure:
     """What each explanation predicts of the readings on which pairs of them differ most, those apart most first.
 
     A grey line marks the moment at which a pair differs most.
     """
     from matplotlib.figure import Figure
 
-    chosen = telling(proposed)
+    chosen = informative_readings(proposed)
     figure = Figure(figsize=(_WIDTH, 1.1 + 2.0 * len(chosen)), layout="constrained")
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (channel, moments) in zip(panels, chosen.items(), strict=True):
@@ -63,10 +63,10 @@ def figure_predictions(proposed: Proposed) -> Figure:
     return figure
 
 
-def telling(proposed: Proposed) -> dict[str, list[float]]:
+def informative_readings(proposed: ProposedExperiment) -> dict[str, list[float]]:
     """The readings to look at, with the moments (s) at which pairs differ most there; pairs apart most come first."""
     found: dict[str, list[float]] = {}
-    for pair in sorted(rows(proposed), key=lambda pair: -np.nan_to_num(pair["separation"])):
+    for pair in sorted(propose_rows(proposed), key=lambda pair: -np.nan_to_num(pair["separation"])):
         if pair["sensor"] in found or len(found) < _MOST_SENSORS:
             moments = found.setdefault(pair["sensor"], [])
             if pair["time"] not in moments:

@@ -6,37 +6,37 @@ from pathlib import Path
 from typing import Any
 
 from estexp_jax.discovery.contest import Rival
-from estexp_jax.experiment_design.propose import PLAIN, Proposed
+from estexp_jax.experiment_design.propose import PLAIN, ProposedExperiment
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.report.pages import capital, image, number, render
+from estexp_jax.report.pages import capital, format_number, image, render_page
 from estexp_jax.report.propose.figures import figure_commands, figure_predictions
 from estexp_jax.report.propose.text import (
     again,
     caution,
-    motion,
+    motion_sentence,
     opening,
+    propose_rows,
+    propose_verdict,
     reaches,
-    rows,
     signs,
     standing,
-    verdict,
 )
 
 
-def page(proposed: Proposed) -> str:
+def propose_page(proposed: ProposedExperiment) -> str:
     """HTML of a proposal."""
-    return render(
+    return render_page(
         "propose_page.html",
         model=Path(proposed.robot.source).name,
-        headline=headline(proposed),
-        verdict=verdict(proposed),
+        headline=propose_headline(proposed),
+        verdict=propose_verdict(proposed),
         opening=opening(proposed),
         rivals=[_rival(n, rival) for n, rival in enumerate(proposed.contest.rivals, start=1)],
-        motion=motion(proposed),
+        motion=motion_sentence(proposed),
         caution=caution(proposed),
         reaches=reaches(proposed),
         plain=f"{PLAIN:g}",
-        pairs=[_pair(pair) for pair in rows(proposed)],
+        pairs=[_pair(pair) for pair in propose_rows(proposed)],
         signs=signs(proposed),
         command=again(proposed),
         commands=image(figure_commands(proposed)),
@@ -46,9 +46,9 @@ def page(proposed: Proposed) -> str:
     )
 
 
-def headline(proposed: Proposed) -> str:
+def propose_headline(proposed: ProposedExperiment) -> str:
     """Whether the motion settles it, in a sentence."""
-    pairs = rows(proposed)
+    pairs = propose_rows(proposed)
     plain = sum(pair["told_apart"] for pair in pairs)
     if plain == len(pairs):
         return "Record this motion: it tells the explanations apart."
@@ -71,8 +71,8 @@ def _rival(place: int, rival: Rival) -> dict[str, Any]:
 def _pair(pair: dict[str, Any]) -> dict[str, Any]:
     return {
         "pair": f"{pair['rival']}, {pair['other']}",
-        "separation": number(pair["separation"]),
-        "random": number(pair["random"]),
+        "separation": format_number(pair["separation"]),
+        "random": format_number(pair["random"]),
         "moment": f"{pair['sensor']} at {pair['time']:.2f} s: {abs(pair['difference']):.2g} {pair['unit']}".rstrip(),
         "told_apart": pair["told_apart"],
     }

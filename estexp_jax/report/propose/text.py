@@ -10,8 +10,8 @@ import numpy as np
 
 from estexp_jax.discovery.contest import Rival
 from estexp_jax.discovery.findings import TOLD
-from estexp_jax.experiment_design.propose import PLAIN, SLACK, Proposed
-from estexp_jax.physics.effects.units import told_of
+from estexp_jax.experiment_design.propose import PLAIN, SLACK, ProposedExperiment
+from estexp_jax.physics.effects.units import unit_at
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.pages import probability
 
@@ -56,10 +56,10 @@ def unit_of(robot: Robot, channel: str) -> str:
 
 
 def _on_joint(robot: Robot, joint: int, unit: str) -> str:
-    return told_of(robot, "joint", robot.names("joint")[joint], unit)
+    return unit_at(robot, "joint", robot.names("joint")[joint], unit)
 
 
-def rows(proposed: Proposed) -> list[dict[str, Any]]:
+def propose_rows(proposed: ProposedExperiment) -> list[dict[str, Any]]:
     """One row for each pair of rivals: how far apart, and the moment and sensor at which they differ most."""
     contest, shown, found = proposed.contest, proposed.shown, []
     for i, j in zip(*np.triu_indices(len(contest.rivals), 1), strict=True):
@@ -83,23 +83,23 @@ def rows(proposed: Proposed) -> list[dict[str, Any]]:
     return found
 
 
-def _in_deviations(proposed: Proposed, readings: np.ndarray) -> np.ndarray:
+def _in_deviations(proposed: ProposedExperiment, readings: np.ndarray) -> np.ndarray:
     deviations = proposed.contest.deviations
     return readings / np.where(deviations > 0.0, deviations, np.inf)
 
 
-def summary(proposed: Proposed) -> str:
+def propose_summary(proposed: ProposedExperiment) -> str:
     """The rivals, and how far apart the motion brings each pair; several lines."""
     rivals = enumerate(proposed.contest.rivals, start=1)
     lines = [opening(proposed), *(f"  {n}. {rival.label} ({standing(rival)})" for n, rival in rivals)]
-    lines += [verdict(proposed)]
-    for pair in rows(proposed):
+    lines += [propose_verdict(proposed)]
+    for pair in propose_rows(proposed):
         told = f"{pair['separation']:.3g} deviations apart, by random motions {pair['random']:.3g}"
-        lines.append(f"  {pair['rival']} and {pair['other']}: {told}; most at {moment(pair)}")
+        lines.append(f"  {pair['rival']} and {pair['other']}: {told}; most at {time_of(pair)}")
     return "\n".join(lines)
 
 
-def opening(proposed: Proposed) -> str:
+def opening(proposed: ProposedExperiment) -> str:
     """How much is open."""
     left = sum(rival.open for rival in proposed.contest.rivals[1:])
     if left:
@@ -116,9 +116,9 @@ def standing(rival: Rival) -> str:
     return "fits as well, by more numbers" if rival.tied else "refuted already"
 
 
-def verdict(proposed: Proposed) -> str:
+def propose_verdict(proposed: ProposedExperiment) -> str:
     """Whether the motion tells the rivals apart."""
-    pairs = rows(proposed)
+    pairs = propose_rows(proposed)
     faint = [pair for pair in pairs if not pair["told_apart"]]
     if not faint:
         least = min(pair["separation"] for pair in pairs)
@@ -132,26 +132,26 @@ def verdict(proposed: Proposed) -> str:
     return f"The proposed motion {told}; no motion found does so plainly for {same}. {still}{_ELSE}"
 
 
-def moment(pair: dict[str, Any]) -> str:
+def time_of(pair: dict[str, Any]) -> str:
     """When and where two rivals differ most."""
     size = f"{abs(pair['difference']):.3g} {pair['unit']}".rstrip()
     return f"{pair['time']:.2f} s, where `{pair['sensor']}` differs by {size} ({pair['deviations']:.3g} deviations)"
 
 
-def html_table(proposed: Proposed) -> str:
+def propose_table(proposed: ProposedExperiment) -> str:
     """The rivals as a list, the pairs as a table."""
-    found = rows(proposed)
+    found = propose_rows(proposed)
     head = "".join(f"<th>{escape(name)}</th>" for name in found[0])
     body = "".join("<tr>" + "".join(f"<td>{_cell(v)}</td>" for v in row.values()) + "</tr>" for row in found)
     rivals = "".join(f"<li>{escape(r.label)} ({standing(r)})</li>" for r in proposed.contest.rivals)
-    return f"<p><b>{escape(verdict(proposed))}</b></p><ol>{rivals}</ol><table><tr>{head}</tr>{body}</table>"
+    return f"<p><b>{escape(propose_verdict(proposed))}</b></p><ol>{rivals}</ol><table><tr>{head}</tr>{body}</table>"
 
 
 def _cell(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else escape(str(value))
 
 
-def motion(proposed: Proposed) -> str:
+def motion_sentence(proposed: ProposedExperiment) -> str:
     """What `commands.csv` holds, and within which limits."""
     config = proposed.config
     rate = 1.0 / (proposed.time[1] - proposed.time[0])
@@ -162,7 +162,7 @@ def motion(proposed: Proposed) -> str:
     )
 
 
-def caution(proposed: Proposed) -> str:
+def caution(proposed: ProposedExperiment) -> str:
     """What is beyond a limit; empty where nothing is."""
     if proposed.shown.excess <= SLACK:
         return ""
@@ -171,13 +171,13 @@ def caution(proposed: Proposed) -> str:
     return f"no motion found stays within the limits; this one {told}."
 
 
-def reaches(proposed: Proposed) -> list[tuple[str, str, str]]:
+def reaches(proposed: ProposedExperiment) -> list[tuple[str, str, str]]:
     """Each actuator with its lowest and highest command."""
     pairs = zip(proposed.robot.names("actuator"), proposed.commands.T, strict=True)
     return [(name, f"{column.min():.3g}", f"{column.max():.3g}") for name, column in pairs]
 
 
-def signs(proposed: Proposed) -> list[dict[str, str]]:
+def signs(proposed: ProposedExperiment) -> list[dict[str, str]]:
     """What each rival alone predicts: where it is farthest from the nearest other one."""
     shown, contest = proposed.shown.readings, proposed.contest
     scaled = _in_deviations(proposed, shown)
@@ -195,7 +195,7 @@ def signs(proposed: Proposed) -> list[dict[str, str]]:
     return found
 
 
-def again(proposed: Proposed) -> str:
+def again(proposed: ProposedExperiment) -> str:
     """The command that takes the new recording in."""
     train, test = (" ".join(n for n, r in proposed.contest.recordings if r == role) for role in ("train", "test"))
     return f"estexp explain MODEL.xml {train} proposed.csv --test {test} --out out/again"

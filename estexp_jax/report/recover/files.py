@@ -15,7 +15,7 @@ from estexp_jax.recovery.state import RunState
 _COLUMNS = ("pass", "phase", "generation", "best", "median", "dominant")
 
 
-def record(
+def run_record(
     state: RunState, axis: str, planted: Sequence[Change], config: Mapping[str, Any], *, stands_in: bool = False
 ) -> dict[str, Any]:
     """The contents of `run.json`, versions apart; distances in m, forward positive.

@@ -10,12 +10,12 @@ import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.control.trial import Trial, distances
+from estexp_jax.recovery.control.trial import Trial, distances_along
 from estexp_jax.recovery.cycle import Job
 from estexp_jax.recovery.state import RunState
-from estexp_jax.recovery.target import Filmed, Remote, SameTarget, Target
+from estexp_jax.recovery.target import FilmedTarget, RemoteTarget, SameTarget, Target
 from estexp_jax.report.drawing.film import can_film, captioned, film, source, strip
-from estexp_jax.report.drawing.gl import Shot, render
+from estexp_jax.report.drawing.gl import Shot, render_shots
 from estexp_jax.report.drawing.robot_pictures import colours, drawn, ground_covered, walking_view
 
 _SIZE = (320, 214)
@@ -23,11 +23,11 @@ _SIZE = (320, 214)
 _FPS, _MOST_FRAMES, _COLUMNS = 15.0, 75, 5
 
 
-class Walked(NamedTuple):
+class FilmedWalk(NamedTuple):
     """One of the walks that are shown."""
 
     title: str
-    target: Filmed
+    target: FilmedTarget
     weights: np.ndarray
     trial: Trial
     changes: tuple[Change, ...]
@@ -59,7 +59,7 @@ def film_of(job: Job, state: RunState) -> Film | None:
     Raises:
         NoGlError: nothing here can draw.
     """
-    walks = walks_of(job, state)
+    walks = filmed_walks(job, state)
     if not walks:
         return None
     steps, period = len(walks[0].trial.time), job.settings.control_step
@@ -69,7 +69,7 @@ def film_of(job: Job, state: RunState) -> Film | None:
     robot = job.simulator.robot
     motions = _motions(job, walks, rows.tolist())
     shots = [_shot(robot, walk, qpos, job.settings.axis) for walk, qpos in zip(walks, motions, strict=True)]
-    pictures = render(drawn(robot), shots, width=_SIZE[0], height=_SIZE[1], shadows=True)
+    pictures = render_shots(drawn(robot), shots, width=_SIZE[0], height=_SIZE[1], shadows=True)
     framed = [_captioned(walk, shown, rows, job) for walk, shown in zip(walks, pictures, strict=True)]
     chosen = np.linspace(0, len(rows) - 1, _COLUMNS).astype(int)
     still = strip([[row[k] for k in chosen] for row in framed])
@@ -79,19 +79,19 @@ def film_of(job: Job, state: RunState) -> Film | None:
     return Film(still, film(beside, len(rows) / (steps * period)))
 
 
-def walks_of(job: Job, state: RunState) -> list[Walked]:
+def filmed_walks(job: Job, state: RunState) -> list[FilmedWalk]:
     """Before, damaged and recovered, as far as there are such walks and their targets show how they went."""
     if state.before is None or not state.trials:
         return []
-    told: list[tuple[str, Target | Remote | None, int, Trial, tuple[Change, ...]]] = [
+    told: list[tuple[str, Target | RemoteTarget | None, int, Trial, tuple[Change, ...]]] = [
         ("before the damage", job.healthy, 0, state.before, ())
     ]
     told.append(("damaged", job.target, 0, state.trials[0], job.planted))
     if state.trials[1:]:
         last = len(state.trials) - 1
         told.append((f"recovered, trial {last}", job.target, last, state.trials[last], job.planted))
-    return [Walked(title, target, state.controllers[k], trial, changes)
-            for title, target, k, trial, changes in told if isinstance(target, Filmed)]  # fmt: skip
+    return [FilmedWalk(title, target, state.controllers[k], trial, changes)
+            for title, target, k, trial, changes in told if isinstance(target, FilmedTarget)]  # fmt: skip
 
 
 def _dear(job: Job) -> bool:
@@ -99,7 +99,7 @@ def _dear(job: Job) -> bool:
     return isinstance(job.target, SameTarget) and job.simulator.walker.choice.engine == "mjx"
 
 
-def _motions(job: Job, walks: Sequence[Walked], rows: list[int]) -> list[np.ndarray]:
+def _motions(job: Job, walks: Sequence[FilmedWalk], rows: list[int]) -> list[np.ndarray]:
     """Configurations (rows, nq) of each walk."""
     planted = [walk.target.planted for walk in walks if isinstance(walk.target, SameTarget)]
     if len(planted) == len(walks):  # all in one batch
@@ -108,7 +108,7 @@ def _motions(job: Job, walks: Sequence[Walked], rows: list[int]) -> list[np.ndar
     return [walk.target.motion(job.simulator.controller(walk.weights, length), rows) for walk in walks]
 
 
-def _shot(robot: Robot, walk: Walked, qpos: np.ndarray, axis: str) -> Shot:
+def _shot(robot: Robot, walk: FilmedWalk, qpos: np.ndarray, axis: str) -> Shot:
     """The camera goes with the robot, but not up and down with it."""
     centre, radius = ground_covered(robot, robot.home()[None])
     places = np.array([ground_covered(robot, posture[None])[0] for posture in qpos])
@@ -116,9 +116,10 @@ def _shot(robot: Robot, walk: Walked, qpos: np.ndarray, axis: str) -> Shot:
     return Shot(qpos[:, None], colours(robot, walk.changes)[None], places, *walking_view(axis, radius))
 
 
-def _captioned(walk: Walked, pictures: Sequence[np.ndarray], rows: np.ndarray, job: Job) -> list[np.ndarray]:
+def _captioned(walk: FilmedWalk, pictures: Sequence[np.ndarray], rows: np.ndarray, job: Job) -> list[np.ndarray]:
     position, axis = walk.trial.position, job.settings.axis
     told = [
-        f"{walk.title}: {distances(position[: row + 1], axis):+.2f} m, {walk.trial.time[row]:.1f} s" for row in rows
+        f"{walk.title}: {distances_along(position[: row + 1], axis):+.2f} m, {walk.trial.time[row]:.1f} s"
+        for row in rows
     ]
     return [captioned(picture, text) for picture, text in zip(pictures, told, strict=True)]

@@ -12,7 +12,7 @@ from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.report.drawing.film import source
-from estexp_jax.report.pages import capital, image, metres, percent, probability, render
+from estexp_jax.report.pages import capital, image, metres, percent, probability, render_page
 from estexp_jax.report.recover.figure import path_figure, progress_figure
 from estexp_jax.report.recover.film import Film
 
@@ -22,7 +22,7 @@ _BELIED = 0.25
 """Share of the distance before the damage by which a trial may miss what was foretold."""
 
 
-def page(
+def recover_page(
     title: str,
     planted: Sequence[Change] | None,
     state: RunState,
@@ -45,11 +45,11 @@ def page(
     """
     passes = state.passes(axis)
     last = passes[-1] if passes else None
-    return render(
+    return render_page(
         "recover_page.html",
         title=title,
-        verdict=verdict(state, axis),
-        headline=headline(state, axis, stands_in),
+        verdict=recover_verdict(state, axis),
+        headline=recover_headline(state, axis, stands_in),
         found=None if last is None else [_claim(change) for change in last.diagnosis],
         probability="" if last is None or last.probability is None else probability(last.probability),
         trials=len(state.trials) - 1,  # the last trial came after the last diagnosis
@@ -62,14 +62,14 @@ def page(
         paths=image(path_figure(state, axis, stands_in=stands_in)) if _way_known(state) else None,
         rows=table(state, axis),
         others=[] if last is None else [_other(diagnosis, p) for diagnosis, p in last.rivals],
-        advice=advice(state, axis),
+        advice=recover_advice(state, axis),
         strip="" if film is None else source(film.strip, "image/jpeg"),
         video="" if film is None or film.video is None else source(film.video, "video/mp4"),
         settings=list(settings.items()),
     )
 
 
-def verdict(state: RunState, axis: str) -> str:
+def recover_verdict(state: RunState, axis: str) -> str:
     """Whether the robot recovered."""
     regained = _regained(state, axis)
     if regained is None:
@@ -101,8 +101,8 @@ def _way_known(state: RunState) -> bool:
     return any(np.all(np.isfinite(trial.position[[0, -1], :2])) for trial in (state.trials[0], state.trials[-1]))
 
 
-def headline(state: RunState, axis: str, stands_in: bool = False) -> str:
-    """The run in one sentence; `stands_in` as for `page`."""
+def recover_headline(state: RunState, axis: str, stands_in: bool = False) -> str:
+    """The run in one sentence; `stands_in` as for `recover_page`."""
     if state.before is None:
         return "The robot has not been damaged yet."
     before, damaged = metres(state.before.distance(axis)), metres(state.trials[0].distance(axis))
@@ -126,7 +126,7 @@ def table(state: RunState, axis: str) -> list[dict[str, Any]]:
     ]
 
 
-def advice(state: RunState, axis: str) -> list[str]:
+def recover_advice(state: RunState, axis: str) -> list[str]:
     """What to do next, as far as the last pass shows it."""
     passes = state.passes(axis)
     if not passes or state.before is None:

@@ -8,15 +8,15 @@ from typing import Any, final
 
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.config import quick as quick_settings
+from estexp_jax.recovery.config import quick_settings as quick_settings
 from estexp_jax.recovery.cycle import Job, job_of
-from estexp_jax.recovery.cycle import run as run_cycle
+from estexp_jax.recovery.cycle import run_cycle as run_cycle
 from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.recovery.target import Target
 from estexp_jax.report.drawing.picture import Picture
 from estexp_jax.report.recover.figure import path_figure, progress_figure
 from estexp_jax.report.recover.film import Film, film_of
-from estexp_jax.report.recover.page import headline, table
+from estexp_jax.report.recover.page import recover_headline, table
 
 _HEADS = ("pass", "diagnosis", "probability", "foretold (m)", "trial (m)")
 
@@ -76,7 +76,7 @@ class RecoverRun:
     def table(self) -> RecoverTable:
         """What each pass found, and how far the robot came."""
         axis = self.job.settings.axis
-        return RecoverTable(headline(self.state, axis, self.job.stands_in), table(self.state, axis))
+        return RecoverTable(recover_headline(self.state, axis, self.job.stands_in), table(self.state, axis))
 
     def plot(self) -> Picture:
         """Distance over the generations, in the shape of the paper's Figure 6."""
@@ -98,7 +98,7 @@ class RecoverRun:
         return self.table()._repr_html_()
 
 
-def recover(robot: Robot, /, *, target: Target | None = None, quick: bool = False, **settings: Any) -> RecoverRun:
+def recover_run(robot: Robot, /, *, target: Target | None = None, quick: bool = False, **settings: Any) -> RecoverRun:
     """Begin a run of the estimation-exploration algorithm.
 
     Args:

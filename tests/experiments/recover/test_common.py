@@ -11,7 +11,7 @@ import pytest
 from estexp_jax.physics.changes import Change
 
 from estexp_jax.recovery.state import RunState
-from estexp_jax.runs.fleet import Beat
+from estexp_jax.runs.fleet import Heartbeat
 from experiments.common.case import FIRST_SEED, Case, seeds
 from experiments.common.options import Options
 from experiments.common.runs import finished, first_folder, run_all, state_of
@@ -68,7 +68,7 @@ def test_what_kills_left_half_written_goes_and_nothing_else(tmp_path: Path) -> N
     for file in (*left, *kept):
         file.write_text("half")
     run_all([], options)
-    with Beat(tmp_path / "under_way", "run"):
+    with Heartbeat(tmp_path / "under_way", "run"):
         pass
     assert not any(file.exists() for file in left) and all(file.exists() for file in kept)
 

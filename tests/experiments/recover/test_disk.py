@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from estexp_jax.runs.lock import hold
+from estexp_jax.runs.lock import lock_folder
 
 SUBJECT = ("-m", "estexp_jax.cli.main", "experiment", "experiments/kills/subject")
 
@@ -29,7 +29,7 @@ def test_a_read_only_folder_is_told(root, read_only):
 def test_a_second_process_is_refused(root, tmp_path):
     folder = tmp_path / "tiny" / "subject"
     folder.mkdir(parents=True)
-    with hold(folder):
+    with lock_folder(folder):
         assert "is in use by process" in _told(_run(root, tmp_path))
 
 

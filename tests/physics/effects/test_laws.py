@@ -10,7 +10,7 @@ from estexp_jax.physics.effects.base import (
     Effect,
 )
 from estexp_jax.physics.effects.changes import Change, encode, parse_change
-from estexp_jax.physics.effects.checks import faults, middle
+from estexp_jax.physics.effects.checks import effect_faults, middle_values
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import ALL, NAMELESS, PAPER, catalogue, effect
 from estexp_jax.recovery.control.network import HIDDEN, decode, n_weights
@@ -34,7 +34,7 @@ def test_it_says_what_it_is(e: Effect) -> None:
 @every_effect
 @every_robot
 def test_it_obeys_the_laws(e: Effect, name: str) -> None:
-    assert faults(e, robot(name)) == []
+    assert effect_faults(e, robot(name)) == []
 
 
 @every_effect
@@ -47,7 +47,7 @@ def test_restoring_undoes_a_distortion(e: Distortion) -> None:
     subject = robot("quadruped")
     true = np.random.default_rng(0).normal(size=(5, subject.model.nsensordata)).astype(np.float32)
     for site in e.sites(subject):
-        values = encode(subject, (e,), [Change(e.name, site, middle(e, subject, site))])[e.name]
+        values = encode(subject, (e,), [Change(e.name, site, middle_values(e, subject, site))])[e.name]
         faulty = np.asarray(e.distort(subject, jnp.asarray(true), jnp.asarray(values)))
         column = subject.sensor_columns().index(site)
         others = np.arange(true.shape[1]) != column
@@ -62,7 +62,7 @@ def test_restoring_undoes_a_distortion(e: Distortion) -> None:
 def test_a_distortion_scales_and_shifts_each_reading(e: Distortion) -> None:
     """Lanes rely on it: they work out both numbers once for a walk."""
     subject = robot("quadruped")
-    changes = [Change(e.name, site, middle(e, subject, site)) for site in e.sites(subject)]
+    changes = [Change(e.name, site, middle_values(e, subject, site)) for site in e.sites(subject)]
     values = jnp.asarray(encode(subject, (e,), changes)[e.name])
     true = np.random.default_rng(1).normal(size=(5, subject.model.nsensordata)).astype(np.float32)
     shift, one = (np.asarray(e.distort(subject, jnp.full_like(true, x), values)) for x in (0.0, 1.0))
@@ -85,7 +85,7 @@ def test_it_writes_mjcf_if_and_only_if_it_says_so(e: Effect, name: str) -> None:
     subject = robot(name)
     for site in e.sites(subject):
         spec = subject.spec.copy()
-        values = middle(e, subject, site)
+        values = middle_values(e, subject, site)
         if e.in_mjcf:
             e.write_mjcf(subject, spec, site, values)
             spec.compile()

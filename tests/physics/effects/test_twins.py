@@ -5,19 +5,19 @@ from functools import cache
 import numpy as np
 import pytest
 
-from estexp_jax.physics.effects.base import BodyPull, CommandLaw, Term
+from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Term
 from estexp_jax.physics.effects.changes import Change, encode, parse_change, stack
 from estexp_jax.physics.effects.registry import ALL
-from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment, Start, segment
+from estexp_jax.physics.window import InitialState, Window, window_of
 from tests.physics.effects.twins import TWINS, XML, Twin, simulated
 
-ACTING = tuple(e for e in ALL if isinstance(e, Term | CommandLaw | BodyPull))
+ACTING = tuple(e for e in ALL if isinstance(e, Term | CommandLaw | BodyForce))
 PERIOD, ROWS = 0.01, 80
 ROBOT = Robot.from_string(XML, "twin.xml")
-REPLAYER = replayer(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320)
+REPLAYER = open_loop_simulator(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320)
 
 
 def commands() -> np.ndarray:
@@ -33,10 +33,10 @@ def switches() -> np.ndarray:
     return on
 
 
-def part(timestep: float) -> Segment:
+def part(timestep: float) -> Window:
     time, nothing = PERIOD * np.arange(ROWS), np.full((ROWS, 2), np.nan)
     log = Recording("twin.csv", time, commands(), switches(), nothing, nothing, nothing)
-    return segment([log], 0, (0, ROWS - 1), timestep, Start(np.zeros(2), np.zeros(2)))
+    return window_of([log], 0, (0, ROWS - 1), timestep, InitialState(np.zeros(2), np.zeros(2)))
 
 
 @cache

@@ -3,7 +3,7 @@
 import mujoco
 import pytest
 
-from estexp_jax.physics.effects.units import on_slide, told_of
+from estexp_jax.physics.effects.units import on_slide, unit_at
 from estexp_jax.physics.model.robot import Robot
 
 CART = """
@@ -31,7 +31,7 @@ def test_units_of_a_slide_take_the_place_of_a_hinges(hinge, slide):
 
 def test_only_what_acts_on_a_slide_is_told_so():
     robot = Robot.from_string(CART, "cart.xml")
-    assert [told_of(robot, "joint", name, "N m") for name in ("rail", "pivot", "*")] == ["N", "N m", "N m"]
-    assert [told_of(robot, "actuator", name, "rad/s") for name in ("push", "turn")] == ["m/s", "rad/s"]
-    assert told_of(robot, "environment", None, "rad") == "rad"
+    assert [unit_at(robot, "joint", name, "N m") for name in ("rail", "pivot", "*")] == ["N", "N m", "N m"]
+    assert [unit_at(robot, "actuator", name, "rad/s") for name in ("push", "turn")] == ["m/s", "rad/s"]
+    assert unit_at(robot, "environment", None, "rad") == "rad"
     assert robot.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_SLIDE

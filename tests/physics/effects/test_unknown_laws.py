@@ -7,14 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from estexp_jax.physics.effects.base import JointForce, JointMoment, Term, neutral_values
+from estexp_jax.physics.effects.base import JointForce, JointState, Term, neutral_values
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
 from estexp_jax.physics.effects.registry import ALL, LAWS, NAMELESS, VARIANTS, catalogue, effect
-from estexp_jax.physics.engines.choice import replayer
+from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Start, segment
+from estexp_jax.physics.window import InitialState, window_of
 from tests.discovery.planted import nominal
 from tests.physics.robots import ROBOTS, robot
 
@@ -28,7 +28,7 @@ ASKED = M + 0.2 * W
 REACH = Reach(-1.2, 1.4, 3.0, 8.0, 2.0, (1,))
 
 
-def moment() -> JointMoment:
+def moment() -> JointState:
     q, w, m = (jnp.asarray(x, jnp.float32) for x in (Q, W, M))
     one = jnp.ones_like(q)
 
@@ -40,7 +40,7 @@ def moment() -> JointMoment:
         return jnp.where(number > 1.5, jnp.asarray(M2), 0.0)
 
     asked = (jnp.asarray(ASKED - 3.0 * Q, jnp.float32), jnp.asarray(ASKED, jnp.float32))
-    return JointMoment(q, w, m, one, 0.002, one, one, lambda q, w: m, torque_of, motion_of, lambda: asked)
+    return JointState(q, w, m, one, 0.002, one, one, lambda q, w: m, torque_of, motion_of, lambda: asked)
 
 
 def force(name: str, *p: float, state: tuple = ()) -> np.ndarray:
@@ -196,7 +196,7 @@ def test_laws_of_a_servos_command_do_what_its_named_effects_do(law: dict, same: 
     subject, rows = Robot.from_string(SERVO, "servo.xml"), 81
     time, nothing = 0.01 * np.arange(rows), np.full((rows, 1), np.nan)
     recording = Recording("r", time, 0.9 * np.cos(5.0 * time)[:, None], np.ones((rows, 1)), nothing, nothing, nothing)
-    stretch = segment([recording], 0, (0, rows - 1), 0.005, Start(np.zeros(1), np.zeros(1)))
+    stretch = window_of([recording], 0, (0, rows - 1), 0.005, InitialState(np.zeros(1), np.zeros(1)))
     without = {next(iter(same)): {}}
     ways = []
     for acts, site in ((law, "j"), (same, "s"), (without, "s")):
@@ -204,7 +204,7 @@ def test_laws_of_a_servos_command_do_what_its_named_effects_do(law: dict, same: 
         effects, changes = catalogue([name]), [Change(name, site, parameters)] if parameters else []
         values = stack([encode(subject, effects, changes)])
         for engine in ("lanes", "mjx"):
-            replay = replayer(subject, effects, [subject], engine=engine, width=1).replay
+            replay = open_loop_simulator(subject, effects, [subject], engine=engine, width=1).replay
             ways.append(replay(values, [stretch], np.zeros(1, int)).qpos[0, :, 0])
     for way in ways[1:4]:
         np.testing.assert_allclose(way, ways[0], atol=3e-3)
@@ -300,11 +300,13 @@ def test_engines_agree_on_laws(name: str, p: tuple[float, ...]) -> None:
     commands = np.stack([np.sin(9.0 * time), 0.4 * np.cos(7.0 * time)], axis=1)
     nothing = np.full((rows, 2), np.nan)
     recording = Recording("r", time, commands, np.ones((rows, 2)), nothing, nothing, nothing)
-    stretch = segment([recording], 0, (0, rows - 1), 0.005, Start(np.array([0.3, -0.2]), np.zeros(2)))
+    stretch = window_of([recording], 0, (0, rows - 1), 0.005, InitialState(np.array([0.3, -0.2]), np.zeros(2)))
     effects = catalogue([name])
     values = stack([encode(subject, effects, [change]), encode(subject, effects, [])])
     found = [
-        replayer(subject, effects, [subject], engine=engine, width=2).replay(values, [stretch], np.zeros(2, int))
+        open_loop_simulator(subject, effects, [subject], engine=engine, width=2).replay(
+            values, [stretch], np.zeros(2, int)
+        )
         for engine in ("lanes", "mjx")
     ]
     np.testing.assert_allclose(found[0].qpos, found[1].qpos, atol=2e-5)

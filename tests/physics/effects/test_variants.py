@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from estexp_jax.physics.effects.base import NEVER, JointMoment
+from estexp_jax.physics.effects.base import NEVER, JointState
 from estexp_jax.physics.effects.catalogue.backlash import RotorBacklash
 from estexp_jax.physics.effects.catalogue.hysteresis import Hysteresis
 from estexp_jax.physics.effects.catalogue.load_bristles import LoadBristles
@@ -59,7 +59,7 @@ def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
     q, one = jnp.zeros(1), jnp.ones(1)
     state, left = term.initial(p, q, q), 0.0
     for _ in range(round(seconds / dt)):
-        moment = JointMoment(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *IDLE)
+        moment = JointState(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *IDLE)
         does, state = term.act(p, moment, state)
         left = float((does.force - does.damping * speed)[0])
         q = q + dt * speed
@@ -70,7 +70,7 @@ def test_a_motor_hot_at_its_largest_torque_only_is_the_one_that_fades():
     own, less = (tuple(jnp.full(1, x) for x in p) for p in ((0.6, 2.0), (0.6, 2.0, 1.0)))
     one, states, left = jnp.ones(1), [(jnp.zeros(1),), (jnp.zeros(1),)], []
     for torque in np.random.default_rng(5).uniform(-1.0, 1.0, 200):
-        now = JointMoment(one, one, one * torque, one, one * 0.02, one, one, lambda q, w: q, *IDLE)
+        now = JointState(one, one, one * torque, one, one * 0.02, one, one, lambda q, w: q, *IDLE)
         pairs = [t.act(p, now, s) for t, p, s in zip((MotorFade(), MotorHeat()), (own, less), states, strict=True)]
         states = [state for _, state in pairs]
         left.append([float(does.motor[0]) for does, _ in pairs])
@@ -81,7 +81,7 @@ def test_a_motor_hot_at_its_largest_torque_only_is_the_one_that_fades():
 def test_a_motor_that_heats_early_gets_no_weaker_than_it_can():
     p, one, state = tuple(jnp.full(1, x) for x in (0.6, 0.1, 0.2)), jnp.ones(1), (jnp.zeros(1),)
     for _ in range(200):
-        now = JointMoment(one, one, one, one, one * 0.02, one, one, lambda q, w: q, *IDLE)
+        now = JointState(one, one, one, one, one * 0.02, one, one, lambda q, w: q, *IDLE)
         does, state = MotorHeat().act(p, now, state)
     assert float(does.motor[0]) == pytest.approx(0.4)
 
@@ -106,7 +106,7 @@ def test_a_rotor_rebounds_from_the_end_of_its_play_and_passes_on_its_momentum(e)
     p = (one * 0.05, one * inertia, one * e)
     state, passed = (zero, one * 1.0, zero, zero), 0.0  # in the middle of its play, at 1 rad/s; the joint is held
     for _ in range(80):
-        moment = JointMoment(zero, zero, zero, one, one * dt, one * 0.003, one, lambda q, w: zero, *IDLE)
+        moment = JointState(zero, zero, zero, one, one * dt, one * 0.003, one, lambda q, w: zero, *IDLE)
         does, state = RotorBacklash().act(p, moment, state)
         passed += float(does.force[0]) * dt
     x, speed, *_ = (float(s[0]) for s in state)
@@ -127,7 +127,7 @@ def hunting(dt, seconds=0.4):
 
     for n in range(round(seconds / dt)):
         torque = servo(q, w)
-        moment = JointMoment(q, w, torque, one, one * dt, one, one * armature, servo, *IDLE)
+        moment = JointState(q, w, torque, one, one * dt, one, one * armature, servo, *IDLE)
         does, state = term.act(p, moment, state)
         inertia = armature + rest + does.inertia
         w = (inertia * w + dt * (does.force + does.motor * torque)) / (inertia + dt * does.damping)

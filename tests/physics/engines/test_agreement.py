@@ -6,14 +6,14 @@ import pytest
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.agreement import (
-    agreement,
-    agreement_of,
+    closed_loop_agreement,
     converged_speeds,
+    engine_agreement,
     engine_speeds,
-    replay_agreement,
-    visited,
+    open_loop_agreement,
+    sample_states,
 )
-from estexp_jax.physics.engines.choice import replayer, walker
+from estexp_jax.physics.engines.choice import closed_loop_simulator, open_loop_simulator
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.recordings.settings import apply_settings
 from tests.physics.robots import robot
@@ -26,30 +26,30 @@ SETS = [[parse_change(text, robot("cartpole")) for text in texts] for texts in C
 def test_engines_agree_and_a_wrong_one_does_not(engine: str) -> None:
     one = robot("cartpole")
     effects = catalogue(["body_mass", "motor_weakness", "joint_jam"])
-    walks = walker(one, effects, rows=3, control_step=0.01, population=60, engine=engine)
-    states = visited(one, walks.interface, 40)
-    found = agreement_of(walks, states, SETS)
+    walks = closed_loop_simulator(one, effects, rows=3, control_step=0.01, population=60, engine=engine)
+    states = sample_states(one, walks.interface, 40)
+    found = closed_loop_agreement(walks, states, SETS)
     assert found.agrees and found.states == 40 and found.physics_steps == 2
     assert found.median <= found.high <= found.largest
     assert "agrees with the converged C engine" in found.sentence()
     # The edits are not where the referee has them: every other state is off.
     speeds = engine_speeds(walks, states, SETS)
-    assert not agreement(speeds, converged_speeds(one, walks.interface, states, 2), 2).agrees
+    assert not engine_agreement(speeds, converged_speeds(one, walks.interface, states, 2), 2).agrees
 
 
 def test_a_replayer_is_tried_as_the_first_recording_knew_the_robot() -> None:
     one = robot("cartpole")
     heavy = apply_settings(one, {"body.pole.mass": 0.5, "option.timestep": 0.002})
-    replays = replayer(one, catalogue(["body_mass"]), [heavy, one], width=8, block=4, engine="lanes")
-    found = replay_agreement(replays, heavy, 20)
+    replays = open_loop_simulator(one, catalogue(["body_mass"]), [heavy, one], width=8, block=4, engine="lanes")
+    found = open_loop_agreement(replays, heavy, 20)
     assert found.agrees and found.states == 20 and found.physics_steps == 1
-    assert not replay_agreement(replays, one, 20).agrees
+    assert not open_loop_agreement(replays, one, 20).agrees
 
 
 def test_states_are_visited_ones_and_the_same_for_one_seed() -> None:
     quadruped = robot("quadruped")
     face = interface_of(quadruped)
-    states, again, other = (visited(quadruped, face, 20, seed) for seed in (0, 0, 1))
+    states, again, other = (sample_states(quadruped, face, 20, seed) for seed in (0, 0, 1))
     np.testing.assert_array_equal(states.qpos, again.qpos)
     assert not np.array_equal(states.qpos, other.qpos)
     assert np.abs(states.qvel).max() > 1.0 and np.abs(states.outputs).max() <= 1.0
@@ -57,11 +57,11 @@ def test_states_are_visited_ones_and_the_same_for_one_seed() -> None:
 
 def test_what_is_not_finite_does_not_agree() -> None:
     expected = np.ones((10, 3))
-    assert agreement(expected + 1e-6, expected, 1).agrees
+    assert engine_agreement(expected + 1e-6, expected, 1).agrees
     for wrong in (np.nan, np.inf):
         found = expected.copy()
         found[:, 1] = wrong
-        assert not agreement(found, expected, 1).agrees
+        assert not engine_agreement(found, expected, 1).agrees
 
 
 def test_an_effect_without_a_place_in_mjcf_is_refused() -> None:
@@ -69,4 +69,4 @@ def test_an_effect_without_a_place_in_mjcf_is_refused() -> None:
     face = interface_of(one)
     with pytest.raises(ValueError, match="neuron_fault"):
         fault = parse_change("neuron_fault@hidden_0 gain=0", one)
-        converged_speeds(one, face, visited(one, face, 1), 1, [[fault]])
+        converged_speeds(one, face, sample_states(one, face, 1), 1, [[fault]])

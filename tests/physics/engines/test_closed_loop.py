@@ -10,13 +10,13 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Change, Values, encode, neutral, parse_change, stack
 from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
-from estexp_jax.physics.engines.choice import walker
-from estexp_jax.physics.engines.closed_loop import BodyState, Heard, Walker, recorded
+from estexp_jax.physics.engines.choice import closed_loop_simulator
+from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, ReadingOverride, replace_readings
 from estexp_jax.runs import count_compilations
 from tests.physics.conftest import WALKER_ROWS
-from tests.recovery.control.controller_twin import N_WEIGHTS, Body, Twin
 from tests.physics.reference import recompiled
 from tests.physics.robots import MUTE, robot
+from tests.recovery.control.controller_twin import N_WEIGHTS, Body, Twin
 
 STEPS, SETTLING, N_NETWORKS = 30, 50, 8
 
@@ -36,12 +36,12 @@ def _networks(n: int, seed: int = 3) -> np.ndarray:
     return np.random.default_rng(seed).uniform(-1.0, 1.0, (n, N_WEIGHTS)).round(2).astype(np.float32)
 
 
-def _values(walkers: Walker, changes: Sequence[Change], n: int) -> Values:
+def _values(walkers: ClosedLoopSimulator, changes: Sequence[Change], n: int) -> Values:
     return stack([encode(walkers.robot, walkers.catalogue, changes)] * n)
 
 
 @pytest.fixture(scope="module")
-def settled(walkers: Walker) -> dict[str, BodyState]:
+def settled(walkers: ClosedLoopSimulator) -> dict[str, BodyState]:
     """Each damaged robot at rest, one state a damage; settled in one batch."""
     sets = [_changes(texts) for texts in DAMAGE.values()]
     values = stack([encode(walkers.robot, walkers.catalogue, changes) for changes in sets])
@@ -81,7 +81,7 @@ def _loop(start: BodyState, weights: np.ndarray, changes: Sequence[Change]) -> d
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_it_walks_as_a_plain_loop_over_the_c_engine(walkers: Walker, settled, damage: str) -> None:
+def test_it_walks_as_a_plain_loop_over_the_c_engine(walkers: ClosedLoopSimulator, settled, damage: str) -> None:
     changes, weights = _changes(DAMAGE[damage]), _networks(N_NETWORKS)
     starts = jax.tree.map(lambda x: np.repeat(x[None], N_NETWORKS, axis=0), settled[damage])
     walk = walkers.walk(_values(walkers, changes, N_NETWORKS), weights, starts, STEPS)
@@ -97,7 +97,7 @@ def test_it_walks_as_a_plain_loop_over_the_c_engine(walkers: Walker, settled, da
     assert agreed >= 0.75 * N_NETWORKS
 
 
-def test_a_walk_holds_what_its_first_and_last_states_say(walkers: Walker, settled) -> None:
+def test_a_walk_holds_what_its_first_and_last_states_say(walkers: ClosedLoopSimulator, settled) -> None:
     starts = jax.tree.map(lambda x: x[None], settled["healthy"])
     walk = walkers.walk(_values(walkers, (), 1), _networks(1), starts, STEPS)
     assert walk.readings.shape == (1, STEPS, 8) and walk.commands.shape == (1, STEPS, 8)
@@ -108,7 +108,7 @@ def test_a_walk_holds_what_its_first_and_last_states_say(walkers: Walker, settle
     np.testing.assert_array_equal(half.final.qpos[0, :3], walk.position[0, STEPS // 2])
 
 
-def test_it_settles_on_its_feet_at_rest(walkers: Walker, settled) -> None:
+def test_it_settles_on_its_feet_at_rest(walkers: ClosedLoopSimulator, settled) -> None:
     healthy = settled["healthy"]
     assert np.abs(healthy.qvel).max() < 0.02
     assert healthy.qpos[2] == pytest.approx(0.18, abs=0.02)
@@ -118,7 +118,7 @@ def test_it_settles_on_its_feet_at_rest(walkers: Walker, settled) -> None:
     assert lost.sensordata[0] == 0.0
 
 
-def test_population_size_changes_nothing(walkers: Walker) -> None:
+def test_population_size_changes_nothing(walkers: ClosedLoopSimulator) -> None:
     weights, changes = _networks(51), _changes(("motor_weakness@hip_f loss=0.4",))
     seen = {}
     for n in (7, 50, 51):
@@ -136,7 +136,7 @@ def test_population_size_changes_nothing(walkers: Walker) -> None:
     np.testing.assert_array_equal(alone.readings[0], seen[51].readings[50])
 
 
-def test_settling_does_not_depend_on_the_chunk(walkers: Walker) -> None:
+def test_settling_does_not_depend_on_the_chunk(walkers: ClosedLoopSimulator) -> None:
     changes = [(), _changes(("part_lost@lower_f",)), _changes(("gravity_tilt angle=0.3",))]
     values = [encode(walkers.robot, walkers.catalogue, c) for c in changes]
     mixed = walkers.settle(stack([values[i % 3] for i in range(60)]), 20)
@@ -146,7 +146,7 @@ def test_settling_does_not_depend_on_the_chunk(walkers: Walker) -> None:
             np.testing.assert_allclose(mixed.qpos[k], alone.qpos[0], atol=1e-5)
 
 
-def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: Walker) -> None:
+def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: ClosedLoopSimulator) -> None:
     n, bad = 9, 4
     weights, values = _networks(n), _values(walkers, (), n)
     start = walkers.settle(values, 20)
@@ -166,9 +166,13 @@ def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: Walker)
 def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine: str) -> None:
     effects = catalogue(["body_mass", "motor_weakness"])
     weights = np.zeros((200, 3 * 3 + 9 + 2 * 4), np.float32)
-    walker(robot("cartpole"), effects, rows=12, control_step=0.01, engine="mjx")  # compiles what putting a model takes
+    closed_loop_simulator(
+        robot("cartpole"), effects, rows=12, control_step=0.01, engine="mjx"
+    )  # compiles what putting a model takes
     with count_compilations() as seen:
-        here = walker(robot("cartpole"), effects, rows=12, control_step=0.01, population=4, engine=engine)
+        here = closed_loop_simulator(
+            robot("cartpole"), effects, rows=12, control_step=0.01, population=4, engine=engine
+        )
         counts = []
         for n, steps in ((200, 12), (3, 5), (4, 1)):
             values = stack([neutral(here.robot, here.catalogue)] * n)
@@ -179,44 +183,46 @@ def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine
     assert counts[0] <= 2 and counts[2] == counts[0]  # lanes: the edits, and the walk
 
 
-def test_what_it_refuses(walkers: Walker) -> None:
+def test_what_it_refuses(walkers: ClosedLoopSimulator) -> None:
     values = _values(walkers, (), 1)
     for steps in (0, WALKER_ROWS + 1):
         with pytest.raises(ValueError, match=str(WALKER_ROWS)):
             walkers.settle(values, steps)
     with pytest.raises(ValueError, match="command_delay"):
-        walker(robot("quadruped"), catalogue([*PAPER, "command_delay"]), rows=5, control_step=0.01)
+        closed_loop_simulator(robot("quadruped"), catalogue([*PAPER, "command_delay"]), rows=5, control_step=0.01)
     with pytest.raises(InputError, match=MUTE):
-        walker(robot(MUTE), catalogue(PAPER), rows=5, control_step=0.01)
+        closed_loop_simulator(robot(MUTE), catalogue(PAPER), rows=5, control_step=0.01)
 
 
-def test_networks_that_hear_their_own_readings_walk_as_before(walkers: Walker) -> None:
+def test_networks_that_hear_their_own_readings_walk_as_before(walkers: ClosedLoopSimulator) -> None:
     weights = _networks(3)
     values = _values(walkers, (), 3)
     start = walkers.settle(values, SETTLING)
     closed = walkers.walk(values, weights, start, STEPS)
-    again = walkers.walk(values, weights, start, STEPS, heard=recorded(closed.readings))
+    again = walkers.walk(values, weights, start, STEPS, heard=replace_readings(closed.readings))
     assert np.array_equal(again.readings, closed.readings)
     assert np.array_equal(again.commands, closed.commands)
 
 
-def test_networks_that_hear_recorded_readings_ignore_the_bodys_own(walkers: Walker) -> None:
+def test_networks_that_hear_recorded_readings_ignore_the_bodys_own(walkers: ClosedLoopSimulator) -> None:
     weights = _networks(2)
     healthy, damaged = (_values(walkers, c, 2) for c in ((), _changes(DAMAGE["whole leg lost"])))
     seen = walkers.walk(healthy, weights, walkers.settle(healthy, SETTLING), STEPS)
-    replayed = walkers.walk(damaged, weights, walkers.settle(damaged, SETTLING), STEPS, heard=recorded(seen.readings))
+    replayed = walkers.walk(
+        damaged, weights, walkers.settle(damaged, SETTLING), STEPS, heard=replace_readings(seen.readings)
+    )
     assert np.array_equal(replayed.commands, seen.commands)
     assert not np.array_equal(replayed.readings, seen.readings)
 
 
-def test_networks_hear_noise_that_the_readings_do_not_show(walkers: Walker) -> None:
+def test_networks_hear_noise_that_the_readings_do_not_show(walkers: ClosedLoopSimulator) -> None:
     weights, values = _networks(2), _values(walkers, (), 2)
     start, random = walkers.settle(values, SETTLING), np.random.default_rng(4)
     shape = (2, STEPS, walkers.interface.n_inputs)
-    noise = Heard(np.where(random.random(shape) < 0.1, -1.0, 1.0), 0.02 * random.standard_normal(shape))
+    noise = ReadingOverride(np.where(random.random(shape) < 0.1, -1.0, 1.0), 0.02 * random.standard_normal(shape))
     noisy = walkers.walk(values, weights, start, STEPS, heard=noise)
     assert not np.array_equal(noisy.commands, walkers.walk(values, weights, start, STEPS).commands)
     told = noise.factor * noisy.readings + noise.added
-    replayed = walkers.walk(values, weights, start, STEPS, heard=recorded(told))
+    replayed = walkers.walk(values, weights, start, STEPS, heard=replace_readings(told))
     assert np.allclose(replayed.commands[:, 0], noisy.commands[:, 0], atol=1e-6)
     assert np.allclose(noisy.readings[:, 0], replayed.readings[:, 0])

@@ -9,11 +9,11 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, Values, encode, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.open_loop import Replay, Replayer
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Segment, Start, segment
+from estexp_jax.physics.window import InitialState, Window, window_of
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.runs import count_compilations
 from tests.physics.reference import converged
@@ -69,14 +69,14 @@ def engine(request: pytest.FixtureRequest) -> str:
     return request.param
 
 
-def subject(integrator: str = "Euler") -> Replayer:
+def subject(integrator: str = "Euler") -> OpenLoopSimulator:
     return _subject(integrator, NOW["engine"])
 
 
 @cache
-def _subject(integrator: str, engine: str) -> Replayer:
+def _subject(integrator: str, engine: str) -> OpenLoopSimulator:
     each = robots(integrator)
-    return replayer(each[0], EFFECTS, each, width=6, block=64, engine=engine)
+    return open_loop_simulator(each[0], EFFECTS, each, width=6, block=64, engine=engine)
 
 
 def recording(index: int, rows: int = 80) -> Recording:
@@ -93,14 +93,16 @@ def recording(index: int, rows: int = 80) -> Recording:
 
 
 RECORDINGS = [recording(k) for k in range(3)]
-START = Start(np.array([0.4, -0.3]), np.array([0.5, 1.0]))
+START = InitialState(np.array([0.4, -0.3]), np.array([0.5, 1.0]))
 
 
-def whole(index: int) -> Segment:
-    return segment(RECORDINGS, index, (0, 79), 0.005, START)
+def whole(index: int) -> Window:
+    return window_of(RECORDINGS, index, (0, 79), 0.005, START)
 
 
-def c_loop(robot: Robot, part: Segment, delay: float = 0.0, start: Start = START) -> tuple[np.ndarray, np.ndarray]:
+def c_loop(
+    robot: Robot, part: Window, delay: float = 0.0, start: InitialState = START
+) -> tuple[np.ndarray, np.ndarray]:
     """Readings and configurations at the rows of a segment; force sensors as left by the step before."""
     model = converged(robot.spec.copy().compile())
     data, gain, bias = mujoco.MjData(model), model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
@@ -131,11 +133,11 @@ def values(*changes: Change) -> Values:
     return encode(robots("Euler")[0], EFFECTS, changes)
 
 
-def run(lanes: list[Values], segments: list[Segment], which: list[int], integrator: str = "Euler") -> Replay:
+def run(lanes: list[Values], segments: list[Window], which: list[int], integrator: str = "Euler") -> OpenLoopRollout:
     return subject(integrator).replay(stack(lanes), segments, np.array(which))
 
 
-def assert_agree(replay: Replay, lane: int, reference: tuple[np.ndarray, np.ndarray]) -> None:
+def assert_agree(replay: OpenLoopRollout, lane: int, reference: tuple[np.ndarray, np.ndarray]) -> None:
     sensors, qpos = reference
     assert replay.qpos[lane] == pytest.approx(qpos, abs=2e-4)
     assert replay.sensors[lane][:, [ANGLE, EFFORT]] == pytest.approx(sensors[:, [ANGLE, EFFORT]], abs=3e-4)
@@ -175,18 +177,18 @@ def test_a_delay_of_whole_steps_is_a_late_command():
     late = [Change("command_delay", name, {"delay": 0.02}) for name in ("servo", "push")]
     log = RECORDINGS[0]
     even = Recording("even.csv", np.arange(80) * 0.01, log.ctrl, np.ones((80, 2)), log.sensor, log.qpos, log.qvel)
-    part = segment([even], 0, (0, 79), 0.005, START)
+    part = window_of([even], 0, (0, 79), 0.005, START)
     replay = run([values(), values(*late)], [part], [0, 0])
     shifted = np.concatenate([np.repeat(even.ctrl[:1], 2, axis=0), even.ctrl[:-2]])
     by_hand = Recording("late.csv", even.time, shifted, even.enable, even.sensor, even.qpos, even.qvel)
-    other = run([values()], [segment([by_hand], 0, (0, 79), 0.005, START)], [0])
+    other = run([values()], [window_of([by_hand], 0, (0, 79), 0.005, START)], [0])
     assert replay.qpos[1] == pytest.approx(other.qpos[0], abs=5e-5)  # the means of commands are rounded
     assert np.abs(replay.qpos[1] - replay.qpos[0]).max() > 0.05
 
 
 def test_a_delay_reaches_back_before_a_window():
     late = [Change("command_delay", name, {"delay": 0.05}) for name in ("servo", "push")]
-    part = segment(RECORDINGS, 0, (30, 79), 0.005, START)
+    part = window_of(RECORDINGS, 0, (30, 79), 0.005, START)
     replay = run([values(*late)], [part], [0])
     reference = c_loop(robots("Euler")[0], part, delay=0.05)
     assert replay.qpos[0] == pytest.approx(reference[1], abs=2e-3)
@@ -194,17 +196,17 @@ def test_a_delay_reaches_back_before_a_window():
 
 
 def test_a_biased_encoder_starts_elsewhere_and_reads_the_same():
-    sensed = Start(START.qpos, START.qvel, ((ANGLE, 0, 0),))
-    part = segment(RECORDINGS, 0, (0, 79), 0.005, sensed)
+    sensed = InitialState(START.qpos, START.qvel, ((ANGLE, 0, 0),))
+    part = window_of(RECORDINGS, 0, (0, 79), 0.005, sensed)
     replay = run([values(Change("sensor_bias", "angle", {"bias": 0.25}))], [part], [0])
-    true = Start(START.qpos - [0.25, 0.0], START.qvel)
+    true = InitialState(START.qpos - [0.25, 0.0], START.qvel)
     sensors, qpos = c_loop(robots("Euler")[0], whole(0), start=true)
     assert replay.qpos[0] == pytest.approx(qpos, abs=2e-4)
     assert replay.sensors[0, :, ANGLE] == pytest.approx(sensors[:, ANGLE] + 0.25, abs=3e-4)
 
 
 def test_lanes_do_not_depend_on_their_company():
-    segments = [whole(0), whole(1), segment(RECORDINGS, 2, (10, 25), 0.005, START)]
+    segments = [whole(0), whole(1), window_of(RECORDINGS, 2, (10, 25), 0.005, START)]
     lanes = [values(Change("viscous_friction", "elbow", {"c": 0.01 * k})) for k in range(8)]
     which = [0, 1, 2, 0, 1, 2, 0, 2]
     together = run(lanes, segments, which)
@@ -216,14 +218,14 @@ def test_lanes_do_not_depend_on_their_company():
 
 
 def test_beyond_a_segments_end_there_is_nothing():
-    replay = run([values()] * 2, [whole(0), segment(RECORDINGS, 1, (5, 14), 0.005, START)], [0, 1])
+    replay = run([values()] * 2, [whole(0), window_of(RECORDINGS, 1, (5, 14), 0.005, START)], [0, 1])
     for table in replay:
         assert np.isfinite(table[0]).all()
         assert np.isfinite(table[1, :10]).all() and np.isnan(table[1, 10:]).all()
 
 
 def test_a_simulation_that_blows_up_leaves_its_neighbours_alone():
-    broken = segment(RECORDINGS, 0, (0, 79), 0.005, Start(np.array([np.nan, 0.0]), np.zeros(2)))
+    broken = window_of(RECORDINGS, 0, (0, 79), 0.005, InitialState(np.array([np.nan, 0.0]), np.zeros(2)))
     replay = run([values()] * 2, [whole(0), broken], [0, 1])
     assert np.isnan(replay.qpos[1]).any()
     assert np.array_equal(replay.qpos[0], run([values()], [whole(0)], [0]).qpos[0])
@@ -233,7 +235,7 @@ def test_one_executable_serves_all():
     run([values()], [whole(0)], [0])
     with count_compilations() as compiled:
         run([values(Change("viscous_friction", "elbow", {"c": 1.0}))] * 9, [whole(k) for k in range(3)], [0, 1, 2] * 3)
-        run([values()], [segment(RECORDINGS, 0, (3, 9), 0.001, START)], [0])
+        run([values()], [window_of(RECORDINGS, 0, (3, 9), 0.001, START)], [0])
     assert compiled.count == 0
 
 
@@ -243,4 +245,4 @@ def test_settings_that_change_the_models_structure_are_refused():
         XML.format(integrator="Euler").replace("<motor", "<motor name='more' joint='elbow'/><motor")
     )
     with pytest.raises(InputError, match="settings change"):
-        replayer(nominal, EFFECTS, [nominal, other])
+        open_loop_simulator(nominal, EFFECTS, [nominal, other])

@@ -7,11 +7,11 @@ import pytest
 
 from estexp_jax.physics.effects.changes import encode, parse_change, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import replayer
-from estexp_jax.physics.engines.open_loop import Replay
+from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.physics.window import Path, Segment, Start, segment
+from estexp_jax.physics.window import InitialState, StateEstimate, Window, window_of
 from tests.physics.effects.twins import XML
 
 ROBOT = Robot.from_string(XML, "twin.xml")
@@ -19,7 +19,7 @@ EFFECTS = catalogue(
     ["hysteresis", "motor_fade", "joint_compliance", "backlash", "actuator_lag", "tied_outputs"]
     + ["sensor_delay", "sensor_stuck", "law_drift"]
 )
-REPLAYER = replayer(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
+REPLAYER = open_loop_simulator(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
 PERIOD, ROWS, MIDDLE = 0.005, 160, 100
 
 
@@ -30,12 +30,12 @@ def log(ctrl: np.ndarray | None = None) -> Recording:
     return Recording("log.csv", PERIOD * np.arange(ROWS), ctrl, np.ones((ROWS, 2)), nothing, nothing, nothing)
 
 
-def part(first: int = 0, start: Start | None = None, recording: Recording | None = None) -> Segment:
-    start = Start(np.zeros(2), np.zeros(2)) if start is None else start
-    return segment([recording or log()], 0, (first, ROWS - 1), 0.0025, start)
+def part(first: int = 0, start: InitialState | None = None, recording: Recording | None = None) -> Window:
+    start = InitialState(np.zeros(2), np.zeros(2)) if start is None else start
+    return window_of([recording or log()], 0, (first, ROWS - 1), 0.0025, start)
 
 
-def run(text: str, segment: Segment) -> Replay:
+def run(text: str, segment: Window) -> OpenLoopRollout:
     changes = [parse_change(t, ROBOT) for t in text.split(" + ")] if text else []
     return REPLAYER.replay(stack([encode(ROBOT, EFFECTS, changes)]), [segment], np.zeros(1, int))
 
@@ -56,8 +56,8 @@ def test_what_happened_before_a_window_is_remembered(text: str, share: float) ->
     Springs and gaps are rolled at the rows' times, between which the joint is taken to move evenly.
     """
     whole = run(text, part())
-    path = Path(log().time, whole.qpos[0].astype(float), whole.qvel[0].astype(float))
-    late = part(MIDDLE, Start(path.qpos[MIDDLE], path.qvel[MIDDLE]))
+    path = StateEstimate(log().time, whole.qpos[0].astype(float), whole.qvel[0].astype(float))
+    late = part(MIDDLE, InitialState(path.qpos[MIDDLE], path.qvel[MIDDLE]))
     wanted = whole.qpos[0, MIDDLE:]
     forgetful = np.abs(run(text, late).qpos[0] - wanted).max()
     remembering = np.abs(run(text, replace(late, path=path)).qpos[0] - wanted).max()
@@ -85,8 +85,8 @@ def test_a_window_under_a_late_sensor_starts_where_the_robot_was() -> None:
     read[4:, 1] = true.qpos[0, :-4, 1]
     speed = true.qvel[0].astype(float).copy()
     speed[4:, 1] = true.qvel[0, :-4, 1]
-    late = part(MIDDLE, Start(read[MIDDLE], speed[MIDDLE], ((1, 1, 1),)))
-    replay = run("sensor_delay@bend delay=0.02", replace(late, path=Path(log().time, read, speed)))
+    late = part(MIDDLE, InitialState(read[MIDDLE], speed[MIDDLE], ((1, 1, 1),)))
+    replay = run("sensor_delay@bend delay=0.02", replace(late, path=StateEstimate(log().time, read, speed)))
     np.testing.assert_allclose(replay.qpos[0], true.qpos[0, MIDDLE:], atol=1e-3)
     np.testing.assert_allclose(replay.sensors[0, :, 1], read[MIDDLE:, 1], atol=1e-3)
 
@@ -105,17 +105,17 @@ def test_a_window_under_a_drifting_sensor_starts_where_the_robot_was() -> None:
     read, speed = true.qpos[0].astype(float), true.qvel[0].astype(float)
     read[:, 1] += gained
     speed[:, 1] += 0.3
-    replay = run("law_drift@bend a=0.3", part(MIDDLE, Start(read[MIDDLE], speed[MIDDLE], ((1, 1, 1),))))
+    replay = run("law_drift@bend a=0.3", part(MIDDLE, InitialState(read[MIDDLE], speed[MIDDLE], ((1, 1, 1),))))
     np.testing.assert_allclose(replay.qpos[0], true.qpos[0, MIDDLE:], atol=1e-3)
     np.testing.assert_allclose(replay.sensors[0, :, 1], read[MIDDLE:, 1], atol=1e-3)
 
 
 def test_another_start_stays_another_start_under_a_late_sensor() -> None:
     read = np.cumsum(np.full((ROWS, 2), 0.002), axis=0)
-    path = Path(log().time, read, np.zeros((ROWS, 2)))
+    path = StateEstimate(log().time, read, np.zeros((ROWS, 2)))
     starts = []
     for shift in (0.0, 0.05):
-        begin = Start(read[MIDDLE] + [0.0, shift], np.array([0.0, 2.0 * shift]), ((1, 1, 1),))
+        begin = InitialState(read[MIDDLE] + [0.0, shift], np.array([0.0, 2.0 * shift]), ((1, 1, 1),))
         replay = run("sensor_delay@bend delay=0.02", replace(part(MIDDLE, begin), path=path))
         starts.append(np.array([replay.qpos[0, 0], replay.qvel[0, 0]]))
     np.testing.assert_allclose(starts[1] - starts[0], [[0.0, 0.05], [0.0, 0.1]], atol=1e-6)
@@ -123,7 +123,7 @@ def test_another_start_stays_another_start_under_a_late_sensor() -> None:
 
 def test_under_a_stuck_sensor_a_servo_starts_where_it_was_told_to_be() -> None:
     told = np.stack([0.3 + 0.8 * PERIOD * np.arange(ROWS), np.zeros(ROWS)], axis=1)
-    start = Start(np.array([0.1, 0.7]), np.zeros(2), ((0, 0, 0), (1, 1, 1)))
+    start = InitialState(np.array([0.1, 0.7]), np.zeros(2), ((0, 0, 0), (1, 1, 1)))
     replay = run("sensor_stuck@angle value=0.7", part(MIDDLE, start, log(told)))
     servo = ROBOT.model.actuator_gainprm[0, 0] / -ROBOT.model.actuator_biasprm[0, 1]
     late = 0.8 * 0.02  # half of the time over which commands count
@@ -132,7 +132,7 @@ def test_under_a_stuck_sensor_a_servo_starts_where_it_was_told_to_be() -> None:
 
 
 def test_a_stuck_sensor_starts_at_home_and_stays() -> None:
-    start = Start(np.array([0.1, 0.7]), np.zeros(2), ((0, 0, 0), (1, 1, 1)))
+    start = InitialState(np.array([0.1, 0.7]), np.zeros(2), ((0, 0, 0), (1, 1, 1)))
     replay = run("sensor_stuck@bend value=0.7", part(start=start))
     np.testing.assert_allclose(replay.sensors[0, :, 1], 0.7)
     np.testing.assert_allclose(replay.qpos[0, 0], [0.1, 0.0], atol=1e-6)

@@ -5,7 +5,7 @@ import pytest
 
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.mjx.model import mjx_model
-from estexp_jax.physics.model.clearance import kept_apart
+from estexp_jax.physics.model.clearance import without_collisions
 from estexp_jax.physics.model.robot import Robot
 
 LEGS = """
@@ -35,7 +35,7 @@ def robot() -> Robot:
 @pytest.mark.parametrize(("swing", "apart"), [(0.1, True), (0.17, True), (0.19, False), (0.3, False)])
 def test_only_what_stayed_apart_is_left_out(robot: Robot, swing: float, apart: bool) -> None:
     pair = robot.index("body", "left"), robot.index("body", "right")
-    assert (pair in kept_apart(robot, [path(0.05), path(swing)])) == apart
+    assert (pair in without_collisions(robot, [path(0.05), path(swing)])) == apart
 
 
 @pytest.mark.parametrize("shape", ['type="plane" size="5 5 .1"', 'type="box" size="5 5 .1"'])
@@ -43,7 +43,7 @@ def test_only_what_stayed_apart_is_left_out(robot: Robot, swing: float, apart: b
 def test_surroundings_are_left_out_where_a_bolted_robot_keeps_off_them(shape: str, height: float, apart: bool) -> None:
     top = height - 0.02 - (0.1 if "box" in shape else 0.0)
     xml = LEGS.replace('type="plane" size="5 5 0.1" pos="0 0 -2"', f'{shape} pos="0 0 {top}"')
-    found = kept_apart(Robot.from_string(xml), [path(0.3)])  # they reach down to -0.55 m
+    found = without_collisions(Robot.from_string(xml), [path(0.3)])  # they reach down to -0.55 m
     assert ((0, 1) in found, (0, 2) in found) == (apart, apart)
 
 
@@ -52,11 +52,11 @@ def test_what_floats_may_always_fall_on_its_surroundings() -> None:
         '<motor name="l" joint="l"/>', ""
     )
     at = np.array([[0.0, 0.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
-    assert set(kept_apart(Robot.from_string(xml), [at])) == {(1, 2), (0, 2)}
+    assert set(without_collisions(Robot.from_string(xml), [at])) == {(1, 2), (0, 2)}
 
 
 def test_a_robot_without_them_is_the_same_but_for_them(robot: Robot) -> None:
-    found = robot.without_contacts(kept_apart(robot, [path(0.1)]))
+    found = robot.without_contacts(without_collisions(robot, [path(0.1)]))
     assert found.model.nexclude == 3 and robot.model.nexclude == 0
     assert found.names("geom") == robot.names("geom")
     assert robot.without_contacts([]) is robot
@@ -90,11 +90,11 @@ TURNTABLE = """
 )
 def test_what_a_joint_holds_at_one_distance_cannot_touch(axis: str, height: float, apart: bool) -> None:
     robot = Robot.from_string(TURNTABLE.format(axis=axis, height=height))
-    found = kept_apart(robot, [np.linspace(-0.2, 0.2, 50)[:, None]])
+    found = without_collisions(robot, [np.linspace(-0.2, 0.2, 50)[:, None]])
     assert ((0, 1) in found) == apart
 
 
 @pytest.mark.parametrize(("near", "apart"), [(0.02, False), (0.005, True)])
 def test_how_near_is_near_can_be_told(robot: Robot, near: float, apart: bool) -> None:
     pair = robot.index("body", "left"), robot.index("body", "right")
-    assert (pair in kept_apart(robot, [path(0.19)], near)) == apart  # they come within 11 mm
+    assert (pair in without_collisions(robot, [path(0.19)], near)) == apart  # they come within 11 mm

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from estexp_jax.physics.engines.mjx.capabilities import within_mjx
-from estexp_jax.physics.model.clearance import kept_apart
-from estexp_jax.physics.model.collision_pairs import overlapping
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
+from estexp_jax.physics.model.clearance import without_collisions
+from estexp_jax.physics.model.collision_pairs import overlapping_bodies
 from estexp_jax.physics.model.robot import Robot
 
 CUBE = " ".join(f"{x} {y} {z}" for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (-0.05, 0.05))
@@ -32,8 +32,8 @@ def test_meshes_that_overlap_at_home_are_left_out_and_named(deep: float, shape: 
     robot = arm(deep, shape=shape)
     world, one, three = (robot.index("body", name) for name in ("world", "one", "three"))
     pairs = ((world, one), (world, three), (one, three)) if left_out else ()
-    assert overlapping(robot) == pairs
-    model, told = within_mjx(robot)
+    assert overlapping_bodies(robot) == pairs
+    model, told = reduced_to_mjx(robot)
     assert model.nexclude == len(pairs)
     assert [("world and one" in line, "one and three" in line, "overlap" in line) for line in told] == [(True,) * 3] * (
         left_out
@@ -45,12 +45,12 @@ def test_what_overlaps_at_home_stays_left_out_wherever_the_robot_moves(deep: flo
     robot = arm(deep)
     moves = np.zeros((50, 3)) + 0.5 * np.sin(np.linspace(0.0, 6.0, 50))[:, None]
     pressed = robot.index("body", "one"), robot.index("body", "three")
-    assert (pressed in kept_apart(robot, [moves])) == (deep > 0.001)
+    assert (pressed in without_collisions(robot, [moves])) == (deep > 0.001)
 
 
 def test_what_a_robot_may_stand_on_stays() -> None:
     robot = arm(0.005, base="<freejoint/>")
-    assert overlapping(robot) == ((robot.index("body", "one"), robot.index("body", "three")),)
+    assert overlapping_bodies(robot) == ((robot.index("body", "one"), robot.index("body", "three")),)
 
 
 @pytest.mark.parametrize(("shape", "apart"), [(MESH, True), (BOX, False)])
@@ -62,4 +62,4 @@ def test_meshes_are_near_only_where_they_all_but_touch(shape: str, apart: bool) 
         <body name="moves" pos="0 0 1"><joint type="slide"/><geom {shape} mass="1"/></body></worldbody></mujoco>"""
     )
     passing = np.stack([np.zeros(50), np.linspace(0.0, -2.0, 50)], axis=1)
-    assert ((1, 2) in kept_apart(robot, [passing])) == apart
+    assert ((1, 2) in without_collisions(robot, [passing])) == apart

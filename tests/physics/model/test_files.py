@@ -10,12 +10,12 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.choice import chosen
+from estexp_jax.physics.engines.choice import choose_engine
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.model.portable import portable
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.model.xml_text import elements
+from estexp_jax.physics.model.xml_text import xml_elements
 from tests.physics.meshes import mjcf, urdf, write_box
 
 BODY = '<body><joint axis="0 1 0"/><geom size=".1"/></body>'
@@ -100,12 +100,12 @@ def test_meshes_that_only_show_leave_lanes_alone(tmp_path: Path, touching: bool,
     write_box(tmp_path / "meshes" / "link.stl")
     arm = Robot.from_xml(_write(tmp_path / "arm.xml", mjcf(touching=touching)))
     on_mjx = mjx_model(arm, catalogue(["viscous_friction"]))
-    choice = chosen("auto", on_mjx)
+    choice = choose_engine("auto", on_mjx)
     assert choice.engine == engine
     if touching:
         assert "contact between geoms" in choice.reason
         with pytest.raises(InputError, match="use --engine mjx"):
-            chosen("lanes", on_mjx)
+            choose_engine("lanes", on_mjx)
 
 
 OUT = {
@@ -245,4 +245,4 @@ def test_models_that_attach_themselves_are_refused(tmp_path: Path, inside: str) 
 
 def test_comments_and_data_are_read_as_they_are() -> None:
     text = "<a><!-- <b/> -- -->\n<c d='>'/><![CDATA[ <e/> ]]><!DOCTYPE x></a>".replace("<!DOCTYPE x>", "")
-    assert [(e.tag, dict(e.attributes)) for e in elements(text, "x")] == [("a", {}), ("c", {"d": ">"})]
+    assert [(e.tag, dict(e.attributes)) for e in xml_elements(text, "x")] == [("a", {}), ("c", {"d": ">"})]

@@ -9,7 +9,7 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.model.travel import travel_of
+from estexp_jax.physics.model.travel import root_position
 from tests.physics.robots import robot
 
 BOX = '<geom size="0.1 0.1 0.1" type="box"/>'
@@ -37,7 +37,7 @@ def _of_c_engine(subject: Robot, qpos: np.ndarray, body: int) -> np.ndarray:
     ids=lambda r: Path(r.source).stem,
 )
 def test_it_is_where_the_c_engine_puts_the_root(subject: Robot) -> None:
-    rng, travel = np.random.default_rng(0), travel_of(subject)
+    rng, travel = np.random.default_rng(0), root_position(subject)
     for _ in range(3):
         qpos = rng.normal(size=subject.model.nq)
         position = travel(jnp.asarray(qpos, jnp.float32))
@@ -47,9 +47,9 @@ def test_it_is_where_the_c_engine_puts_the_root(subject: Robot) -> None:
 @pytest.mark.parametrize("name", ["pendulum", "mute"])
 def test_a_fixed_robot_cannot_travel(name: str) -> None:
     with pytest.raises(InputError, match=f"{name}.*freejoint"):
-        travel_of(robot(name))
+        root_position(robot(name))
 
 
 def test_a_robot_without_joints_cannot_travel() -> None:
     with pytest.raises(InputError, match="freejoint"):
-        travel_of(Robot.from_string(f"<mujoco><worldbody><body>{BOX}</body></worldbody></mujoco>"))
+        root_position(Robot.from_string(f"<mujoco><worldbody><body>{BOX}</body></worldbody></mujoco>"))

@@ -5,8 +5,8 @@ import numpy as np
 
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.recovery.control.network import HIDDEN, decode, n_weights, respond
-from tests.recovery.control.controller_twin import GAIN, N_INPUTS, N_MOTORS, N_WEIGHTS, Twin
 from tests.physics.robots import robot
+from tests.recovery.control.controller_twin import GAIN, N_INPUTS, N_MOTORS, N_WEIGHTS, Twin
 
 
 def test_the_paper_has_68_synapses() -> None:

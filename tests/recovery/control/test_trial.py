@@ -4,10 +4,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.recovery.control.network import respond
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.simulator import DamageSimulator
 
 
-def test_a_controller_responds_as_the_simulated_ones_do(world: Simulator) -> None:
+def test_a_controller_responds_as_the_simulated_ones_do(world: DamageSimulator) -> None:
     random, face = np.random.default_rng(1), world.walker.interface
     controller = world.controller(random.integers(-100, 101, world.n_weights) / 100, 30)
     hidden, readings = random.uniform(-1, 1, 3), random.uniform(-1.2, 1.2, face.n_inputs)

@@ -8,9 +8,9 @@ import numpy as np
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation.edits import Place
 from estexp_jax.recovery.estimation.genome import Items
-from estexp_jax.recovery.estimation.options import menu
-from estexp_jax.recovery.estimation.replay import Judged, ReplayEstimation
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.estimation.options import damage_options
+from estexp_jax.recovery.estimation.replay import LinearisedCandidates, ReplayEstimation
+from estexp_jax.recovery.simulator import DamageSimulator
 
 WEAK, HEAVY = Place("motor_weakness", "knee_f"), Place("body_mass", "lower_f")
 LEG, BEST = ("upper_b", "lower_b"), 0.5
@@ -33,7 +33,7 @@ class TwoThatFit:
         return FAR * min(1.0, *off, 1.0)
 
 
-def test_the_last_are_judged_by_more_of_the_simulators_errors(world: Simulator, settings: Settings) -> None:
+def test_the_last_are_judged_by_more_of_the_simulators_errors(world: DamageSimulator, settings: Settings) -> None:
     method = ReplayEstimation(world, replace(settings, robot="foreign"), 1)
     state, residuals = method.begin([]), TwoThatFit()
     while not method.done(state):
@@ -44,10 +44,10 @@ def test_the_last_are_judged_by_more_of_the_simulators_errors(world: Simulator, 
     assert found.probability is not None and found.probability > 0.9
 
 
-def test_sets_of_options_that_say_the_same_count_once(world: Simulator) -> None:
-    options = menu(world.robot, "full")
+def test_sets_of_options_that_say_the_same_count_once(world: DamageSimulator) -> None:
+    options = damage_options(world.robot, "full")
     upper, lower, weak = (options.places.index(place) for place in (*(Place("part_lost", p) for p in LEG), WEAK))
-    judged = Judged(options, 0.0, TwoThatFit())
+    judged = LinearisedCandidates(options, 0.0, TwoThatFit())
     for hypothesis in (((upper, 1.0),), ((upper, 1.0), (lower, 1.0)), ((lower, 1.0),), ((weak, BEST),)):
         judged.worth(hypothesis)
     assert [options.items(hypothesis) for hypothesis in judged.ranked()] == [

@@ -8,52 +8,52 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.cycle import Job, run
-from estexp_jax.recovery.estimation.base import Diagnosis
+from estexp_jax.recovery.cycle import Job, run_cycle
+from estexp_jax.recovery.estimation.base import DamageDiagnosis
 from estexp_jax.recovery.estimation.edits import Place
 from estexp_jax.recovery.estimation.genome import Items
 from estexp_jax.recovery.estimation.set import SetEstimation
-from estexp_jax.recovery.exploration.disagreement import most_telling, undecided
-from estexp_jax.recovery.simulator import Simulator
+from estexp_jax.recovery.exploration.disagreement import most_informative, remaining_probability
+from estexp_jax.recovery.simulator import DamageSimulator
 
 WEAK = (Change("motor_weakness", "knee_f", {"loss": 0.6}),)
 LOST = (Change("part_lost", "upper_b", {"lost": 1.0}),)
 
 
 @pytest.fixture(scope="module")
-def controllers(world: Simulator) -> np.ndarray:
+def controllers(world: DamageSimulator) -> np.ndarray:
     """One that holds still, and three that do not."""
     random = np.random.default_rng(8).integers(-100, 101, (3, world.n_weights)) / 100
     return np.concatenate([np.zeros((1, world.n_weights)), random])
 
 
 def test_what_foretells_the_same_is_never_told_apart(
-    world: Simulator, settings: Settings, controllers: np.ndarray
+    world: DamageSimulator, settings: Settings, controllers: np.ndarray
 ) -> None:
     rough = replace(settings, robot="foreign")
-    left = undecided(world, rough, controllers, [(LOST, 0.5), (LOST, 0.3)])
+    left = remaining_probability(world, rough, controllers, [(LOST, 0.5), (LOST, 0.3)])
     np.testing.assert_allclose(left, 1.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("robot", ["same", "foreign"])
 def test_a_weak_motor_shows_only_where_it_moves(
-    world: Simulator, settings: Settings, controllers: np.ndarray, robot: str
+    world: DamageSimulator, settings: Settings, controllers: np.ndarray, robot: str
 ) -> None:
     told = replace(settings, robot=robot)  # pyright: ignore[reportArgumentType]
-    still, *moving = undecided(world, told, controllers, [(WEAK, 0.6), ((), 0.4)])
+    still, *moving = remaining_probability(world, told, controllers, [(WEAK, 0.6), ((), 0.4)])
     assert still > 10.0 * max(moving)
 
 
-def test_rivals_count_by_their_probability(world: Simulator, settings: Settings, controllers: np.ndarray) -> None:
+def test_rivals_count_by_their_probability(world: DamageSimulator, settings: Settings, controllers: np.ndarray) -> None:
     rough = replace(settings, robot="foreign")
-    weak, lost = (undecided(world, rough, controllers, [((), 0.5), (rival, 0.2)]) for rival in (WEAK, LOST))
-    both = undecided(world, rough, controllers, [((), 0.5), (WEAK, 0.3), (LOST, 0.1)])
+    weak, lost = (remaining_probability(world, rough, controllers, [((), 0.5), (rival, 0.2)]) for rival in (WEAK, LOST))
+    both = remaining_probability(world, rough, controllers, [((), 0.5), (WEAK, 0.3), (LOST, 0.1)])
     np.testing.assert_allclose(both, 0.75 * weak + 0.25 * lost, rtol=1e-6, atol=1e-12)
 
 
 def test_of_those_that_tell_about_as_much_the_first_counts() -> None:
-    assert most_telling(np.array([0.5, 0.011, 0.3, 0.0])) == 1
-    assert most_telling(np.array([0.5, 0.05, 0.3, 0.0])) == 3
+    assert most_informative(np.array([0.5, 0.011, 0.3, 0.0])) == 1
+    assert most_informative(np.array([0.5, 0.05, 0.3, 0.0])) == 3
 
 
 def test_the_robot_tries_what_tells_most_and_at_last_what_comes_farthest(
@@ -61,7 +61,7 @@ def test_the_robot_tries_what_tells_most_and_at_last_what_comes_farthest(
 ) -> None:
     """A diagnosis that leaves rivals: among controllers nearly as good as the best, another one is tried."""
     weak: Items = ((Place("motor_weakness", "knee_f"), 0.6),)
-    doubtful = Diagnosis((), 0.0, 0.5, ((weak, 0.5),), alarm=False)
+    doubtful = DamageDiagnosis((), 0.0, 0.5, ((weak, 0.5),), alarm=False)
     monkeypatch.setattr(SetEstimation, "diagnosis", lambda *_: doubtful)
     asked: list[np.ndarray] = []
 
@@ -71,7 +71,7 @@ def test_the_robot_tries_what_tells_most_and_at_last_what_comes_farthest(
 
     monkeypatch.setattr("estexp_jax.recovery.cycle.undecided", least_for_the_last)
     settings = replace(job.settings, next_trial="telling", generations=3)
-    *_, last = run(replace(job, settings=settings))
+    *_, last = run_cycle(replace(job, settings=settings))
     bests = {row.number: row.best for row in last.history if row.phase == "exploration"}
     assert len(asked) == settings.passes - 1
     np.testing.assert_array_equal(last.controllers[1], asked[0][-1])

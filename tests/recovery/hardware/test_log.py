@@ -8,7 +8,7 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.control.trial import Controller, Trial
-from estexp_jax.recovery.hardware.log import Wanted, logged
+from estexp_jax.recovery.hardware.log import ExpectedTrial, trial_of_recording
 from tests.recovery.loops import PERIOD, STEPS, controller_of, readings_at, recorded, walked
 
 COMPARED = 41
@@ -25,12 +25,12 @@ def trial(controller: Controller) -> Trial:
 
 
 @pytest.fixture(scope="module")
-def wanted(controller: Controller) -> Wanted:
-    return Wanted(controller, walked(controller, phase=1.3), "x", COMPARED)
+def wanted(controller: Controller) -> ExpectedTrial:
+    return ExpectedTrial(controller, walked(controller, phase=1.3), "x", COMPARED)
 
 
-def test_rows_at_the_control_steps_are_the_trial(quadruped: Robot, trial: Trial, wanted: Wanted) -> None:
-    found, notes = logged(quadruped, recorded(quadruped, wanted.controller, trial), wanted, "trial_0.csv")
+def test_rows_at_the_control_steps_are_the_trial(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
+    found, notes = trial_of_recording(quadruped, recorded(quadruped, wanted.controller, trial), wanted, "trial_0.csv")
     assert notes == () and found.heard is None
     for name in ("time", "readings", "commands", "position"):
         np.testing.assert_allclose(getattr(found, name), getattr(trial, name), atol=1e-12)
@@ -42,12 +42,12 @@ def test_rows_at_the_control_steps_are_the_trial(quadruped: Robot, trial: Trial,
     ids=["200 Hz", "1 kHz", "jitter", "slow clock", "fast clock"],
 )
 def test_other_clocks_give_the_same_trial(
-    rate: float, jitter: float, drift: float, quadruped: Robot, trial: Trial, wanted: Wanted
+    rate: float, jitter: float, drift: float, quadruped: Robot, trial: Trial, wanted: ExpectedTrial
 ) -> None:
     random = np.random.default_rng(1)
     time = drift * np.arange(0.0, STEPS * PERIOD - 1e-9, 1.0 / rate)
     time[1:] += random.uniform(-jitter, jitter, len(time) - 1)
-    found, _ = logged(quadruped, recorded(quadruped, wanted.controller, trial, time), wanted, "trial_0.csv")
+    found, _ = trial_of_recording(quadruped, recorded(quadruped, wanted.controller, trial, time), wanted, "trial_0.csv")
     touch, inside = wanted.controller.interface.is_touch, slice(0, STEPS - 1)
     np.testing.assert_allclose(found.readings[inside, ~touch], trial.readings[inside, ~touch], atol=2e-3)
     assert np.mean(found.readings[:, touch] != trial.readings[:, touch]) < 0.02
@@ -56,62 +56,67 @@ def test_other_clocks_give_the_same_trial(
     assert found.heard is None
 
 
-def test_commands_that_were_played_are_heard_as_foretold(quadruped: Robot, trial: Trial, wanted: Wanted) -> None:
+def test_commands_that_were_played_are_heard_as_foretold(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     played = replace(recorded(quadruped, wanted.controller, trial), ctrl=wanted.foretold.commands)
-    found, _ = logged(quadruped, played, wanted, "trial_0.csv")
+    found, _ = trial_of_recording(quadruped, played, wanted, "trial_0.csv")
     assert found.heard is wanted.foretold.readings
     np.testing.assert_allclose(found.readings, trial.readings, atol=1e-12)
     kept = Trial.from_tree(found.to_tree())
     np.testing.assert_array_equal(kept.network_heard, wanted.foretold.readings)
 
 
-def test_commands_of_nobody_are_refused(quadruped: Robot, trial: Trial, wanted: Wanted) -> None:
+def test_commands_of_nobody_are_refused(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     log = recorded(quadruped, wanted.controller, trial)
     log.ctrl[:, 3] *= -1.0
     with pytest.raises(InputError, match=r"column 'ctrl\.knee_l': commands are off by .* signs"):
-        logged(quadruped, log, wanted, "trial_0.csv")
+        trial_of_recording(quadruped, log, wanted, "trial_0.csv")
 
 
-def test_a_short_one_is_refused(quadruped: Robot, trial: Trial, wanted: Wanted) -> None:
+def test_a_short_one_is_refused(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     log = recorded(quadruped, wanted.controller, trial, trial.time[:40])
     with pytest.raises(InputError, match=r"column 'time': lasts 0\.39 s, a trial 0\.6 s"):
-        logged(quadruped, log, wanted, "trial_0.csv")
+        trial_of_recording(quadruped, log, wanted, "trial_0.csv")
 
 
-def test_gaps_are_filled_where_nothing_is_compared(quadruped: Robot, trial: Trial, wanted: Wanted) -> None:
+def test_gaps_are_filled_where_nothing_is_compared(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     knee = wanted.controller.interface.names.index("angle_f")
     column = wanted.controller.interface.columns[knee]
     log = recorded(quadruped, wanted.controller, trial)
     log.sensor[[3, 4, 5], column] = np.nan
-    found, notes = logged(quadruped, log, wanted, "trial_0.csv")
+    found, notes = trial_of_recording(quadruped, log, wanted, "trial_0.csv")
     assert notes == () and np.allclose(found.readings[:, knee], trial.readings[:, knee], atol=1e-2)
     log.sensor[45:55, column] = np.nan
-    assert "angle_f: no sample for 0.11 s" in logged(quadruped, log, wanted, "trial_0.csv").notes[0]
+    assert "angle_f: no sample for 0.11 s" in trial_of_recording(quadruped, log, wanted, "trial_0.csv").notes[0]
     log.sensor[10:20, column] = np.nan
     with pytest.raises(InputError, match=r"'sensor\.angle_f': no sample for 0\.11 s, 0\.09 s after the first row"):
-        logged(quadruped, log, wanted, "trial_0.csv")
+        trial_of_recording(quadruped, log, wanted, "trial_0.csv")
     log.sensor[:, column] = np.nan
     with pytest.raises(InputError, match="has no sample; the controller hears"):
-        logged(quadruped, log, wanted, "trial_0.csv")
+        trial_of_recording(quadruped, log, wanted, "trial_0.csv")
 
 
-def test_a_distance_may_be_measured_by_hand_or_not_at_all(quadruped: Robot, trial: Trial, wanted: Wanted) -> None:
+def test_a_distance_may_be_measured_by_hand_or_not_at_all(
+    quadruped: Robot, trial: Trial, wanted: ExpectedTrial
+) -> None:
     log = recorded(quadruped, wanted.controller, trial)
     log.qpos[:] = np.nan
-    found, notes = logged(quadruped, log, wanted, "trial_0.csv")
+    found, notes = trial_of_recording(quadruped, log, wanted, "trial_0.csv")
     assert np.isnan(found.distance("x")) and "distance is not known" in notes[0] and "qpos.root.0" in notes[0]
     with pytest.raises(InputError, match=r"--metric distance compares it; .*qpos\.\w+\.0"):
-        logged(quadruped, log, replace(wanted, measured=True), "trial_0.csv")
+        trial_of_recording(quadruped, log, replace(wanted, measured=True), "trial_0.csv")
     log.qpos[[0, -1], 0] = 0.0, 0.43
-    assert logged(quadruped, log, replace(wanted, measured=True), "trial_0.csv").trial.distance("x") == 0.43
+    assert trial_of_recording(quadruped, log, replace(wanted, measured=True), "trial_0.csv").trial.distance("x") == 0.43
     log.qpos[30:, 0] = np.nan  # lost on the way
-    assert np.isnan(logged(quadruped, log, wanted, "trial_0.csv").trial.distance("x"))
+    assert np.isnan(trial_of_recording(quadruped, log, wanted, "trial_0.csv").trial.distance("x"))
 
 
-def test_rows_further_apart_than_control_steps_are_told(quadruped: Robot, trial: Trial, wanted: Wanted) -> None:
+def test_rows_further_apart_than_control_steps_are_told(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     time = np.arange(0.0, STEPS * PERIOD, 0.02)
     steady = replace(wanted, foretold=trial)
-    assert "0.02 s apart" in logged(quadruped, recorded(quadruped, wanted.controller, trial, time), steady, "").notes[0]
+    assert (
+        "0.02 s apart"
+        in trial_of_recording(quadruped, recorded(quadruped, wanted.controller, trial, time), steady, "").notes[0]
+    )
 
 
 def test_made_up_readings_are_those_of_any_clock(controller: Controller, trial: Trial) -> None:

@@ -15,18 +15,18 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import job_of
-from estexp_jax.recovery.reality_gap_target import ForeignTarget
+from estexp_jax.recovery.reality_gap_target import RealityGapTarget
 from estexp_jax.recovery.state import Row, RunState
 from estexp_jax.recovery.target import SameTarget
 from estexp_jax.report.drawing import gl
 from estexp_jax.report.drawing.film import can_film, captioned, film, strip
-from estexp_jax.report.drawing.gl import NoGlError, Shot, render
+from estexp_jax.report.drawing.gl import NoGlError, Shot, render_shots
 from estexp_jax.report.drawing.robot_pictures import colours, drawn, ground_covered, standing_view, tinted, walking_view
 from estexp_jax.report.explain.ghosts import angles_of, ghosts_of, postures
 from estexp_jax.report.explain.marked import guilty, marked_of
 from estexp_jax.report.recover import film as recover_film
 from estexp_jax.report.recover.film import film_of
-from estexp_jax.report.recover.page import page
+from estexp_jax.report.recover.page import recover_page
 from tests.physics.robots import robot
 
 BALL = "<mujoco><worldbody><body><freejoint/><geom size='.1' rgba='1 0 0 1'/></body></worldbody></mujoco>"
@@ -42,7 +42,7 @@ def drawing() -> None:
     """Skips where nothing can draw."""
     ball = Robot.from_string(BALL)
     try:
-        render(ball.model, [_shot(ball, ball.home()[None, None])], width=8, height=8)
+        render_shots(ball.model, [_shot(ball, ball.home()[None, None])], width=8, height=8)
     except NoGlError as error:
         pytest.skip(str(error))
 
@@ -53,17 +53,17 @@ def test_without_a_gl_the_message_says_what_to_install(monkeypatch: pytest.Monke
     monkeypatch.setenv("MUJOCO_GL", "off")
     assert gl.backends() == ()
     with pytest.raises(NoGlError, match="MUJOCO_GL forbids it.*libosmesa6"):
-        render(ball.model, [shot], width=8, height=8)
+        render_shots(ball.model, [shot], width=8, height=8)
     monkeypatch.setenv("MUJOCO_GL", "nonsense")
     with pytest.raises(NoGlError, match="nonsense: .*invalid value for environment variable MUJOCO_GL"):
-        render(ball.model, [shot], width=8, height=8)
+        render_shots(ball.model, [shot], width=8, height=8)
 
 
 def test_robots_are_where_they_should_be(drawing: None) -> None:
     ball = Robot.from_string(BALL)
     qpos = np.tile(ball.home(), (2, 2, 1))
     qpos[:, 1, :3] = [[0.3, 0, 0], [0.3, 0, 0.3]]  # the second robot: to the right, then up
-    (pictures,) = render(ball.model, [_shot(ball, qpos)], width=60, height=60)
+    (pictures,) = render_shots(ball.model, [_shot(ball, qpos)], width=60, height=60)
     red = pictures[..., 0].astype(int) > 60
     assert red[:, 28:32, 28:32].all()  # the first one stays in the middle
     assert red[0, 25:35, 50:58].any() and not red[0, :15, 50:58].any()
@@ -126,7 +126,7 @@ def test_motions_are_the_trials_themselves(recovered) -> None:
     for qpos, trial in zip(found, (state.before, state.trials[0]), strict=True):
         np.testing.assert_array_equal(qpos[:, :3].astype(np.float32), trial.position[rows].astype(np.float32))
     foreign = job_of(job.simulator.robot, replace(job.settings, robot="foreign"), world=job.simulator).target
-    assert isinstance(foreign, ForeignTarget)
+    assert isinstance(foreign, RealityGapTarget)
     controller = job.simulator.controller(state.controllers[0], 30)
     np.testing.assert_allclose(foreign.motion(controller, rows)[:, :3], foreign(controller).position[rows])
 
@@ -139,7 +139,7 @@ def test_a_recovery_is_shown(recovered, drawing: None, monkeypatch: pytest.Monke
     picture = np.asarray(Image.open(io.BytesIO(shown.strip)))
     assert picture.shape == (3 * 72, 5 * 80, 3) and picture[:54].std() > 10
     assert (shown.video is not None) == can_film()
-    html = page("run", job.planted, state, "x", {}, shown)
+    html = recover_page("run", job.planted, state, "x", {}, shown)
     assert "data:image/jpeg;base64" in html and ("data:video/mp4" in html) == can_film()
     assert film_of(replace(job, healthy=None, target=lambda c: state.trials[0]), state) is None
 

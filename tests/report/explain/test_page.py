@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.law_forces import LawForces
-from estexp_jax.report.explain.competing_models import figure_rivals
+from estexp_jax.report.explain.competing_models import figure_competing_models
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where, ranked, worst_channel
-from estexp_jax.report.explain.page import headline, page
+from estexp_jax.report.explain.page import explain_headline, explain_page
 from tests.report.examples import FINDINGS, LONG, OTHERS, diagnosis
 
 
@@ -39,7 +39,7 @@ class Reader(HTMLParser):
 
 def read(verdict: str) -> tuple[str, Reader]:
     d = diagnosis(verdict)
-    html, reader = page(d, d.findings), Reader()
+    html, reader = explain_page(d, d.findings), Reader()
     reader.feed(html)
     assert reader.open == []
     return html, reader
@@ -65,7 +65,7 @@ def test_an_unknown_law_is_drawn_beside_its_equation():
     laws = (LawForces(LONG, way, np.cos(9.0 * way), 0.0 * way, way**3 + 0.01, way**3),)
     d = replace(d, laws=laws, findings=d.findings | {"what": [d.findings["what"][0] | {"effect": "unknown_law"}]})
     reader = Reader()
-    reader.feed(page(d, d.findings))
+    reader.feed(explain_page(d, d.findings))
     assert len(reader.addresses) == 5 and r"\tau = -T \operatorname{sign}(\omega)" in reader.text
 
 
@@ -104,7 +104,7 @@ def test_what_stays_as_it_is_keeps_its_step():
 def test_other_verdicts_read_well(verdict):
     _, reader = read(verdict)
     text = " ".join(reader.text.split())
-    assert headline(diagnosis(verdict).findings) in text
+    assert explain_headline(diagnosis(verdict).findings) in text
     assert "None" not in text and "nan" not in text
     assert "leaves out" not in text
     assert ("90 % interval" in text) == (verdict != "consistent")
@@ -148,14 +148,14 @@ def test_figure_ranking_highlights_the_chosen_one():
 
 def test_figure_rivals_shows_all_five_and_leaves_out_what_there_is_not():
     fit = {**FINDINGS["fit"], "black_box": {"train": 0.02, "test": None}, "explained": {"train": 0.0, "test": 0.003}}
-    [axes] = figure_rivals({**FINDINGS, "fit": fit}).axes
+    [axes] = figure_competing_models({**FINDINGS, "fit": fit}).axes
     labels = [label.get_text() for label in axes.get_yticklabels()]
     assert labels == [
         "nominal simulator", "parameters refitted", "black-box correction", "best wrong effect", "explained simulator",
     ]  # fmt: skip
     numbers = [text.get_text() for text in axes.texts]
     assert "4.44 %" in numbers and "0.3 %" in numbers and "no number" in numbers
-    [axes] = figure_rivals(FINDINGS).axes  # no black box
+    [axes] = figure_competing_models(FINDINGS).axes  # no black box
     assert len(axes.get_yticklabels()) == 4
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from estexp_jax.report.propose.advice import advice
-from estexp_jax.report.propose.figures import figure_commands, figure_predictions, telling
-from estexp_jax.report.propose.page import headline, page
+from estexp_jax.report.propose.advice import propose_advice
+from estexp_jax.report.propose.figures import figure_commands, figure_predictions, informative_readings
+from estexp_jax.report.propose.page import propose_headline, propose_page
 from tests.report.examples import LONG, proposal
 
 
 def test_it_tells_rivals_moments_and_what_to_do():
-    html = page(proposal())
+    html = propose_page(proposal())
     assert html.count('src="data:image/svg+xml;base64,') == 2
     for told in (
         "it tells 2 of 3 pairs of explanations apart", "resists motion with 0.3 N m", "tau = -T sign(w)",
@@ -27,19 +27,19 @@ def test_it_tells_rivals_moments_and_what_to_do():
     [((9.0, 9.0, 9.0), "it tells the explanations apart"), ((1.0, 0.1, 0.2), "No motion found within the limits")],
 )
 def test_the_headline_claims_no_more_than_there_is(apart, told):
-    assert told in headline(proposal(apart)) and told in page(proposal(apart))
+    assert told in propose_headline(proposal(apart)) and told in propose_page(proposal(apart))
 
 
 def test_figures_show_the_commands_and_all_rivals_where_they_differ_most():
     [axes] = figure_predictions(proposal()).axes
     assert [line.get_label() for line in axes.get_lines()[:3]] == ["1", "2", "3"]
     assert axes.get_ylabel() == "<i>angle</i>$\\x$ (rad)"
-    assert telling(proposal()) == {"<i>angle</i>$\\x$": [1.99, 0.01]}
+    assert informative_readings(proposal()) == {"<i>angle</i>$\\x$": [1.99, 0.01]}
     [motor] = figure_commands(proposal()).axes
     assert motor.get_title(loc="left") == "servo" and np.size(motor.get_lines()[0].get_xdata()) == 200
 
 
 def test_page_and_advice_say_the_same():
-    text, html = advice(proposal()), page(proposal())
+    text, html = propose_advice(proposal()), propose_page(proposal())
     for told in ("1.99", "0.0054", "beyond a limit", "holds 1.99 s of commands"):
         assert (told in text) == (told in html)

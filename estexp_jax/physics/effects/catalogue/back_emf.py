@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -32,6 +32,6 @@ class BackEmf(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site}, while it is on, brakes with {values['k']:.3g} N m for each rad/s of speed"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (k,) = p
         return JointForce(damping=k * moment.on), state

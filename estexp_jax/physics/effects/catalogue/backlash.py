@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.rotor import inertia_bounds, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.model.robot import Robot
@@ -40,7 +40,7 @@ class _Backlash(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
 
-    def rotor(self, p: Arrays, moment: JointMoment) -> Array:
+    def rotor(self, p: Arrays, moment: JointState) -> Array:
         """The rotor's inertia, kg m2."""
         return moment.armature
 
@@ -51,7 +51,7 @@ class _Backlash(Term):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return jnp.zeros_like(q), w, jnp.zeros_like(q), jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         gap = p[0]
         x, a, _, thrown = state
         bounces = thrown != 0.0
@@ -106,7 +106,7 @@ class RotorBacklash(_Backlash):
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return *super().bounds(robot, site), inertia_bounds(robot, site), (0.0, 0.7)
 
-    def rotor(self, p: Arrays, moment: JointMoment) -> Array:
+    def rotor(self, p: Arrays, moment: JointState) -> Array:
         return p[1]
 
     def restitution(self, p: Arrays) -> Array:

@@ -12,7 +12,7 @@ from mujoco import mjx
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
-from estexp_jax.physics.model.spec import weigh
+from estexp_jax.physics.model.spec import set_masses
 
 
 @final
@@ -47,4 +47,4 @@ class BodyMass(Edit):
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         body, index = spec_element(spec, robot, "body", site), robot.index("body", site)
         before = float(body.mass) if body.explicitinertial else float(robot.model.body_mass[index])
-        weigh(body, robot.model, index, before + values["dm"])
+        set_masses(body, robot.model, index, before + values["dm"])

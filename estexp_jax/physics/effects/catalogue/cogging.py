@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.sites import is_slide, scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -42,6 +42,6 @@ class Cogging(Term):
             f"at a phase of {values['phase']:.3g} rad"
         )
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, n, phase = p
         return JointForce(force=A * jnp.sin(n * moment.q + phase)), state

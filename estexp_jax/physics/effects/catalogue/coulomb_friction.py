@@ -9,11 +9,11 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.sites import (
+    friction_sites,
     joint_dofs,
-    joint_sentence,
+    joint_subject,
     joints_at,
     per_element,
-    rubbing_joint_sites,
 )
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
@@ -33,14 +33,14 @@ class CoulombFriction(Edit):
     flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return rubbing_joint_sites(robot)
+        return friction_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         most = max(scales.joint_torque(robot, robot.index("joint", one)) for one in joints_at(robot, site))
         return ((0.0, 0.8 * most),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"{joint_sentence(site)} resists motion with {values['T']:.3g} N m whatever its speed"
+        return f"{joint_subject(site)} resists motion with {values['T']:.3g} N m whatever its speed"
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         dofs = joint_dofs(robot)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -31,6 +31,6 @@ class Crosstalk(Term):
         share, source = 100 * values["g"], int(values["from"])
         return f"the joint {site} receives {share:.3g} % of the motor torque of joint number {source}"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         source, g = p
         return JointForce(force=g * moment.torque_of(source)), state

@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from estexp_jax.physics.effects.base import Array, Arrays, BodyPull, Parameter
+from estexp_jax.physics.effects.base import Array, Arrays, BodyForce, Parameter
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -14,7 +14,7 @@ _REACH, _CONSTANT = 1.0, 0.05
 
 
 @final
-class ExternalForce(BodyPull):
+class ExternalForce(BodyForce):
     """F = (x, y, z) - k c at the body's centre of mass c, in world axes.
 
     With k = 0 a constant force; else a spring of stiffness k to the point (x, y, z) / k.

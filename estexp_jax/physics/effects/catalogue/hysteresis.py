@@ -5,8 +5,8 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.bristles import rest, rubbed
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -47,8 +47,8 @@ class Hysteresis(Term):
         return ("coulomb_friction", {"T": values["T"]}) if at_once else (self.name, values)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return rest(q)
+        return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, sigma = p
-        return rubbed(T, jnp.maximum(T, 1e-9) / sigma, moment, state)
+        return bristle_friction(T, jnp.maximum(T, 1e-9) / sigma, moment, state)

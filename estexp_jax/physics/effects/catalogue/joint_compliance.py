@@ -5,8 +5,8 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.rotor import held, rotor_step
+from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.rotor import holding_force, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -53,9 +53,9 @@ class _Compliance(Term):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return q, w, jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (k, d, inertia), (r, a, _), (q, w) = p, state, (moment.q, moment.w)
-        moment = moment if self.collocated else held(moment)
+        moment = moment if self.collocated else holding_force(moment)
         is_soft, h = k < NEVER, moment.dt / _SUBSTEPS
         spring = torque = 0.0
         for _ in range(_SUBSTEPS):

@@ -5,8 +5,8 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.bristles import rest, rubbed
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -36,8 +36,8 @@ class LoadBristles(Term):
         return "load_dependent_friction", {"mu": values["mu"]}
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return rest(q)
+        return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         mu, x = p
-        return rubbed(mu * jnp.abs(moment.torque), x, moment, state)
+        return bristle_friction(mu * jnp.abs(moment.torque), x, moment, state)

@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -31,6 +31,6 @@ class LoadDependentFriction(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} resists motion with {100 * values['mu']:.3g} % of the torque its motor carries"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (mu,) = p
         return JointForce(friction=mu * jnp.abs(moment.torque)), state

@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -43,7 +43,7 @@ class MotorFade(Term):
             f"with a time constant of {values['tau']:.3g} s"
         )
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (loss, tau), (heat,) = p, state
         load = jnp.minimum(jnp.square(moment.torque / jnp.maximum(moment.limit, 1e-9)), 1.0)
         after = load + (heat - load) * jnp.exp(-moment.dt / tau)

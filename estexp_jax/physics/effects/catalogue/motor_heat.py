@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.catalogue.motor_fade import MotorFade
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model.robot import Robot
@@ -39,7 +39,7 @@ class MotorHeat(Term):
     def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "motor_fade", {name: values[name] for name in ("loss", "tau")}
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (loss, tau, share), (heat,) = p, state
         load = jnp.square(moment.torque / jnp.maximum(share * moment.limit, 1e-9))
         after = load + (heat - load) * jnp.exp(-moment.dt / tau)

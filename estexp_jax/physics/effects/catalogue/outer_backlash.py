@@ -5,8 +5,8 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.rotor import held, inertia_bounds, rotor_step
+from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.rotor import holding_force, inertia_bounds, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -57,10 +57,10 @@ class OuterBacklash(Term):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return jnp.full_like(q, NEVER), w, jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (gap, inertia, k, zeta), (x, a, _), (q, w) = p, state, (moment.q, moment.w)
         x = jnp.where(x == NEVER, jnp.sign(moment.torque) * gap, x)
-        d, motor, h = 2.0 * zeta * jnp.sqrt(k * inertia), held(moment), moment.dt / _SUBSTEPS
+        d, motor, h = 2.0 * zeta * jnp.sqrt(k * inertia), holding_force(moment), moment.dt / _SUBSTEPS
         push = braking = jnp.zeros_like(q)
         for _ in range(_SUBSTEPS):
             r, q, end = q + x, q + h * w, jnp.where(x > 0.0, gap, -gap)

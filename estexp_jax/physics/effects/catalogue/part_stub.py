@@ -10,7 +10,7 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.catalogue.part_lost import NO_CONTACT, Loss, lost_masks
 from estexp_jax.physics.model.robot import Robot, spec_element
-from estexp_jax.physics.model.spec import weigh
+from estexp_jax.physics.model.spec import set_masses
 
 _STUB = 0.01
 """Share of masses and inertias that remains."""
@@ -43,6 +43,6 @@ class PartStub(Loss):
         for index in robot.subtree(robot.index("body", site)):
             body = spec_element(spec, robot, "body", robot.names("body")[index])
             if robot.model.body_mass[index] > 0.0:
-                weigh(body, robot.model, index, _STUB * float(robot.model.body_mass[index]))
+                set_masses(body, robot.model, index, _STUB * float(robot.model.body_mass[index]))
             for geom in body.geoms:
                 geom.contype = geom.conaffinity = 0

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import mujoco
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.passive import add_damper
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
@@ -34,7 +34,7 @@ class QuadraticDrag(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} resists motion with {values['c']:.3g} N m at 1 rad/s, growing with the speed squared"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (c,) = p
         return JointForce(damping=c * jnp.abs(moment.w)), state
 

@@ -5,8 +5,8 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter, Term
-from estexp_jax.physics.effects.bristles import rest, rubbed
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
 from estexp_jax.physics.effects.catalogue.stribeck_friction import told_levels
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
@@ -47,8 +47,8 @@ class StribeckBristles(Term):
         return told_levels(values)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return rest(q)
+        return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s, x = p
-        return rubbed(T + S * jnp.exp(-jnp.square(moment.w / w_s)), x, moment, state)
+        return bristle_friction(T + S * jnp.exp(-jnp.square(moment.w / w_s)), x, moment, state)

@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -54,6 +54,6 @@ class StribeckFriction(Term):
     def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return told_levels(values)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s = p
         return JointForce(friction=T + S * jnp.exp(-jnp.square(moment.w / w_s))), state

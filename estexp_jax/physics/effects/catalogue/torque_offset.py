@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -29,6 +29,6 @@ class TorqueOffset(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"a constant torque of {values['T']:+.3g} N m acts on the joint {site}"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (T,) = p
         return JointForce(force=T), state

@@ -9,11 +9,11 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.sites import (
+    friction_sites,
     joint_dofs,
-    joint_sentence,
+    joint_subject,
     joints_at,
     per_element,
-    rubbing_joint_sites,
 )
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
@@ -32,14 +32,14 @@ class ViscousFriction(Edit):
     flags: ClassVar[tuple[str, ...]] = ("damper",)
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return rubbing_joint_sites(robot)
+        return friction_sites(robot)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         joints = [robot.index("joint", one) for one in joints_at(robot, site)]
         return ((0.0, max(scales.joint_torque(robot, j) / scales.joint_speed(robot, j) for j in joints)),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"{joint_sentence(site)} resists motion with {values['c']:.3g} N m for each rad/s of speed"
+        return f"{joint_subject(site)} resists motion with {values['c']:.3g} N m for each rad/s of speed"
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         dofs = joint_dofs(robot)

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, Course, Reach, amplitude, followed, signed
 from estexp_jax.physics.effects.laws.with_motors import Remembering, Threshold
 from estexp_jax.physics.model.robot import Robot
@@ -31,7 +31,7 @@ class LawDeafMotor(Threshold):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["a"], f"min({values['m_0']:.3g}/|s|, 1) s")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         _, asked = moment.asked()
         return JointForce(command=-p[0] * jnp.clip(asked, -p[1], p[1])), state
 
@@ -71,7 +71,7 @@ class LawLateCommand(Remembering):
         begun = np.arange(len(course.time)) > 0
         return begun * (course.told[0] + followed(course.told - course.told[0], course.time, p[1])), 1.0 * begun
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         ((a, T), (late, begun)), (told, _) = (p, state), moment.asked()
         late = jnp.where(begun > 0.0, late, told)
         after = told + (late - told) * jnp.exp(-moment.dt / T)

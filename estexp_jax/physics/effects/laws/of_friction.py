@@ -6,8 +6,8 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter
-from estexp_jax.physics.effects.bristles import rest, rubbed
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter
+from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
 from estexp_jax.physics.effects.laws.base import (
     PHASES,
     ROUND,
@@ -54,7 +54,7 @@ class LawTwoWayFriction(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["T"], f"(1 {signed(values['a'], 'sign(w)')}) sign(w)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(friction=p[0] * (1.0 + p[1] * jnp.tanh(moment.w / _TURNING))), state
 
 
@@ -87,7 +87,7 @@ class LawFrictionWave(JointLaw):
         wave = signed(values["a"], f"sin({values['n']:.3g} q {signed(values['phase'], '')})")
         return signed(-values["T"], f"(1 {wave}) sign(w)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, a, n, phase = p
         return JointForce(friction=T * (1.0 + a * jnp.sin(n * moment.q + phase))), state
 
@@ -131,10 +131,10 @@ class LawBristles(JointLaw):
         return force, course.q
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return rest(q)
+        return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
-        return rubbed(p[0], p[1], moment, state)
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return bristle_friction(p[0], p[1], moment, state)
 
 
 @final
@@ -164,5 +164,5 @@ class LawTightSpot(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["T"], f"exp(-({away('q', values['q0'])}/{values['s']:.3g})^2) sign(w)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(friction=p[0] * jnp.exp(-jnp.square((moment.q - p[1]) / p[2]))), state

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter, Term
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.laws.base import (
     Bounds,
     Course,
@@ -49,7 +49,7 @@ class LawSoftMotor(_MotorLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- (1 - 1/sqrt(1 + {values['c']:.3g} m^2)) m"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(motor=1.0 / jnp.sqrt(1.0 + p[0] * jnp.square(moment.torque))), state
 
 
@@ -68,7 +68,7 @@ class LawSlowMotor(_MotorLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- min({values['a']:.3g} |w|, 1) m"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(moment.w), 0.0)), state
 
 
@@ -88,7 +88,7 @@ class LawWeakMotor(_MotorLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["a"], "m")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(motor=1.0 - p[0]), state
 
 
@@ -105,7 +105,7 @@ class LawMotorBrake(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], "w while the motor is on")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * moment.on), state
 
 
@@ -121,7 +121,7 @@ class LawClippedMotor(Threshold):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["a"], f"max(1 - {values['m_0']:.3g}/|m|, 0) m")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         beyond = jnp.maximum(1.0 - p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 0.0)
         return JointForce(motor=1.0 - p[0] * beyond), state
 
@@ -160,7 +160,7 @@ class LawWarmMotor(Remembering):
         share = min(max(hottest, _SMALL**2) / level, 1.0)
         return a * share, level * share, T
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (a, level, T), (heat,) = p, state
         power = jnp.square(moment.torque)
         after = power + (heat - power) * jnp.exp(-moment.dt / T)
@@ -184,7 +184,7 @@ class LawLoadFriction(_MotorLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["mu"], "|m| sign(w)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(friction=p[0] * jnp.abs(moment.torque)), state
 
 
@@ -214,5 +214,5 @@ class LawSag(Term):
     def numbered(self, values: Mapping[str, float]) -> str:
         return f"force = max(1 - {values['a']:.3g} |m|, 0) m, m the motor's nominal torque"
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(moment.torque), 0.0)), state

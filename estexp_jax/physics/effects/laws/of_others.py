@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, half_span, signed, torque
 from estexp_jax.physics.model.robot import Robot
 
@@ -47,7 +47,7 @@ class LawTow(_Coupling):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["g"], f"w{_other(values)}")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * moment.motion_of(p[1])[1]), state
 
 
@@ -67,7 +67,7 @@ class LawFling(_Coupling):
         w = f"w{_other(values)}"
         return signed(values["g"], f"|{w}| {w}")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         w = moment.motion_of(p[1])[1]
         return JointForce(force=p[0] * jnp.abs(w) * w), state
 
@@ -87,7 +87,7 @@ class LawSquareFling(_Coupling):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["g"], f"w{_other(values)}^2")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * jnp.square(moment.motion_of(p[1])[1])), state
 
 
@@ -108,7 +108,7 @@ class LawDriven(_Coupling):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["g"], f"m{_other(values)}")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * moment.torque_of(p[1])), state
 
 
@@ -127,7 +127,7 @@ class LawStir(_Coupling):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["g"], f"|w{_other(values)}| w")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * jnp.abs(moment.motion_of(p[1])[1])), state
 
 
@@ -146,7 +146,7 @@ class LawWhirl(_Coupling):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["g"], f"w{_other(values)} w")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * moment.motion_of(p[1])[1] * moment.w), state
 
 
@@ -177,5 +177,5 @@ class LawTie(JointLaw):
         q0 = values["q0"]
         return signed(-values["k"], f"(q{_other(values)} {'-' if q0 >= 0.0 else '+'} {abs(q0):.3g})")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.motion_of(p[1])[0] - p[2])), state

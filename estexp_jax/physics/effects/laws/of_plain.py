@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import (
     PHASES,
     ROUND,
@@ -47,7 +47,7 @@ class LawDamping(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "w")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0]), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -68,7 +68,7 @@ class LawDrag(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "|w| w")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * jnp.abs(moment.w)), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -90,7 +90,7 @@ class LawDryFriction(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["T"], "sign(w)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(friction=p[0]), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -114,7 +114,7 @@ class LawInertia(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["I"], "dw/dt")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(inertia=p[0]), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -134,7 +134,7 @@ class LawPush(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["T"], "")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] + jnp.zeros_like(moment.q)), state
 
 
@@ -161,7 +161,7 @@ class LawSpring(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], away("q", values["q0"]))
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.q - p[1])), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -196,5 +196,5 @@ class LawWave(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["A"], f"sin({values['n']:.4g} q {signed(values['phase'], '')})")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * jnp.sin(p[1] * moment.q + p[2])), state

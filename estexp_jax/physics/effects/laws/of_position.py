@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import mujoco
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
 from estexp_jax.physics.effects.passive import add_spring
 from estexp_jax.physics.model import scales
@@ -50,7 +50,7 @@ class LawSquare(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["k"], f"{away('q', values['q0'])}^2")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * jnp.square(moment.q - p[1])), state
 
 
@@ -76,7 +76,7 @@ class LawCube(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], f"{away('q', values['q0'])}^3")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.q - p[1]) ** 3), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -108,7 +108,7 @@ class LawBump(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["A"], f"exp(-({away('q', values['q0'])}/{values['s']:.3g})^2)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * jnp.exp(-jnp.square((moment.q - p[1]) / p[2]))), state
 
 
@@ -138,6 +138,6 @@ class LawDetent(JointLaw):
         x = f"({away('q', values['q0'])}/{values['s']:.3g})"
         return signed(-values["A"], f"{x} exp(-{x}^2)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         x = (moment.q - p[1]) / p[2]
         return JointForce(force=-p[0] * x * jnp.exp(-jnp.square(x))), state

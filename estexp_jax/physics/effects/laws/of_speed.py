@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import mujoco
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import (
     Bounds,
     JointLaw,
@@ -40,7 +40,7 @@ class LawOneWayDamping(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "|w|")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * jnp.abs(moment.w)), state
 
 
@@ -60,7 +60,7 @@ class LawCubicDrag(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "w^3")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * jnp.square(moment.w)), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -88,7 +88,7 @@ class LawSmoothFriction(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["T"], f"tanh(w/{values['w_s']:.3g})")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         x = jnp.maximum(jnp.abs(moment.w) / p[1], _STILL)
         return JointForce(damping=p[0] / p[1] * jnp.tanh(x) / x), state
 
@@ -122,7 +122,7 @@ class LawFallingFriction(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["T"], f"sign(w) / (1 + (w/{values['w_s']:.3g})^2)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(friction=p[0] / (1.0 + jnp.square(moment.w / p[1]))), state
 
 
@@ -151,7 +151,7 @@ class LawHump(JointLaw):
         x = f"(w/{values['w_s']:.3g})"
         return signed(-2.0 * values["T"], f"{x} / (1 + {x}^2)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=2.0 * p[0] / p[1] / (1.0 + jnp.square(moment.w / p[1]))), state
 
 
@@ -176,5 +176,5 @@ class LawPlaceDamping(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], f"{away('q', values['q0'])}^2 w")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * jnp.square(moment.q - p[1])), state

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import (
     ROUND,
     Bounds,
@@ -59,7 +59,7 @@ class LawRhythm(JointLaw):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return (jnp.zeros_like(q),)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, f, phase = p
         (t,) = state
         return JointForce(force=A * jnp.sin(2.0 * np.pi * f * t + phase)), (t + moment.dt,)
@@ -94,7 +94,7 @@ class LawCreep(JointLaw):
         k, T = p
         return (followed(k * T * course.w, course.time, T),)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         k, T = p
         (force,) = state
         left = jnp.exp(-moment.dt / T)
@@ -135,7 +135,7 @@ class LawThinning(JointLaw):
     def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
         return (followed(course.w**2, course.time, p[2]),)
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         c, a, T = p
         (heat,) = state
         power = jnp.square(moment.w)

@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 
-from estexp_jax.physics.effects.base import Arrays, JointForce, JointMoment, Parameter
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -40,7 +40,7 @@ class LawUpperSpring(_OneSided):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], f"max{away('q', values['q0'])[:-1]}, 0)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * jnp.maximum(moment.q - p[1], 0.0)), state
 
 
@@ -55,5 +55,5 @@ class LawLowerSpring(_OneSided):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["k"], f"min{away('q', values['q0'])[:-1]}, 0)")
 
-    def act(self, p: Arrays, moment: JointMoment, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * jnp.minimum(moment.q - p[1], 0.0)), state

@@ -1,8 +1,8 @@
 """Closed loops over MuJoCo's C engine, as fast as Python drives it: what the batch engines are measured against.
 
 All robots here are the nominal one, each with its own controller. Four ways: one robot at a time, with its controller
-or replaying commands (`Serial`); all on a thread pool, open loop (`OpenLoop`, `mujoco.rollout`) or closed loop
-(`Pool`, `mujoco.batch`).
+or replaying commands (`SerialSimulator`); all on a thread pool, open loop (`OpenLoopPool`, `mujoco.rollout`) or closed
+loop (`PooledSimulator`, `mujoco.batch`).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _BUFFER = 4_000_000
 
 @final
 @dataclass(frozen=True, eq=False)
-class BodyNow:
+class StartState:
     """The state in which all robots start.
 
     Attributes:
@@ -46,16 +46,16 @@ class BodyNow:
         data.sensordata[:], data.time = self.sensordata, 0.0
 
 
-def at_rest(model: mujoco.MjModel, qpos: np.ndarray, ctrl: np.ndarray, seconds: float) -> BodyNow:
+def at_rest(model: mujoco.MjModel, qpos: np.ndarray, ctrl: np.ndarray, seconds: float) -> StartState:
     """A robot after some time with one command (nu,) in force, from a configuration (nq,)."""
     data = mujoco.MjData(model)
     data.qpos[:], data.ctrl[:] = qpos, ctrl
     mujoco.mj_step(model, data, max(1, round(seconds / model.opt.timestep)))
-    return BodyNow(*(np.array(x) for x in (data.qpos, data.qvel, data.qacc_warmstart, data.sensordata)))
+    return StartState(*(np.array(x) for x in (data.qpos, data.qvel, data.qacc_warmstart, data.sensordata)))
 
 
 @final
-class Brains:
+class BatchedControllers:
     """The networks of many robots (n, ...), or of one of them, in numpy; see `controllers` for their form."""
 
     def __init__(self, weights: np.ndarray, face: Interface, gain: float) -> None:
@@ -86,7 +86,7 @@ class Brains:
         return np.minimum(np.maximum(face.ctrl_centre + face.ctrl_scale * outputs, face.ctrl_low), face.ctrl_high)
 
 
-class CWalker(abc.ABC):
+class CSimulator(abc.ABC):
     """A way to simulate robots with the C engine."""
 
     @abc.abstractmethod
@@ -100,7 +100,7 @@ class CWalker(abc.ABC):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Course:
+class CRollouts:
     """What all of them are given.
 
     Attributes:
@@ -114,7 +114,7 @@ class Course:
 
     model: mujoco.MjModel
     face: Interface
-    start: BodyNow
+    start: StartState
     weights: np.ndarray
     substeps: int
     gain: float = 3.0
@@ -122,7 +122,7 @@ class Course:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Serial(CWalker):
+class SerialSimulator(CSimulator):
     """One robot at a time, `mj_step` from Python.
 
     Attributes:
@@ -130,11 +130,11 @@ class Serial(CWalker):
         recorded: (n, steps, nu) commands to replay; None: the controllers give them.
     """
 
-    course: Course
+    course: CRollouts
     recorded: np.ndarray | None = None
 
     def walk(self, robots: int, steps: int) -> np.ndarray:
-        """See `CWalker`."""
+        """See `CSimulator`."""
         data = mujoco.MjData(self.course.model)
         one = self._driven if self.recorded is None else self._replayed
         return np.array([one(data, i, steps) for i in range(robots)])
@@ -143,7 +143,7 @@ class Serial(CWalker):
         course = self.course
         course.start.into(data)
         model, n, ctrl, qpos, felt = course.model, course.substeps, data.ctrl, data.qpos, data.sensordata
-        brain = Brains(course.weights[robot], course.face, course.gain)
+        brain = BatchedControllers(course.weights[robot], course.face, course.gain)
         for _ in range(steps):
             ctrl[:] = brain.commands(qpos, felt)
             mujoco.mj_step(model, data, n)
@@ -162,14 +162,14 @@ class Serial(CWalker):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Pool(CWalker):
+class PooledSimulator(CSimulator):
     """All robots on all cores with their controllers in the loop: `mujoco.batch.Batch`."""
 
-    course: Course
+    course: CRollouts
     _batches: dict[int, Any] = field(default_factory=dict, init=False)
 
     def walk(self, robots: int, steps: int) -> np.ndarray:
-        """See `CWalker`."""
+        """See `CSimulator`."""
         return self._walk(robots, steps, None)
 
     def record(self, robots: int, steps: int) -> np.ndarray:
@@ -187,7 +187,7 @@ class Pool(CWalker):
         state = {name: batch.bind(name) for name in ("qpos", "qvel", "qacc_warmstart", "ctrl", "sensordata")}
         state["qpos"][:], state["qvel"][:], state["qacc_warmstart"][:] = start.qpos, start.qvel, start.warmstart
         felt = np.broadcast_to(start.sensordata, (robots, len(start.sensordata)))
-        brains = Brains(course.weights[:robots], course.face, course.gain)
+        brains = BatchedControllers(course.weights[:robots], course.face, course.gain)
         for row in range(steps):
             ctrl = brains.commands(state["qpos"], felt)
             state["ctrl"][:] = ctrl
@@ -200,7 +200,7 @@ class Pool(CWalker):
 
 @final
 @dataclass(frozen=True, eq=False)
-class OpenLoop(CWalker):
+class OpenLoopPool(CSimulator):
     """All robots on all cores, replaying commands: `mujoco.rollout`.
 
     Attributes:
@@ -208,12 +208,12 @@ class OpenLoop(CWalker):
         recorded: (n, steps, nu) commands.
     """
 
-    course: Course
+    course: CRollouts
     recorded: np.ndarray
     _pool: Any = field(default_factory=lambda: mujoco.rollout.Rollout(nthread=cores()), init=False)
 
     def walk(self, robots: int, steps: int) -> np.ndarray:
-        """See `CWalker`; in pieces, so that what it must record (every state) stays in a small buffer."""
+        """See `CSimulator`; in pieces, so that what it must record (every state) stays in a small buffer."""
         course, model, full = self.course, self.course.model, mujoco.mjtState.mjSTATE_FULLPHYSICS
         size = partial(mujoco.mj_stateSize, model)
         data = mujoco.MjData(model)

@@ -13,13 +13,13 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from estexp_jax.lanes.compilation import compiled, lowered
+from estexp_jax.lanes.compilation import compile_lowered, lower
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.batching import cores, in_chunks
-from estexp_jax.physics.engines.closed_loop import Heard, Lane, Walk, Walker
+from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator, ReadingOverride, RobotInstance, Rollout
 from estexp_jax.physics.engines.devices import accelerated, wide
-from estexp_jax.physics.engines.lanes.control_loop import ROWS, Batch, Block, ClosedLoop, Told
+from estexp_jax.physics.engines.lanes.control_loop import ROWS, Batch, Block, ControlLoop, NetworkInputs
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
 from estexp_jax.recovery.control.network import HIDDEN
 
@@ -44,7 +44,7 @@ def lanes_width(population: int) -> int:
 
 @final
 @dataclass(frozen=True, eq=False)
-class LanesWalker(Walker):
+class LanesClosedLoop(ClosedLoopSimulator):
     """A walker in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
@@ -70,15 +70,15 @@ class LanesWalker(Walker):
         counted = self._programs["walk"].cost_analysis().get("flops")
         return None if counted is None else float(counted) / self.width
 
-    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: Heard | None) -> Walk:
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, heard: ReadingOverride | None) -> Rollout:
         batch = jax.tree.map(np.asarray, (lanes, heard))
         return in_chunks(lambda part: self._chunk(part[0], part[1], steps, active), batch, self.width)
 
-    def _chunk(self, lanes: Lane, heard: Heard | None, steps: int, active: bool) -> Walk:
+    def _chunk(self, lanes: RobotInstance, heard: ReadingOverride | None, steps: int, active: bool) -> Rollout:
         prepare, advance = self._compiled(lanes)
         batch, neurons, rows = prepare(lanes), np.zeros((HIDDEN, self.width), np.float32), []
         for done in range(0, steps, ROWS):
-            inputs = Told(*self._heard(heard, done), np.bool_(active))
+            inputs = NetworkInputs(*self._heard(heard, done), np.bool_(active))
             block = advance(batch, neurons, np.int32(min(ROWS, steps - done)), inputs)
             batch, neurons = batch._replace(start=block.final), block.neurons
             rows.append(block.rows)
@@ -86,32 +86,32 @@ class LanesWalker(Walker):
         i, o = self.interface.n_inputs, self.interface.n_outputs
         final = jax.tree.map(lambda x: np.moveaxis(np.asarray(x), -1, 0), batch.start)
         sound = [np.all(np.abs(x) < mujoco.mjMAXVAL, axis=1) for x in (final.qpos, final.qvel)]  # false for NaN
-        return Walk(table[..., :i], table[..., i : i + o], table[..., i + o :], final, ~(sound[0] & sound[1]))
+        return Rollout(table[..., :i], table[..., i : i + o], table[..., i + o :], final, ~(sound[0] & sound[1]))
 
-    def _heard(self, heard: Heard | None, done: int) -> Heard:
+    def _heard(self, heard: ReadingOverride | None, done: int) -> ReadingOverride:
         """What a call's networks get, robots last; new arrays, as the call may still read them later."""
         shape = (ROWS, self.interface.n_inputs, self.width)
-        tables = Heard(np.ones(shape, np.float32), np.zeros(shape, np.float32))
+        tables = ReadingOverride(np.ones(shape, np.float32), np.zeros(shape, np.float32))
         for table, given in zip(tables, heard or (), strict=False):
             part = np.moveaxis(given[:, done : done + ROWS], 0, -1)
             table[: len(part)] = part
         return tables
 
-    def _compiled(self, lanes: Lane) -> tuple[Any, Any]:
+    def _compiled(self, lanes: RobotInstance) -> tuple[Any, Any]:
         """Both executables, compiled at the first call."""
         with self._lock:
             if not self._programs:
-                prepare = lowered(jax.vmap(self._prepared, out_axes=-1), lanes)
+                prepare = lower(jax.vmap(self._prepared, out_axes=-1), lanes)
                 neurons = np.zeros((HIDDEN, self.width), np.float32)
-                told = Told(*self._heard(None, 0), np.bool_(True))
+                told = NetworkInputs(*self._heard(None, 0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
-                    advance = lowered(self._advanced, prepare.out_info, neurons, np.int32(0), told)
-                    self._programs["walk"], self._programs["fast"] = compiled(advance, self.width)
+                    advance = lower(self._advanced, prepare.out_info, neurons, np.int32(0), told)
+                    self._programs["walk"], self._programs["fast"] = compile_lowered(advance, self.width)
                     self._programs["prepare"] = preparing.result()
         return self._programs["prepare"], self._programs["walk"]
 
-    def _prepared(self, lane: Lane) -> Batch:
+    def _prepared(self, lane: RobotInstance) -> Batch:
         """What does not change in a rollout, for one robot."""
         network = self.network(lane)
         network = network._replace(w_output=network.w_output[network.output_of])
@@ -134,6 +134,6 @@ class LanesWalker(Walker):
         shift = distorted(0.0)
         return distorted(1.0) - shift, shift
 
-    def _advanced(self, batch: Batch, neurons: Any, steps: Any, told: Told) -> Block:
+    def _advanced(self, batch: Batch, neurons: Any, steps: Any, told: NetworkInputs) -> Block:
         """All robots, some control steps later."""
-        return ClosedLoop(self, self.lanes, batch).advance(neurons, steps, told)
+        return ControlLoop(self, self.lanes, batch).advance(neurons, steps, told)

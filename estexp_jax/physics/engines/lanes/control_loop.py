@@ -10,17 +10,17 @@ import mujoco
 import numpy as np
 
 from estexp_jax.lanes.algebra import add, total
-from estexp_jax.lanes.forces import Drive
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.sensors import Reader
-from estexp_jax.lanes.states import coordinates, packed, unpacked
+from estexp_jax.lanes.forces import MotorCommands
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.sensors import SensorReader
+from estexp_jax.lanes.states import configuration_of, from_lanes, to_lanes
 from estexp_jax.lanes.step import TOLERANCE, LaneState, Stepper
 from estexp_jax.physics.effects.changes import Values
-from estexp_jax.physics.engines.closed_loop import BodyState, Walker, hear
+from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, override_reading
 from estexp_jax.physics.engines.lanes.model import LanesModel
-from estexp_jax.physics.engines.lanes.terms import Acting
+from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.terms import Hidden
-from estexp_jax.physics.model.travel import travel_map
+from estexp_jax.physics.model.travel import root_position_map
 from estexp_jax.recovery.control.network import HIDDEN, Network
 
 ROWS = 25
@@ -39,7 +39,7 @@ class Batch(NamedTuple):
     start: BodyState
 
 
-class Told(NamedTuple):
+class NetworkInputs(NamedTuple):
     """What the networks of a call are told from outside."""
 
     factor: Any  #: (ROWS, n_inputs, N) by what the robots' own readings are multiplied; 0 where they do not count
@@ -64,22 +64,22 @@ class _Carry(NamedTuple):
 
 
 @final
-class ClosedLoop:
+class ControlLoop:
     """Robots of one chunk, each driven by its own network."""
 
-    def __init__(self, walker: Walker, lanes: LanesModel, batch: Batch) -> None:
+    def __init__(self, walker: ClosedLoopSimulator, lanes: LanesModel, batch: Batch) -> None:
         """For a batch; made while a walk is traced."""
         self._walker, self._face, self._plan, self._batch = walker, walker.interface, lanes.plan, batch
         self._dtype, self._n = batch.start.qpos.dtype, batch.start.qpos.shape[1]
-        numbers = Numbers(self._plan.model, batch.fields, self._dtype)
+        numbers = ModelParameters(self._plan.model, batch.fields, self._dtype)
         self._stepper = Stepper(self._plan, numbers, TOLERANCE[np.dtype(self._dtype)])
-        self._reader = Reader(self._plan, numbers, self._stepper.inertias)
-        self._acting = Acting(walker.robot, walker.catalogue, self._plan, numbers, batch.values)
+        self._reader = SensorReader(self._plan, numbers, self._stepper.inertias)
+        self._acting = ActiveEffects(walker.robot, walker.catalogue, self._plan, numbers, batch.values)
         kinds, touch = self._plan.model.sensor_type, int(mujoco.mjtSensor.mjSENS_TOUCH)
         self._touches = np.flatnonzero(kinds == touch).tolist()
-        self._travel = travel_map(walker.robot)
+        self._travel = root_position_map(walker.robot)
 
-    def advance(self, neurons: Any, steps: Any, told: Told) -> Block:
+    def advance(self, neurons: Any, steps: Any, told: NetworkInputs) -> Block:
         """The robots some control steps later.
 
         Args:
@@ -90,7 +90,7 @@ class ClosedLoop:
         start, face = self._batch.start, self._face
         columns = self._plan.model.sensor_adr[self._touches].tolist()
         carry = _Carry(
-            packed(self._plan, start.qpos, start.qvel, start.warmstart),
+            to_lanes(self._plan, start.qpos, start.qvel, start.warmstart),
             tuple(start.sensordata[c] for c in columns),
             start.hidden,
             tuple(neurons[i] for i in range(HIDDEN)),
@@ -100,13 +100,13 @@ class ClosedLoop:
         sensordata = start.sensordata
         for column, felt in zip(columns, carry.felt, strict=True):
             sensordata = sensordata.at[column].set(felt)
-        final = BodyState(*unpacked(self._plan, carry.state), sensordata, carry.hidden)
+        final = BodyState(*from_lanes(self._plan, carry.state), sensordata, carry.hidden)
         return Block(final, jnp.stack(carry.neurons), carry.rows)
 
-    def _control_step(self, row: Any, carry: _Carry, told: Told) -> _Carry:
-        qpos = coordinates(self._plan, carry.state)
+    def _control_step(self, row: Any, carry: _Carry, told: NetworkInputs) -> _Carry:
+        qpos = configuration_of(self._plan, carry.state)
         readings = self._readings(qpos, carry.felt)
-        seen = [hear(told.factor[row, i], told.added[row, i], r) for i, r in enumerate(readings)]
+        seen = [override_reading(told.factor[row, i], told.added[row, i], r) for i, r in enumerate(readings)]
         neurons, outputs = _respond(self._batch.network, carry.neurons, self._inputs(seen), self._walker.gain)
         commands = [self._command(i, u, told.active) for i, u in enumerate(outputs)]
         table = jnp.stack(commands)
@@ -123,7 +123,7 @@ class ClosedLoop:
             carry.rows.at[row].set(jnp.stack([*readings, *commands, *self._place(qpos)])),
         )
 
-    def _physics_step(self, inner: tuple[LaneState, Any, Hidden], drive: Drive, commands: Any, on: Any) -> Any:
+    def _physics_step(self, inner: tuple[LaneState, Any, Hidden], drive: MotorCommands, commands: Any, on: Any) -> Any:
         state, _, hidden = inner
         added, dt = None, float(self._plan.model.opt.timestep)
         if self._acting.acts:
@@ -131,9 +131,9 @@ class ClosedLoop:
         state, now = self._stepper.step(state, drive, dt, added)
         return state, tuple(self._reader.read(now, self._touches).values()), hidden
 
-    def _drive(self, commands: list[Any]) -> Drive:
+    def _drive(self, commands: list[Any]) -> MotorCommands:
         motors = [m.ids for joint in self._plan.joints for m in joint.motors]
-        return Drive(
+        return MotorCommands(
             {ids: commands[ids[0]] if len(ids) == 1 else jnp.stack([commands[i] for i in ids]) for ids in motors}
         )
 

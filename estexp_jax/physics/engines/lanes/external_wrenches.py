@@ -8,17 +8,17 @@ from typing import Any
 import jax.numpy as jnp
 
 from estexp_jax.lanes.algebra import Vector, apply, vadd
-from estexp_jax.lanes.kinematics import motion
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.kinematics import body_motion
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.step import LaneState
-from estexp_jax.physics.effects.base import BodyPull
+from estexp_jax.physics.effects.base import BodyForce
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.model.robot import Robot
 
 
-def pulled(
-    robot: Robot, effects: Sequence[BodyPull], plan: Plan, numbers: Numbers, values: Values, state: LaneState
+def external_wrenches(
+    robot: Robot, effects: Sequence[BodyForce], plan: Layout, numbers: ModelParameters, values: Values, state: LaneState
 ) -> dict[int, Vector]:
     """Force on the centre of mass of each group's bodies, N, world axes, by the group's index.
 
@@ -31,7 +31,7 @@ def pulled(
         state: of the robots.
     """
     found: dict[int, Vector] = {}
-    moving = motion(plan, numbers, state.qpos, state.qvel)
+    moving = body_motion(plan, numbers, state.qpos, state.qvel)
     for effect in effects:
         sites = [robot.index("body", site) for site in effect.sites(robot)]
         for group in plan.groups:

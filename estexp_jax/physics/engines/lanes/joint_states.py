@@ -1,4 +1,4 @@
-"""What a term sees of its joints in one step, in lanes: `JointMoment` with rows (n_sites, N)."""
+"""What a term sees of its joints in one step, in lanes: `JointState` with rows (n_sites, N)."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.step import LaneState
-from estexp_jax.physics.effects.base import JointMoment, Term
+from estexp_jax.physics.effects.base import JointState, Term
 from estexp_jax.physics.effects.sites import driven_actuators
-from estexp_jax.physics.engines.lanes.motors import Motors, Told
+from estexp_jax.physics.engines.lanes.motors import MotorInputs, Motors
 from estexp_jax.physics.engines.motors import drives
 from estexp_jax.physics.model.robot import Robot
 
 
-class Now(NamedTuple):
+class StepStart(NamedTuple):
     """A step at its beginning: position and speed (N,) by velocity address, what motors are told, its length."""
 
     position: Mapping[int, Any]
     speed: Mapping[int, Any]
-    told: Told
+    told: MotorInputs
     dt: Any
 
 
 @final
-class Moments:
+class JointStates:
     """Gathers what terms see, on robots of these numbers."""
 
-    def __init__(self, robot: Robot, plan: Plan, numbers: Numbers, motors: Motors) -> None:
+    def __init__(self, robot: Robot, plan: Layout, numbers: ModelParameters, motors: Motors) -> None:
         """With these motors."""
         self._robot, self._plan, self._numbers, self._motors = robot, plan, numbers, motors
 
@@ -45,7 +45,7 @@ class Moments:
                     position[address], speed[address] = (_row(x, i) for x in (q[0], state.qvel[joint.dofs[0]]))
         return position, speed
 
-    def of(self, term: Term, now: Now) -> JointMoment:
+    def of(self, term: Term, now: StepStart) -> JointState:
         """What a term sees of its sites' joints."""
         (position, speed, told, dt), dofs, motors = now, term.dofs(self._robot), None
         if term.kind == "actuator":
@@ -87,7 +87,7 @@ class Moments:
                 on = jnp.maximum(on, told.enable[a])
             return on
 
-        return JointMoment(
+        return JointState(
             q=q,
             w=w,
             torque=torque_at(q, w),

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from mujoco import mjx
 
 from estexp_jax.lanes.capabilities import refusal
-from estexp_jax.lanes.layout import Plan, plan
+from estexp_jax.lanes.layout import Layout, layout_of
 from estexp_jax.physics.effects.changes import Values, neutral
 from estexp_jax.physics.engines.mjx.model import MjxModel, fields_of
 
@@ -51,9 +51,9 @@ class LanesModel:
     written: tuple[str, ...]
 
     @cached_property
-    def plan(self) -> Plan:
+    def plan(self) -> Layout:
         """The structure."""
-        return plan(self.on_mjx.armed)
+        return layout_of(self.on_mjx.armed)
 
     def fields(self, model: mjx.Model, values: Values) -> dict[str, jax.Array]:
         """One robot's numbers that differ from robot to robot; batched outside, robots last."""
@@ -70,7 +70,7 @@ def lanes_refusal(on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) ->
     """
     refused = refusal(on_mjx.armed)
     if refused is None:
-        strange = sorted((written(on_mjx) - FIELDS) | (overridden & _SHARED))
+        strange = sorted((edited_fields(on_mjx) - FIELDS) | (overridden & _SHARED))
         refused = f"{strange[0]} that differs from robot to robot is not supported" if strange else None
     return refused
 
@@ -82,10 +82,10 @@ def lanes_model(on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> L
         on_mjx: the robot and its catalogue.
         overridden: fields that differ from robot to robot for other reasons than edits.
     """
-    return LanesModel(on_mjx, tuple(sorted(written(on_mjx) | (overridden & FIELDS))))
+    return LanesModel(on_mjx, tuple(sorted(edited_fields(on_mjx) | (overridden & FIELDS))))
 
 
-def written(on_mjx: MjxModel) -> set[str]:
+def edited_fields(on_mjx: MjxModel) -> set[str]:
     """Names of the fields of a model that depend on the values of its edits."""
     names: list[str] = []
 

@@ -9,14 +9,14 @@ import jax.numpy as jnp
 import mujoco
 
 from estexp_jax.lanes.algebra import Scalar
-from estexp_jax.lanes.layout import Plan
-from estexp_jax.lanes.model_parameters import Numbers
+from estexp_jax.lanes.layout import Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.physics.model.robot import Robot
 
 _AFFINE_GAIN, _AFFINE_BIAS = int(mujoco.mjtGain.mjGAIN_AFFINE), int(mujoco.mjtBias.mjBIAS_AFFINE)
 
 
-class Told(NamedTuple):
+class MotorInputs(NamedTuple):
     """What the motors are told, rows (N,) by index.
 
     Attributes:
@@ -34,7 +34,7 @@ class Told(NamedTuple):
 class Motors:
     """The motors of robots of these numbers."""
 
-    def __init__(self, robot: Robot, plan: Plan, numbers: Numbers) -> None:
+    def __init__(self, robot: Robot, plan: Layout, numbers: ModelParameters) -> None:
         """Of a plan's robot."""
         self._robot, self._plan, self._numbers = robot, plan, numbers
 
@@ -62,7 +62,7 @@ class Motors:
         return found + zero
 
     def asked(
-        self, site: Sequence[int], position: Mapping[int, Any], speed: Mapping[int, Any], told: Told
+        self, site: Sequence[int], position: Mapping[int, Any], speed: Mapping[int, Any], told: MotorInputs
     ) -> tuple[Any, Any]:
         """As `motors.asked_torques`, (N,) of the motors at a site together, as scaled so far."""
         in_all: Any = jnp.zeros_like(next(iter(position.values())))
@@ -84,7 +84,7 @@ class Motors:
             found[a] = commands[a] + jnp.where(strength == 0.0, 0.0, part)
         return found
 
-    def torque(self, site: Sequence[int], q: Any, w: Any, told: Told, *, whole: bool) -> Any:
+    def torque(self, site: Sequence[int], q: Any, w: Any, told: MotorInputs, *, whole: bool) -> Any:
         """Torque (N,) of the motors at a site at these positions and speeds, as scaled so far.
 
         Args:

@@ -12,19 +12,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.lanes.compilation import compiled, lowered
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.sensors import Reader
-from estexp_jax.lanes.states import packed, unpacked
+from estexp_jax.lanes.compilation import compile_lowered, lower
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.sensors import SensorReader
+from estexp_jax.lanes.states import from_lanes, to_lanes
 from estexp_jax.lanes.step import TOLERANCE, LaneState, Stepper
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.lanes.model import LanesModel, field_of, lanes_model
-from estexp_jax.physics.engines.lanes.terms import Acting
+from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.terms import Hidden
-from estexp_jax.physics.engines.motor_readings import shown_torques
-from estexp_jax.physics.engines.open_loop import Replayer, Seen, State, is_acceleration
-from estexp_jax.physics.engines.open_loop_inputs import Drive, Roll
+from estexp_jax.physics.engines.motor_readings import motor_readings
+from estexp_jax.physics.engines.open_loop import LaneBatchState, OpenLoopSimulator, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
 
 LANES_REPLAY = 72, 64
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
@@ -32,7 +32,7 @@ LANES_REPLAY = 72, 64
 
 @final
 @dataclass(frozen=True, eq=False)
-class LanesReplayer(Replayer):
+class LanesOpenLoop(OpenLoopSimulator):
     """A replayer in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
@@ -45,7 +45,7 @@ class LanesReplayer(Replayer):
 
     def _prepared(self, values: Values, overrides: tuple) -> Any:
         def compile_it() -> Any:
-            return lowered(jax.vmap(self._edited, out_axes=-1), values, overrides).compile()
+            return lower(jax.vmap(self._edited, out_axes=-1), values, overrides).compile()
 
         return self._program("prepare", compile_it)(values, overrides)
 
@@ -53,33 +53,35 @@ class LanesReplayer(Replayer):
         model = self.model(values, overrides)
         return {name: field_of(model, name) for name in self.lanes.written}, values
 
-    def _rested(self, prepared: Any, roll: Roll) -> Hidden:
+    def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
         def compile_it() -> Any:
-            return lowered(self._resting, prepared, roll).compile()
+            return lower(self._resting, prepared, roll).compile()
 
         return self._program("rest", compile_it)(prepared, roll)
 
-    def _rolled(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
+    def _rolled(self, prepared: Any, hidden: Hidden, roll: RolledRows) -> Hidden:
         def compile_it() -> Any:
-            return compiled(lowered(self._rolling, prepared, hidden, roll), self.width)[0]
+            return compile_lowered(lower(self._rolling, prepared, hidden, roll), self.width)[0]
 
         return self._program("roll", compile_it)(prepared, hidden, roll)
 
-    def _advanced(self, prepared: Any, state: State, drive: Drive) -> tuple[State, Seen]:
+    def _advanced(
+        self, prepared: Any, state: LaneBatchState, drive: CommandSteps
+    ) -> tuple[LaneBatchState, StepReadings]:
         qpos, qvel, act, warmstart, felt = map(_lanes_last, state[:-1])
-        carried = State(qpos, qvel, act, warmstart, felt, state.hidden)
-        first = Drive(*(x[: self.block] for x in drive))
+        carried = LaneBatchState(qpos, qvel, act, warmstart, felt, state.hidden)
+        first = CommandSteps(*(x[: self.block] for x in drive))
 
         def compile_it() -> Any:
-            return compiled(lowered(self._blocked, prepared, carried, first), self.width)[0]
+            return compile_lowered(lower(self._blocked, prepared, carried, first), self.width)[0]
 
         advance, seen = self._program("block", compile_it), []
         for begin in range(0, len(drive.length), self.block):
-            carried, out = advance(prepared, carried, Drive(*(x[begin : begin + self.block] for x in drive)))
+            carried, out = advance(prepared, carried, CommandSteps(*(x[begin : begin + self.block] for x in drive)))
             seen.append(out)
         whole = (np.concatenate([np.asarray(x) for x in kind]) for kind in zip(*seen, strict=True))
         after = [np.moveaxis(np.asarray(x), -1, 0) for x in carried[:-1]]
-        return State._make([*after, carried.hidden]), Seen(*whole)
+        return LaneBatchState._make([*after, carried.hidden]), StepReadings(*whole)
 
     def _program(self, name: str, compile_it: Callable[[], Any]) -> Any:
         """A program, compiled the first time."""
@@ -88,38 +90,38 @@ class LanesReplayer(Replayer):
                 self._programs[name] = compile_it()
         return self._programs[name]
 
-    def _resting(self, prepared: Any, roll: Roll) -> Hidden:
+    def _resting(self, prepared: Any, roll: RolledRows) -> Hidden:
         _, acting = self._acting(prepared, roll.qpos.dtype)
-        return acting.rest(packed(self.lanes.plan, roll.qpos, roll.qvel, roll.qvel), roll.ctrl)
+        return acting.rest(to_lanes(self.lanes.plan, roll.qpos, roll.qvel, roll.qvel), roll.ctrl)
 
-    def _rolling(self, prepared: Any, hidden: Hidden, roll: Roll) -> Hidden:
+    def _rolling(self, prepared: Any, hidden: Hidden, roll: RolledRows) -> Hidden:
         _, acting = self._acting(prepared, roll.qpos.dtype)
 
-        def step(hidden: Hidden, now: Roll) -> tuple[Hidden, None]:
-            there = packed(self.lanes.plan, now.qpos, now.qvel, now.qvel)
+        def step(hidden: Hidden, now: RolledRows) -> tuple[Hidden, None]:
+            there = to_lanes(self.lanes.plan, now.qpos, now.qvel, now.qvel)
             _, _, after = acting.act(there, now.ctrl, now.enable, now.length, hidden)
             return jax.tree.map(partial(jnp.where, now.length > 0.0), after, hidden), None
 
         return jax.lax.scan(step, hidden, roll)[0]
 
-    def _acting(self, prepared: Any, dtype: Any) -> tuple[Numbers, Acting]:
+    def _acting(self, prepared: Any, dtype: Any) -> tuple[ModelParameters, ActiveEffects]:
         (fields, values), plan = prepared, self.lanes.plan
-        numbers = Numbers(plan.model, fields, dtype)
-        return numbers, Acting(self.robot, self.catalogue, plan, numbers, values)
+        numbers = ModelParameters(plan.model, fields, dtype)
+        return numbers, ActiveEffects(self.robot, self.catalogue, plan, numbers, values)
 
-    def _blocked(self, prepared: Any, state: State, drive: Drive) -> Any:
+    def _blocked(self, prepared: Any, state: LaneBatchState, drive: CommandSteps) -> Any:
         (_, values), plan = prepared, self.lanes.plan
         numbers, acting = self._acting(prepared, state.qpos.dtype)
         stepper = Stepper(plan, numbers, TOLERANCE[np.dtype(state.qpos.dtype)])
-        reader = Reader(plan, numbers, stepper.inertias)
+        reader = SensorReader(plan, numbers, stepper.inertias)
         before = jnp.asarray(is_acceleration(self.robot))[:, None]
-        shown = shown_torques(self.robot, self.catalogue)
+        shown = motor_readings(self.robot, self.catalogue)
 
-        def step(carry: tuple[LaneState, Any, Hidden], now: Drive) -> Any:
+        def step(carry: tuple[LaneState, Any, Hidden], now: CommandSteps) -> Any:
             lanes, felt, hidden = carry
             moves = now.length > 0.0
             length = jnp.where(moves, now.length, plan.model.opt.timestep).astype(now.length.dtype)
-            qpos, qvel, _ = unpacked(plan, lanes)
+            qpos, qvel, _ = from_lanes(plan, lanes)
             told, added, after = acting.act(lanes, now.ctrl, now.enable, length, hidden)
             stepped, instant = stepper.step(lanes, told, length, added)
             lanes, hidden = jax.tree.map(partial(jnp.where, moves), (stepped, after), (lanes, hidden))
@@ -129,14 +131,14 @@ class LanesReplayer(Replayer):
                 sensed = sensed.at[s.column].add(s.factor * after[s.effect][s.state][s.row])
             return (lanes, sensed, hidden), (jnp.where(before, felt, sensed), qpos, qvel)
 
-        start = (packed(plan, state.qpos, state.qvel, state.warmstart), state.sensordata, state.hidden)
+        start = (to_lanes(plan, state.qpos, state.qvel, state.warmstart), state.sensordata, state.hidden)
         (lanes, felt, hidden), (sensors, qpos, qvel) = jax.lax.scan(step, start, drive)
         for effect in self.catalogue:
             if isinstance(effect, Distortion):
                 distort = jax.vmap(lambda x, v, e=effect: e.distort(self.robot, x, v), in_axes=-1, out_axes=-1)
                 sensors = distort(sensors, values[effect.name])
-        after = unpacked(plan, lanes)
-        return State(after[0], after[1], state.act, after[2], felt, hidden), (sensors, qpos, qvel)
+        after = from_lanes(plan, lanes)
+        return LaneBatchState(after[0], after[1], state.act, after[2], felt, hidden), (sensors, qpos, qvel)
 
 
 def _lanes_last(x: Any) -> np.ndarray:

@@ -15,17 +15,17 @@ import jax.numpy as jnp
 from jax.extend.core import jaxpr_as_fun
 
 from estexp_jax.lanes.algebra import Scalar
-from estexp_jax.lanes.forces import Drive
-from estexp_jax.lanes.layout import Dof, Plan
-from estexp_jax.lanes.model_parameters import Numbers
-from estexp_jax.lanes.step import Added, LaneState
-from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, Effect, JointForce, Term
+from estexp_jax.lanes.forces import MotorCommands
+from estexp_jax.lanes.layout import Dof, Layout
+from estexp_jax.lanes.model_parameters import ModelParameters
+from estexp_jax.lanes.step import AddedForces, LaneState
+from estexp_jax.physics.effects.base import Arrays, BodyForce, CommandLaw, Effect, JointForce, Term
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.effects.sites import driven_actuators
-from estexp_jax.physics.engines.lanes.external_wrenches import pulled
-from estexp_jax.physics.engines.lanes.joint_states import Moments, Now, stacked
-from estexp_jax.physics.engines.lanes.motors import Motors, Told
+from estexp_jax.physics.engines.lanes.external_wrenches import external_wrenches
+from estexp_jax.physics.engines.lanes.joint_states import JointStates, StepStart, stacked
+from estexp_jax.physics.engines.lanes.motors import MotorInputs, Motors
 from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.model.robot import Robot
 
@@ -48,17 +48,19 @@ class _Sums:
 
 
 @final
-class Acting:
+class ActiveEffects:
     """The effects of a catalogue that act during a step, on robots of these numbers."""
 
-    def __init__(self, robot: Robot, catalogue: Catalogue, plan: Plan, numbers: Numbers, values: Values) -> None:
+    def __init__(
+        self, robot: Robot, catalogue: Catalogue, plan: Layout, numbers: ModelParameters, values: Values
+    ) -> None:
         """With values (n_sites, n_parameters, N) of each effect."""
         self._robot, self._plan, self._numbers, self._values = robot, plan, numbers, values
         self._motors = Motors(robot, plan, numbers)
-        self._moments = Moments(robot, plan, numbers, self._motors)
+        self._moments = JointStates(robot, plan, numbers, self._motors)
         self._terms = [e for e in catalogue if isinstance(e, Term) and e.sites(robot)]
         self._laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
-        self._pulls = [e for e in catalogue if isinstance(e, BodyPull) and e.sites(robot)]
+        self._pulls = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
         self._at_work = {e.name: self._is_changed(e) for e in (*self._laws, *self._terms)}
 
     @property
@@ -66,7 +68,9 @@ class Acting:
         """Whether there are any."""
         return bool(self._terms or self._laws or self._pulls)
 
-    def act(self, state: LaneState, commands: Any, enable: Any, dt: Any, hidden: Hidden) -> tuple[Drive, Added, Hidden]:
+    def act(
+        self, state: LaneState, commands: Any, enable: Any, dt: Any, hidden: Hidden
+    ) -> tuple[MotorCommands, AddedForces, Hidden]:
         """What the motors are told, what is added to the joints, the hidden variables after the step.
 
         Args:
@@ -90,13 +94,13 @@ class Acting:
                 rows[a] = there[i]
         sums = _Sums()
         for term in self._terms:
-            now = Now(position, speed, Told(rows, enable, sums.share), dt)
+            now = StepStart(position, speed, MotorInputs(rows, enable, sums.share), dt)
             does, after = self._acted(term, now, hidden.get(term.name, ()))
             hidden |= {term.name: after} if term.n_states else {}
             rows = self._gather(term, does, sums, rows)
         on = self._slots([enable[a] for a in range(enable.shape[0])])
         share = self._slots([sums.share.get(a, jnp.ones_like(row)) for a, row in enumerate(rows)])
-        return Drive(self._slots(rows), on, share if sums.share else None), self._added(state, sums), hidden
+        return MotorCommands(self._slots(rows), on, share if sums.share else None), self._added(state, sums), hidden
 
     def rest(self, state: LaneState, commands: Any) -> Hidden:
         """Hidden variables of robots that have been where they are, under commands (nu, N), for long."""
@@ -124,7 +128,7 @@ class Acting:
 
         return jax.lax.cond(self._at_work[law.name], act, lambda: (told, before))
 
-    def _acted(self, term: Term, now: Now, before: Arrays) -> tuple[JointForce, Arrays]:
+    def _acted(self, term: Term, now: StepStart, before: Arrays) -> tuple[JointForce, Arrays]:
         """What a term does, and its hidden variables after the step."""
 
         def act() -> tuple[dict[str, Any], Arrays]:
@@ -173,10 +177,14 @@ class Acting:
             for motor in joint.motors
         }
 
-    def _added(self, state: LaneState, sums: _Sums) -> Added:
+    def _added(self, state: LaneState, sums: _Sums) -> AddedForces:
         per_dof = {what: [_collected(dof, table) for dof in self._plan.dofs] for what, table in sums.rows.items()}
-        pulls = pulled(self._robot, self._pulls, self._plan, self._numbers, self._values, state) if self._pulls else {}
-        return Added(
+        pulls = (
+            external_wrenches(self._robot, self._pulls, self._plan, self._numbers, self._values, state)
+            if self._pulls
+            else {}
+        )
+        return AddedForces(
             *(per_dof.get(what, [0] * len(self._plan.dofs)) for what in ("force", "damping", "friction", "inertia")),
             pull=pulls,
         )

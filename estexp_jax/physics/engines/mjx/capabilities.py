@@ -16,7 +16,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, listing
 from estexp_jax.lanes.collision_pairs import contacts_on, touching_pairs
-from estexp_jax.physics.model.collision_pairs import overlapping
+from estexp_jax.physics.model.collision_pairs import overlapping_bodies
 from estexp_jax.physics.model.robot import Robot
 
 _GEOM, _JOINT = mujoco.mjtGeom, mujoco.mjtJoint
@@ -57,7 +57,7 @@ _UNKNOWN = {
 """Fields that MJX 3.17 passes over in silence; they are zero in a model that does not use them."""
 
 
-class Within(NamedTuple):
+class ReducedRobot(NamedTuple):
     """A model within what MJX can simulate.
 
     Attributes:
@@ -69,19 +69,19 @@ class Within(NamedTuple):
     left_out: tuple[str, ...]
 
 
-def within_mjx(robot: Robot) -> Within:
+def reduced_to_mjx(robot: Robot) -> ReducedRobot:
     """A robot's model without what MJX lacks and its motion hardly needs.
 
     Raises:
         InputError: two shapes that MJX cannot let touch may carry the robot.
     """
     apart = _apart(robot)
-    fused = [bodies for bodies in overlapping(robot) if bodies not in apart]
+    fused = [bodies for bodies in overlapping_bodies(robot) if bodies not in apart]
     model = copy.deepcopy(robot.without_contacts([*apart, *fused]).model)
     _to_joints(model)
     without = *_contacts(robot, apart), *_overlaps(robot, fused)
     left_out = (*without, *_without_margins(model), *_options(model.opt), *_passed_over(model))
-    return Within(model, left_out)
+    return ReducedRobot(model, left_out)
 
 
 def _to_joints(model: mujoco.MjModel) -> None:

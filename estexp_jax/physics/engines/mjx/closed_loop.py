@@ -15,10 +15,17 @@ from mujoco import mjx
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.batching import in_chunks
-from estexp_jax.physics.engines.closed_loop import BodyState, Heard, Lane, Walk, Walker, hear
+from estexp_jax.physics.engines.closed_loop import (
+    BodyState,
+    ClosedLoopSimulator,
+    ReadingOverride,
+    RobotInstance,
+    Rollout,
+    override_reading,
+)
 from estexp_jax.physics.engines.devices import accelerated, wide
-from estexp_jax.physics.engines.mjx.terms import Now
-from estexp_jax.physics.model.travel import travel_of
+from estexp_jax.physics.engines.mjx.terms import MjxStepStart
+from estexp_jax.physics.model.travel import root_position
 from estexp_jax.recovery.control.network import HIDDEN, respond
 
 _WIDTHS = (16, 56)
@@ -29,13 +36,13 @@ _VECTOR = 8
 
 @final
 @dataclass(frozen=True, eq=False)
-class MjxWalker(Walker):
+class MjxClosedLoop(ClosedLoopSimulator):
     """A walker on MJX."""
 
-    def _run(self, lanes: Lane, steps: int, *, active: bool, heard: Heard | None) -> Walk:
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, heard: ReadingOverride | None) -> Rollout:
         spread, real = _spread(len(lanes.weights), self.width)
         shape = (len(lanes.weights), self.rows, self.interface.n_inputs)
-        told = Heard(np.ones(shape, np.float32), np.zeros(shape, np.float32))
+        told = ReadingOverride(np.ones(shape, np.float32), np.zeros(shape, np.float32))
         for table, given in zip(told, heard or (), strict=False):
             table[:, :steps] = given
         batch = _taken((lanes, told), spread)
@@ -76,17 +83,17 @@ def _taken(tree: Any, places: np.ndarray) -> Any:
 
 
 @partial(jax.jit, static_argnums=0)
-def _walk_batch(self: MjxWalker, lanes: Lane, told: Heard, steps: int, active: bool) -> Walk:
+def _walk_batch(self: MjxClosedLoop, lanes: RobotInstance, told: ReadingOverride, steps: int, active: bool) -> Rollout:
     return jax.vmap(lambda lane, given: _walk_one(self, lane, given, steps, active))(lanes, told)
 
 
-def _walk_one(self: MjxWalker, lane: Lane, told: Heard, steps: int, active: bool) -> Walk:
+def _walk_one(self: MjxClosedLoop, lane: RobotInstance, told: ReadingOverride, steps: int, active: bool) -> Rollout:
     """One robot's walk; what is not the lane's is traced, so that every trial and settling share one executable."""
     model = self.on_mjx.edited(self.on_mjx.model, lane.values)
     network = self.network(lane)
-    travel = travel_of(self.robot)
+    travel = root_position(self.robot)
     rows, face = self.rows, self.interface
-    walk = Walk(
+    walk = Rollout(
         readings=jnp.zeros((rows, face.n_inputs)),
         commands=jnp.zeros((rows, face.n_outputs)),
         position=jnp.zeros((rows, 3)),
@@ -98,7 +105,7 @@ def _walk_one(self: MjxWalker, lane: Lane, told: Heard, steps: int, active: bool
         walk, hidden = carry
         body = walk.final
         readings = _readings(self, lane.values, body)
-        seen = hear(told.factor[row], told.added[row], readings)
+        seen = override_reading(told.factor[row], told.added[row], readings)
         hidden, outputs = respond(network, hidden, face.inputs(seen), self.gain)
         ctrl = jnp.where(active, face.commands(outputs), face.ctrl_centre)
         walk = walk._replace(
@@ -120,7 +127,7 @@ def _sound(x: jax.Array) -> jax.Array:
     return jnp.all(jnp.abs(x) < mujoco.mjMAXVAL)  # false for NaN
 
 
-def _readings(self: MjxWalker, values: Values, body: BodyState) -> jax.Array:
+def _readings(self: MjxClosedLoop, values: Values, body: BodyState) -> jax.Array:
     """Readings (n_inputs,) as the controller gets them: those of lost parts at rest, faults applied."""
     face = self.interface
     true = face.readings(body.qpos, body.sensordata)
@@ -134,12 +141,12 @@ def _readings(self: MjxWalker, values: Values, body: BodyState) -> jax.Array:
     return whole[face.columns]
 
 
-def _physics_step(self: MjxWalker, model: mjx.Model, values: Values, body: BodyState, ctrl: jax.Array) -> BodyState:
+def _physics_step(self: MjxClosedLoop, model: mjx.Model, values: Values, body: BodyState, ctrl: jax.Array) -> BodyState:
     does = self.on_mjx.acted(model, values, body.hidden, _now(self, model, body, ctrl))
     data = self.on_mjx.data.replace(qpos=body.qpos, qvel=body.qvel, qacc_warmstart=body.warmstart)
     data = mjx.step(does.model, data.replace(ctrl=does.ctrl, qfrc_applied=does.force, xfrc_applied=does.pull))
     return BodyState(data.qpos, data.qvel, data.qacc_warmstart, data.sensordata, does.hidden)
 
 
-def _now(self: MjxWalker, model: mjx.Model, body: BodyState, ctrl: jax.Array) -> Now:
-    return Now(body.qpos, body.qvel, ctrl, jnp.ones(self.interface.n_outputs), model.opt.timestep)
+def _now(self: MjxClosedLoop, model: mjx.Model, body: BodyState, ctrl: jax.Array) -> MjxStepStart:
+    return MjxStepStart(body.qpos, body.qvel, ctrl, jnp.ones(self.interface.n_outputs), model.opt.timestep)

@@ -20,9 +20,9 @@ from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.effects.sites import driven_actuators, joint_dofs
 from estexp_jax.physics.engines.devices import exact_products
-from estexp_jax.physics.engines.mjx.capabilities import within_mjx
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.engines.mjx.polynomials import with_polynomials
-from estexp_jax.physics.engines.mjx.terms import Acted, Hidden, Now, acted, resting
+from estexp_jax.physics.engines.mjx.terms import EffectForces, Hidden, MjxStepStart, apply_effects, hidden_at_rest
 from estexp_jax.physics.model.derived_constants import refresh
 from estexp_jax.physics.model.robot import Robot
 
@@ -59,14 +59,14 @@ class MjxModel:
             model = effect.edit(self.robot, model, values[effect.name])
         return refresh(self.robot, model) if any(e.stales_inertia for e in edits) else model
 
-    def rested(self, model: mjx.Model, values: Values, now: Now) -> Hidden:
+    def rested(self, model: mjx.Model, values: Values, now: MjxStepStart) -> Hidden:
         """Hidden variables of a robot that has been where it is for long."""
-        return resting(self.robot, self.catalogue, values, now, model)
+        return hidden_at_rest(self.robot, self.catalogue, values, now, model)
 
-    def acted(self, model: mjx.Model, values: Values, hidden: Hidden, now: Now) -> Acted:
+    def acted(self, model: mjx.Model, values: Values, hidden: Hidden, now: MjxStepStart) -> EffectForces:
         """What one step is taken with, from an edited model whose motors are switched."""
         model, force = with_polynomials(self.armed, model, now.qpos, now.qvel)
-        does = acted(self.robot, self.catalogue, model, values, hidden, now)
+        does = apply_effects(self.robot, self.catalogue, model, values, hidden, now)
         return does._replace(force=does.force + force)
 
 
@@ -77,7 +77,7 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
         InputError: MJX cannot simulate something in the model.
     """
     exact_products()
-    model = within_mjx(robot).model
+    model = reduced_to_mjx(robot).model
     model.opt.iterations, model.opt.ls_iterations = NEWTON_ITERATIONS, LINE_SEARCH_ITERATIONS
     arms = {part for e in catalogue for part in e.arms}
     if "dof_frictionloss" in arms:
@@ -119,13 +119,13 @@ def _rows(model: mujoco.MjModel) -> int:
     return mjx.make_data(model)._impl.efc_force.size
 
 
-def switched(model: mjx.Model, enable) -> mjx.Model:  # noqa: ANN001
+def with_motors_switched(model: mjx.Model, enable) -> mjx.Model:  # noqa: ANN001
     """The model with motors on or off: (nu,) 1.0 or 0.0."""
     on = jnp.asarray(enable)[:, None]
     return model.replace(actuator_gainprm=model.actuator_gainprm * on, actuator_biasprm=model.actuator_biasprm * on)
 
 
-def stepped(does: Acted, data: mjx.Data) -> mjx.Data:
+def with_timestep(does: EffectForces, data: mjx.Data) -> mjx.Data:
     """One physics step, with the readings of the state it begins with.
 
     With RK4, MJX leaves those of the last of its four stages; the C engine, those of the first.

@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from mujoco import mjx
 
-from estexp_jax.physics.effects.base import Arrays, BodyPull, CommandLaw, JointForce, JointMoment, Term
+from estexp_jax.physics.effects.base import Arrays, BodyForce, CommandLaw, JointForce, JointState, Term
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.effects.sites import driven_actuators
@@ -32,7 +32,7 @@ Hidden = dict[str, Arrays]
 """Hidden variables (n_sites,) of each effect that has some, by its name."""
 
 
-class Now(NamedTuple):
+class MjxStepStart(NamedTuple):
     """A robot at the beginning of a step."""
 
     qpos: Any  #: (nq,)
@@ -42,7 +42,7 @@ class Now(NamedTuple):
     dt: Any  #: length of the step, s
 
 
-class Acted(NamedTuple):
+class EffectForces(NamedTuple):
     """What a step is taken with, and what is carried on."""
 
     model: mjx.Model
@@ -65,7 +65,7 @@ class _Step:
     """
 
     robot: Robot
-    now: Now
+    now: MjxStepStart
     model: mjx.Model
     share: jax.Array
     force: jax.Array
@@ -85,7 +85,7 @@ def stateful(catalogue: Catalogue) -> list[Term | CommandLaw]:
     return [e for e in catalogue if isinstance(e, Term | CommandLaw) and e.n_states]
 
 
-def resting(robot: Robot, catalogue: Catalogue, values: Values, now: Now, model: mjx.Model) -> Hidden:
+def hidden_at_rest(robot: Robot, catalogue: Catalogue, values: Values, now: MjxStepStart, model: mjx.Model) -> Hidden:
     """Hidden variables of a robot that has been where it is, under this command, for long."""
     hidden: Hidden = {}
     for e in stateful(catalogue):
@@ -98,7 +98,9 @@ def resting(robot: Robot, catalogue: Catalogue, values: Values, now: Now, model:
     return hidden
 
 
-def acted(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, hidden: Hidden, now: Now) -> Acted:
+def apply_effects(
+    robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, hidden: Hidden, now: MjxStepStart
+) -> EffectForces:
     """Let all effects of a catalogue act that do so during a step, in its order: command laws, then terms, pulls."""
     hidden = dict(hidden)
     now, hidden = _commanded(robot, catalogue, model, values, hidden, now)
@@ -114,14 +116,14 @@ def acted(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, 
             step = _applied(step, does, dofs, there)
     model = step.model if step.share is nominal else step.scaled()
     pull = _pulled(robot, catalogue, model, values, now)
-    return Acted(without_slope_at_limits(robot, model, step.now), step.now.ctrl, step.force, pull, hidden)
+    return EffectForces(without_slope_at_limits(robot, model, step.now), step.now.ctrl, step.force, pull, hidden)
 
 
 def _columns(values: jax.Array) -> Arrays:
     return tuple(values[:, i] for i in range(values.shape[1]))
 
 
-def _coordinates(robot: Robot, dofs: np.ndarray, now: Now) -> tuple[jax.Array, jax.Array]:
+def _coordinates(robot: Robot, dofs: np.ndarray, now: MjxStepStart) -> tuple[jax.Array, jax.Array]:
     return now.qpos[robot.model.jnt_qposadr[robot.model.dof_jntid[dofs]]], now.qvel[dofs]
 
 
@@ -132,8 +134,8 @@ def _actuators(robot: Robot, e: Term) -> np.ndarray | None:
 
 
 def _commanded(
-    robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, hidden: Hidden, now: Now
-) -> tuple[Now, Hidden]:
+    robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, hidden: Hidden, now: MjxStepStart
+) -> tuple[MjxStepStart, Hidden]:
     laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
     if not laws:
         return now, hidden
@@ -148,7 +150,7 @@ def _commanded(
     return now._replace(ctrl=ctrl), hidden
 
 
-def _moment(step: _Step, dofs: np.ndarray, there: Drives) -> JointMoment:
+def _moment(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
     robot, model, now = step.robot, step.scaled(), step.now
     q, w = _coordinates(robot, dofs, now)
     command = limited_commands(model, now.ctrl)
@@ -168,7 +170,7 @@ def _moment(step: _Step, dofs: np.ndarray, there: Drives) -> JointMoment:
         at, speed = (jnp.where(mine, x, 0.0).sum(axis=1) for x in every)
         return at, speed
 
-    return JointMoment(
+    return JointState(
         q=q,
         w=w,
         torque=torque_at(q, w),
@@ -206,9 +208,9 @@ def _applied(step: _Step, does: JointForce, dofs: np.ndarray, there: Drives) -> 
     return replace(step, now=now, model=model, force=force, share=share)
 
 
-def _pulled(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, now: Now) -> jax.Array:
+def _pulled(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, now: MjxStepStart) -> jax.Array:
     pull = jnp.zeros((robot.model.nbody, 6), now.qvel.dtype)
-    pulls = [e for e in catalogue if isinstance(e, BodyPull) and e.sites(robot)]
+    pulls = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
     if pulls:
         place = mjx.kinematics(model, mjx.make_data(robot.model).replace(qpos=now.qpos)).xipos
     for e in pulls:
@@ -218,7 +220,7 @@ def _pulled(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values
     return pull
 
 
-def without_slope_at_limits(robot: Robot, model: mjx.Model, now: Now) -> mjx.Model:
+def without_slope_at_limits(robot: Robot, model: mjx.Model, now: MjxStepStart) -> mjx.Model:
     """The model with motors at their force limit as constant forces, for the integrator that derives forces by speed.
 
     A motor at its limit does not brake, which the C engine knows and MJX 3.17 does not: on the leg's knee, its servo's

@@ -10,7 +10,7 @@ import pytest
 from mujoco import mjx
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.engines.mjx.capabilities import APART, within_mjx
+from estexp_jax.physics.engines.mjx.capabilities import APART, reduced_to_mjx
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.model.robot import Robot
 
@@ -54,7 +54,7 @@ def test_shapes_that_mjx_cannot_let_touch_are_those_listed(one: str, other: str)
 
 def test_an_arms_contacts_that_mjx_lacks_are_left_out_and_named() -> None:
     robot = Robot.from_string(ARM)
-    model, left_out = within_mjx(robot)
+    model, left_out = reduced_to_mjx(robot)
     excluded = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
     index = {name: robot.index("body", name) for name in ("world", "lower", "hand", "tip")}
     pairs = {("world", "hand"), ("world", "tip"), ("lower", "tip")}  # lower and hand, hinged together, never touch
@@ -68,7 +68,7 @@ def test_an_arms_contacts_that_mjx_lacks_are_left_out_and_named() -> None:
 
 def test_all_else_of_a_model_is_kept() -> None:
     robot = Robot.from_string(ARM)
-    model = within_mjx(robot).model
+    model = reduced_to_mjx(robot).model
     for field in ("geom_size", "body_mass", "body_inertia", "jnt_axis", "actuator_gainprm", "geom_contype"):
         np.testing.assert_array_equal(getattr(model, field), getattr(robot.model, field))
 
@@ -76,14 +76,14 @@ def test_all_else_of_a_model_is_kept() -> None:
 def test_a_robot_that_may_stand_on_what_mjx_lacks_is_refused() -> None:
     xml = ARM.replace('<joint name="shoulder"/>', "<freejoint/>")
     with pytest.raises(InputError, match=r"walker.xml: MJX has no contact of an? \w+ with an? \w+: .*; make one"):
-        within_mjx(Robot.from_string(xml, "walker.xml"))
+        reduced_to_mjx(Robot.from_string(xml, "walker.xml"))
 
 
 @pytest.mark.parametrize("base", ['<joint name="shoulder"/>', "<freejoint/>"])
 def test_contacts_that_are_switched_off_are_not_missed(base: str) -> None:
     xml = ARM.replace("<worldbody>", '<option><flag contact="disable"/></option><worldbody>')
     robot = Robot.from_string(xml.replace('<joint name="shoulder"/>', base))
-    assert within_mjx(robot).left_out == ()
+    assert reduced_to_mjx(robot).left_out == ()
     mjx_model(robot, ())
 
 
@@ -104,15 +104,15 @@ def test_solver_and_integrator_are_replaced_by_what_mjx_has(
     xml = f"""<mujoco><option {option}><flag energy="enable"/></option><worldbody><body><joint name="hinge"/>
       <geom size=".1" pos=".3 0 0"/></body></worldbody></mujoco>"""
     robot = Robot.from_string(xml)
-    option_of = within_mjx(robot).model.opt
+    option_of = reduced_to_mjx(robot).model.opt
     assert mujoco.mjtSolver(option_of.solver).name == f"mjSOL_{solver}"
     assert mujoco.mjtIntegrator(option_of.integrator).name == f"mjINT_{integrator}"
-    assert len(within_mjx(robot).left_out) == lines
+    assert len(reduced_to_mjx(robot).left_out) == lines
     mjx_model(robot, ())
 
 
 def test_margins_of_meshes_are_left_out() -> None:
     robot = Robot.from_string(ARM.replace('name="barrel"', 'name="barrel" margin="0.01"'))
-    model, left_out = within_mjx(robot)
+    model, left_out = reduced_to_mjx(robot)
     assert not model.geom_margin.any() and any("margins" in line for line in left_out)
     mjx_model(robot, ())

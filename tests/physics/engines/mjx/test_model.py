@@ -12,7 +12,7 @@ from mujoco import mjx
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import encode, parse_change, stack
 from estexp_jax.physics.effects.registry import ALL, catalogue
-from estexp_jax.physics.engines.mjx.model import mjx_model, switched
+from estexp_jax.physics.engines.mjx.model import mjx_model, with_motors_switched
 from estexp_jax.physics.model.robot import Robot
 from tests.physics.conftest import Lab
 from tests.physics.reference import converged, visit
@@ -97,9 +97,9 @@ def test_accelerations_are_read_also_where_nothing_constrains(xml: str) -> None:
 
 def test_motors_that_are_off_give_nothing() -> None:
     on = mjx_model(robot("pendulum"), ())
-    off = switched(on.model, np.zeros(1))
+    off = with_motors_switched(on.model, np.zeros(1))
     assert not np.asarray(off.actuator_gainprm).any() and not np.asarray(off.actuator_biasprm).any()
-    same = switched(on.model, np.ones(1))
+    same = with_motors_switched(on.model, np.ones(1))
     np.testing.assert_array_equal(same.actuator_gainprm, on.model.actuator_gainprm)
 
 
