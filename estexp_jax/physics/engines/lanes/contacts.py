@@ -35,7 +35,7 @@ from estexp_jax.physics.engines.lanes.algebra import (
 from estexp_jax.physics.engines.lanes.kinematics import Motion
 from estexp_jax.physics.engines.lanes.numbers import Numbers, rotation_matrix, world_pose
 from estexp_jax.physics.engines.lanes.plan import Group, Plan
-from estexp_jax.physics.engines.lanes.rows import Push, Pyramid, Residual, Rows
+from estexp_jax.physics.engines.lanes.rows import Push, Pyramid, Residual
 from estexp_jax.physics.engines.lanes.softness import Softness, regularised
 from estexp_jax.physics.engines.lanes.touching import Candidate, mixed
 
@@ -57,7 +57,7 @@ class Contact:
 
     group: int
     candidate: Candidate
-    rows: Rows
+    rows: Pyramid | Push
     position: Vector
     normal: Vector
 
@@ -107,7 +107,7 @@ def _contact(plan: Plan, numbers: Numbers, moving: Motion, group: Group, candida
     back = -spring * impedance * violation
     if candidate.condim == 1:
         stiffness = jnp.where(touching, regularised(weight, impedance), 0.0)
-        rows: Rows = Push(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
+        rows = Push(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
         return Contact(group.index, candidate, rows, position, normal)
     friction = _friction(model, numbers, candidate)
     mu = friction / np.sqrt(model.opt.impratio)

@@ -117,8 +117,9 @@ class LanesReplayer(Replayer):
 
         def step(carry: tuple[LaneState, Any, Hidden], now: Drive) -> Any:
             lanes, felt, hidden = carry
-            moves = now.length > 0.0
-            length = jnp.where(moves, now.length, plan.model.opt.timestep).astype(now.length.dtype)
+            left: jax.Array = now.length
+            moves = left > 0.0
+            length = jnp.where(moves, left, plan.model.opt.timestep).astype(left.dtype)
             qpos, qvel, _ = unpacked(plan, lanes)
             told, added, after = acting.act(lanes, now.ctrl, now.enable, length, hidden)
             stepped, instant = stepper.step(lanes, told, length, added)
