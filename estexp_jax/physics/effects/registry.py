@@ -49,9 +49,18 @@ from estexp_jax.physics.effects.catalogue.torque_offset import TorqueOffset
 from estexp_jax.physics.effects.catalogue.torque_saturation import TorqueSaturation
 from estexp_jax.physics.effects.catalogue.viscous_friction import ViscousFriction
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.effects.laws.of_commands import LawDeafMotor, LawLateCommand
-from estexp_jax.physics.effects.laws.of_friction import LawBristles, LawFrictionWave, LawTightSpot, LawTwoWayFriction
-from estexp_jax.physics.effects.laws.of_motors import (
+from estexp_jax.physics.effects.laws.commands import LawDeafMotor, LawLateCommand
+from estexp_jax.physics.effects.laws.coupling import (
+    LawDriven,
+    LawFling,
+    LawSquareFling,
+    LawStir,
+    LawTie,
+    LawTow,
+    LawWhirl,
+)
+from estexp_jax.physics.effects.laws.friction import LawBristles, LawFrictionWave, LawTightSpot, LawTwoWayFriction
+from estexp_jax.physics.effects.laws.motors import (
     LawClippedMotor,
     LawLoadFriction,
     LawMotorBrake,
@@ -61,16 +70,7 @@ from estexp_jax.physics.effects.laws.of_motors import (
     LawWarmMotor,
     LawWeakMotor,
 )
-from estexp_jax.physics.effects.laws.of_others import (
-    LawDriven,
-    LawFling,
-    LawSquareFling,
-    LawStir,
-    LawTie,
-    LawTow,
-    LawWhirl,
-)
-from estexp_jax.physics.effects.laws.of_plain import (
+from estexp_jax.physics.effects.laws.named_effects import (
     LawDamping,
     LawDrag,
     LawDryFriction,
@@ -79,14 +79,16 @@ from estexp_jax.physics.effects.laws.of_plain import (
     LawSpring,
     LawWave,
 )
-from estexp_jax.physics.effects.laws.of_position import (
+from estexp_jax.physics.effects.laws.position import (
     LawBump,
     LawCube,
     LawDetent,
+    LawLowerSpring,
     LawSquare,
+    LawUpperSpring,
 )
-from estexp_jax.physics.effects.laws.of_sensors import LawDrift
-from estexp_jax.physics.effects.laws.of_speed import (
+from estexp_jax.physics.effects.laws.sensors import LawDrift
+from estexp_jax.physics.effects.laws.speed import (
     LawCubicDrag,
     LawFallingFriction,
     LawHump,
@@ -94,8 +96,7 @@ from estexp_jax.physics.effects.laws.of_speed import (
     LawPlaceDamping,
     LawSmoothFriction,
 )
-from estexp_jax.physics.effects.laws.of_time import LawCreep, LawRhythm, LawThinning
-from estexp_jax.physics.effects.laws.one_sided import LawLowerSpring, LawUpperSpring
+from estexp_jax.physics.effects.laws.time_dependent import LawCreep, LawRhythm, LawThinning
 
 Catalogue = tuple[Effect, ...]
 

@@ -17,7 +17,7 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
-from estexp_jax.physics.effects.laws.with_motors import MOTOR, Remembering, Threshold
+from estexp_jax.physics.effects.laws.motor_base import MOTOR, Remembering, Threshold
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot

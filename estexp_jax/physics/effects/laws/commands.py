@@ -8,7 +8,7 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import Bounds, Course, Reach, amplitude, followed, signed
-from estexp_jax.physics.effects.laws.with_motors import Remembering, Threshold
+from estexp_jax.physics.effects.laws.motor_base import Remembering, Threshold
 from estexp_jax.physics.model.robot import Robot
 
 _LATE = (0.001, 1.0)
