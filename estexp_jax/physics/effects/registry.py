@@ -51,7 +51,6 @@ from estexp_jax.physics.effects.catalogue.viscous_friction import ViscousFrictio
 from estexp_jax.physics.effects.laws.base import JointLaw
 from estexp_jax.physics.effects.laws.commands import LawDeafMotor, LawLateCommand
 from estexp_jax.physics.effects.laws.coupling import (
-    LawDriven,
     LawFling,
     LawSquareFling,
     LawStir,
@@ -62,8 +61,6 @@ from estexp_jax.physics.effects.laws.coupling import (
 from estexp_jax.physics.effects.laws.friction import LawBristles, LawFrictionWave, LawTightSpot, LawTwoWayFriction
 from estexp_jax.physics.effects.laws.motors import (
     LawClippedMotor,
-    LawLoadFriction,
-    LawMotorBrake,
     LawSag,
     LawSlowMotor,
     LawSoftMotor,
@@ -73,8 +70,11 @@ from estexp_jax.physics.effects.laws.motors import (
 from estexp_jax.physics.effects.laws.named_effects import (
     LawDamping,
     LawDrag,
+    LawDriven,
     LawDryFriction,
     LawInertia,
+    LawLoadFriction,
+    LawMotorBrake,
     LawPush,
     LawSpring,
     LawWave,

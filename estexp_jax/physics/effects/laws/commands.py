@@ -7,7 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
+from estexp_jax.physics.effects.catalogue.actuator_lag import ActuatorLag
+from estexp_jax.physics.effects.catalogue.dead_band import DeadBand
 from estexp_jax.physics.effects.laws.base import Bounds, Course, Reach, amplitude, followed, signed
+from estexp_jax.physics.effects.laws.from_effect import EffectLaw
 from estexp_jax.physics.effects.laws.motor_base import Remembering, Threshold
 from estexp_jax.physics.model.robot import Robot
 
@@ -16,7 +19,7 @@ _LATE = (0.001, 1.0)
 
 
 @final
-class LawDeafMotor(Threshold):
+class LawDeafMotor(Threshold, EffectLaw, effect=DeadBand):
     """tau = -a min(m_0 / |s|, 1) s of what the command asks for, s: a share of the first m_0 is lost.
 
     Of a position servo, s is the torque of the way left to go; its damping acts as ever.
@@ -26,18 +29,18 @@ class LawDeafMotor(Threshold):
     equation: ClassVar[str] = "tau = -a min(m_0 / |s|, 1) s, s the torque that the command asks for"
     symbols: ClassVar[str] = "s the torque that the motor's command asks for from where the joint is"
     resembles: ClassVar[str] = "a motor that does not answer to small demands"
-    stands_for: ClassVar[str] = "dead_band"
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["a"], f"min({values['m_0']:.3g}/|s|, 1) s")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect changes the whole command of one actuator; here a share of the joint's commanded torque is lost.
         _, asked = moment.asked()
         return JointForce(command=-p[0] * jnp.clip(asked, -p[1], p[1])), state
 
 
 @final
-class LawLateCommand(Remembering):
+class LawLateCommand(Remembering, EffectLaw, effect=ActuatorLag):
     """tau = -a (c - y) of what the command asks for in all, c, dy/dt = (c - y) / T: of a command a share comes late.
 
     What a servo makes of where the joint is does not come late. With a = 2 it is close to a delay of 2 T (Pade).
@@ -52,7 +55,6 @@ class LawLateCommand(Remembering):
     symbols: ClassVar[str] = "c the torque that the motor's command asks for wherever the joint is"
     equation: ClassVar[str] = "tau = -a (c - y), dy/dt = (c - y) / T, c the torque that the command asks for"
     resembles: ClassVar[str] = "a motor that obeys its commands late"
-    stands_for: ClassVar[str] = "actuator_lag"
     n_states: ClassVar[int] = 2
 
     def most(self, robot: Robot, joint: int) -> float:
@@ -72,6 +74,7 @@ class LawLateCommand(Remembering):
         return begun * (course.told[0] + followed(course.told - course.told[0], course.time, p[1])), 1.0 * begun
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect delays the whole command of one actuator; here a share of the joint's commanded torque lags.
         ((a, T), (late, begun)), (told, _) = (p, state), moment.asked()
         late = jnp.where(begun > 0.0, late, told)
         after = told + (late - told) * jnp.exp(-moment.dt / T)

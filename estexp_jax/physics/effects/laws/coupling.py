@@ -10,16 +10,15 @@ from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Para
 from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, half_span, signed, torque
 from estexp_jax.physics.model.robot import Robot
 
-_WITH = Parameter("with", "1 + joint index", refers="joint")
+OTHER_JOINT = Parameter("with", "1 + joint index", refers="joint")
+"""The other joint, as a parameter."""
+_SYMBOLS = "in brackets the joint whose q or w it is"
 
 
-_OTHER = "in brackets the joint whose q or w it is"
+class Coupling(JointLaw):
+    """A term whose only parameter beside its amplitude is the other joint."""
 
-
-class _Coupling(JointLaw):
-    """With another joint, without other shapes."""
-
-    symbols: ClassVar[str] = _OTHER
+    symbols: ClassVar[str] = _SYMBOLS
 
     def shapes(self, robot: Robot, joint: int) -> Bounds:
         return ((1.0, float(robot.model.njnt)),)
@@ -28,16 +27,17 @@ class _Coupling(JointLaw):
         return [(1.0 + j,) for j in reach.others]
 
 
-def _other(values: Mapping[str, float]) -> str:
+def other_joint(values: Mapping[str, float]) -> str:
+    """`[joint 2]`, as formulas name the other joint."""
     return f"[joint {round(values['with'])}]"
 
 
 @final
-class LawTow(_Coupling):
+class LawTow(Coupling):
     """tau = g w' of the other joint's speed w'."""
 
     name: ClassVar[str] = "law_tow"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s/rad"), _WITH)
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s/rad"), OTHER_JOINT)
     equation: ClassVar[str] = "tau = g (speed of joint `with`)"
     resembles: ClassVar[str] = "a joint that another one drags along"
 
@@ -45,18 +45,18 @@ class LawTow(_Coupling):
         return torque(robot, joint)
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["g"], f"w{_other(values)}")
+        return signed(values["g"], f"w{other_joint(values)}")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * moment.motion_of(p[1])[1]), state
 
 
 @final
-class LawFling(_Coupling):
+class LawFling(Coupling):
     """tau = g |w'| w' of the other joint's speed w'."""
 
     name: ClassVar[str] = "law_fling"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), _WITH)
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), OTHER_JOINT)
     equation: ClassVar[str] = "tau = g |w'| w', w' the speed of joint `with`"
     resembles: ClassVar[str] = "a joint that another one stirs up"
 
@@ -64,7 +64,7 @@ class LawFling(_Coupling):
         return torque(robot, joint)
 
     def formula(self, values: Mapping[str, float]) -> str:
-        w = f"w{_other(values)}"
+        w = f"w{other_joint(values)}"
         return signed(values["g"], f"|{w}| {w}")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
@@ -73,11 +73,11 @@ class LawFling(_Coupling):
 
 
 @final
-class LawSquareFling(_Coupling):
+class LawSquareFling(Coupling):
     """tau = g w'^2 of the other joint's speed w'."""
 
     name: ClassVar[str] = "law_square_fling"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), _WITH)
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), OTHER_JOINT)
     equation: ClassVar[str] = "tau = g w'^2, w' the speed of joint `with`"
     resembles: ClassVar[str] = "a joint that another one flings outwards"
 
@@ -85,39 +85,18 @@ class LawSquareFling(_Coupling):
         return torque(robot, joint)
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["g"], f"w{_other(values)}^2")
+        return signed(values["g"], f"w{other_joint(values)}^2")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * jnp.square(moment.motion_of(p[1])[1])), state
 
 
 @final
-class LawDriven(_Coupling):
-    """tau = g m' of the other joint's motor torque m'."""
-
-    name: ClassVar[str] = "law_driven"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", ""), _WITH)
-    equation: ClassVar[str] = "tau = g m', m' the motor torque of joint `with`"
-    resembles: ClassVar[str] = "a joint that another one's motor pulls at"
-    stands_for: ClassVar[str] = "crosstalk"
-    symbols: ClassVar[str] = "m the torque of the motor of the joint in brackets"
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return 1.0
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["g"], f"m{_other(values)}")
-
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * moment.torque_of(p[1])), state
-
-
-@final
-class LawStir(_Coupling):
+class LawStir(Coupling):
     """tau = -g |w'| w: a damping in proportion to the other joint's speed w'."""
 
     name: ClassVar[str] = "law_stir"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), _WITH)
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), OTHER_JOINT)
     equation: ClassVar[str] = "tau = -g |w'| w, w' the speed of joint `with`"
     resembles: ClassVar[str] = "damping that another joint's speed makes"
 
@@ -125,18 +104,18 @@ class LawStir(_Coupling):
         return torque(robot, joint)
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["g"], f"|w{_other(values)}| w")
+        return signed(-values["g"], f"|w{other_joint(values)}| w")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(damping=p[0] * jnp.abs(moment.motion_of(p[1])[1])), state
 
 
 @final
-class LawWhirl(_Coupling):
+class LawWhirl(Coupling):
     """tau = g w' w: like the forces of Coriolis."""
 
     name: ClassVar[str] = "law_whirl"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), _WITH)
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", "N m s2/rad2"), OTHER_JOINT)
     equation: ClassVar[str] = "tau = g w' w, w' the speed of joint `with`"
     resembles: ClassVar[str] = "a force of two joints' speeds"
 
@@ -144,7 +123,7 @@ class LawWhirl(_Coupling):
         return torque(robot, joint)
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["g"], f"w{_other(values)} w")
+        return signed(values["g"], f"w{other_joint(values)} w")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * moment.motion_of(p[1])[1] * moment.w), state
@@ -157,12 +136,12 @@ class LawTie(JointLaw):
     name: ClassVar[str] = "law_tie"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         amplitude("k", "N m/rad"),
-        _WITH,
+        OTHER_JOINT,
         Parameter("q0", "rad", signed=True),
     )
     equation: ClassVar[str] = "tau = -k (q' - q0), q' the position of joint `with`"
     resembles: ClassVar[str] = "a spring to another joint"
-    symbols: ClassVar[str] = _OTHER
+    symbols: ClassVar[str] = _SYMBOLS
 
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint) / (0.1 * half_span(robot, joint))
@@ -175,7 +154,7 @@ class LawTie(JointLaw):
 
     def formula(self, values: Mapping[str, float]) -> str:
         q0 = values["q0"]
-        return signed(-values["k"], f"(q{_other(values)} {'-' if q0 >= 0.0 else '+'} {abs(q0):.3g})")
+        return signed(-values["k"], f"(q{other_joint(values)} {'-' if q0 >= 0.0 else '+'} {abs(q0):.3g})")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.motion_of(p[1])[0] - p[2])), state

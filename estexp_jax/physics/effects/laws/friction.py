@@ -6,8 +6,9 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter
-from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
+from estexp_jax.physics.effects.bristles import bristle_friction
+from estexp_jax.physics.effects.catalogue.hysteresis import Hysteresis
 from estexp_jax.physics.effects.laws.base import (
     PHASES,
     ROUND,
@@ -22,6 +23,7 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
+from estexp_jax.physics.effects.laws.from_effect import EffectLaw
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -93,7 +95,7 @@ class LawFrictionWave(JointLaw):
 
 
 @final
-class LawBristles(JointLaw):
+class LawBristles(EffectLaw, effect=Hysteresis):
     """dF/dq = (T sign(w) - F) / x, tau = -F: dry friction that builds up over a way x, like bristles that bend.
 
     Source: Dahl, A solid friction model, Aerospace Corporation TOR-0158 (1968).
@@ -106,8 +108,6 @@ class LawBristles(JointLaw):
     )
     equation: ClassVar[str] = "tau = -F, dF/dq = (T sign(w) - F) / x"
     resembles: ClassVar[str] = "dry friction that builds up over a short way"
-    stands_for: ClassVar[str] = "hysteresis"
-    n_states: ClassVar[int] = 2
 
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint)
@@ -130,10 +130,8 @@ class LawBristles(JointLaw):
             force[i + 1] = end + (force[i] - end) * share
         return force, course.q
 
-    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return bristle_at_rest(q)
-
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect takes the stiffness T / x, and dividing by it would round x: only the friction itself is shared.
         return bristle_friction(p[0], p[1], moment, state)
 
 

@@ -7,6 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.catalogue.motor_fade import MotorFade
+from estexp_jax.physics.effects.catalogue.motor_weakness import MotorWeakness
+from estexp_jax.physics.effects.catalogue.torque_saturation import TorqueSaturation
 from estexp_jax.physics.effects.laws.base import (
     Bounds,
     Course,
@@ -17,6 +20,7 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
+from estexp_jax.physics.effects.laws.from_effect import EffectLaw
 from estexp_jax.physics.effects.laws.motor_base import MOTOR, Remembering, Threshold
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model import scales
@@ -73,14 +77,13 @@ class LawSlowMotor(_MotorLaw):
 
 
 @final
-class LawWeakMotor(_MotorLaw):
+class LawWeakMotor(_MotorLaw, EffectLaw, effect=MotorWeakness):
     """tau = -a m of motor torque m."""
 
     name: ClassVar[str] = "law_weak_motor"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("a", ""),)
     equation: ClassVar[str] = "tau = -a m, m the motor's torque"
     resembles: ClassVar[str] = "a motor that gives another share of its torque"
-    stands_for: ClassVar[str] = "motor_weakness"
 
     def most(self, robot: Robot, joint: int) -> float:
         return 1.0
@@ -89,45 +92,29 @@ class LawWeakMotor(_MotorLaw):
         return signed(-values["a"], "m")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect edits one actuator of the model; here all motors of the joint lose a share, of either sign.
         return JointForce(motor=1.0 - p[0]), state
 
 
 @final
-class LawMotorBrake(Shapeless):
-    """tau = -k w while the motor is on."""
-
-    name: ClassVar[str] = "law_motor_brake"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m s/rad", signed=False),)
-    equation: ClassVar[str] = "tau = -k w while the motor is on"
-    resembles: ClassVar[str] = "a motor that brakes in proportion to speed"
-    stands_for: ClassVar[str] = "back_emf"
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["k"], "w while the motor is on")
-
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] * moment.on), state
-
-
-@final
-class LawClippedMotor(Threshold):
+class LawClippedMotor(Threshold, EffectLaw, effect=TorqueSaturation):
     """tau = -a max(1 - m_0 / |m|, 0) m of motor torque m: of what is asked beyond m_0 a share is lost."""
 
     name: ClassVar[str] = "law_clipped_motor"
     equation: ClassVar[str] = "tau = -a max(1 - m_0 / |m|, 0) m, m the motor's torque"
     resembles: ClassVar[str] = "a motor that gives no more beyond some torque"
-    stands_for: ClassVar[str] = "torque_saturation"
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["a"], f"max(1 - {values['m_0']:.3g}/|m|, 0) m")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect is a force range in the model; here only a share of the torque beyond the limit is lost.
         beyond = jnp.maximum(1.0 - p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 0.0)
         return JointForce(motor=1.0 - p[0] * beyond), state
 
 
 @final
-class LawWarmMotor(Remembering):
+class LawWarmMotor(Remembering, EffectLaw, effect=MotorFade):
     """tau = -a min(H / H_0, 1) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses a share as it warms."""
 
     name: ClassVar[str] = "law_warm_motor"
@@ -138,7 +125,6 @@ class LawWarmMotor(Remembering):
     )
     equation: ClassVar[str] = "tau = -a min(H / H_0, 1) m, dH/dt = (m^2 - H) / T, m the motor's torque"
     resembles: ClassVar[str] = "a motor that loses strength as it warms"
-    stands_for: ClassVar[str] = "motor_fade"
 
     def shapes(self, robot: Robot, joint: int) -> Bounds:
         return (1e-5 * torque(robot, joint) ** 2, torque(robot, joint) ** 2), _WARMING
@@ -161,31 +147,11 @@ class LawWarmMotor(Remembering):
         return a * share, level * share, T
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect's heat counts the torque as a share of its limit; here it is in (N m)2, and the loss has an end.
         (a, level, T), (heat,) = p, state
         power = jnp.square(moment.torque)
         after = power + (heat - power) * jnp.exp(-moment.dt / T)
         return JointForce(motor=1.0 - a * jnp.minimum(heat / level, 1.0)), (after,)
-
-
-@final
-class LawLoadFriction(_MotorLaw):
-    """tau = -mu |m| sign(w) of motor torque m: teeth that rub the more, the more they carry."""
-
-    name: ClassVar[str] = "law_load_friction"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("mu", "", signed=False),)
-    equation: ClassVar[str] = "tau = -mu |m| sign(w), m the motor's torque"
-    resembles: ClassVar[str] = "friction in proportion to the motor's torque"
-    stands_for: ClassVar[str] = "load_dependent_friction"
-    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return 0.95
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["mu"], "|m| sign(w)")
-
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(friction=p[0] * jnp.abs(moment.torque)), state
 
 
 @final

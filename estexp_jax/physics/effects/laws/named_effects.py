@@ -1,20 +1,31 @@
-"""The plainest terms. The catalogue has effects that say the same, so they count only where these are left out."""
+"""Terms that repeat a named effect of the catalogue, so that they count only where that effect is left out.
+
+What such a term does is the effect's; stated here are its amplitude, its shapes and its words.
+"""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import product
 from typing import ClassVar, final
 
-import jax.numpy as jnp
-import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
+from estexp_jax.physics.effects.catalogue.armature import Armature
+from estexp_jax.physics.effects.catalogue.back_emf import BackEmf
+from estexp_jax.physics.effects.catalogue.cogging import Cogging
+from estexp_jax.physics.effects.catalogue.coulomb_friction import CoulombFriction
+from estexp_jax.physics.effects.catalogue.crosstalk import Crosstalk
+from estexp_jax.physics.effects.catalogue.joint_stiffness import JointStiffness
+from estexp_jax.physics.effects.catalogue.load_dependent_friction import LoadDependentFriction
+from estexp_jax.physics.effects.catalogue.quadratic_drag import QuadraticDrag
+from estexp_jax.physics.effects.catalogue.torque_offset import TorqueOffset
+from estexp_jax.physics.effects.catalogue.viscous_friction import ViscousFriction
 from estexp_jax.physics.effects.laws.base import (
     PHASES,
     ROUND,
     WAVES,
     Bounds,
-    JointLaw,
     Reach,
     Shapeless,
     amplitude,
@@ -23,9 +34,11 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
-from estexp_jax.physics.effects.passive import add_damper, add_spring
+from estexp_jax.physics.effects.laws.coupling import OTHER_JOINT, Coupling, other_joint
+from estexp_jax.physics.effects.laws.from_effect import EffectLaw
+from estexp_jax.physics.effects.laws.motor_base import MOTOR
 from estexp_jax.physics.model import scales
-from estexp_jax.physics.model.robot import Robot, spec_element
+from estexp_jax.physics.model.robot import Robot
 
 _DENSEST = 60.0
 """Largest spatial frequency, 1/rad or 1/m."""
@@ -34,79 +47,47 @@ _FREQUENCIES = 20_000
 
 
 @final
-class LawDamping(Shapeless):
+class LawDamping(Shapeless, EffectLaw, effect=ViscousFriction):
     """tau = -c w."""
 
     name: ClassVar[str] = "law_damping"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s/rad", signed=False),)
-    equation: ClassVar[str] = "tau = -c w"
-    in_mjcf: ClassVar[bool] = True
+    adds_to: ClassVar[str] = "damping"
     resembles: ClassVar[str] = "a resistance in proportion to speed"
-    stands_for: ClassVar[str] = "viscous_friction"
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "w")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0]), state
-
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        add_damper(robot, spec, site, (values["c"], 0.0, 0.0))
-
 
 @final
-class LawDrag(Shapeless):
+class LawDrag(Shapeless, EffectLaw, effect=QuadraticDrag):
     """tau = -c |w| w."""
 
     name: ClassVar[str] = "law_drag"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "N m s2/rad2", signed=False),)
-    equation: ClassVar[str] = "tau = -c |w| w"
-    in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a resistance that grows with the square of speed, as fluid drag does"
-    stands_for: ClassVar[str] = "quadratic_drag"
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["c"], "|w| w")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] * jnp.abs(moment.w)), state
-
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        add_damper(robot, spec, site, (0.0, values["c"], 0.0))
-
 
 @final
-class LawDryFriction(Shapeless):
+class LawDryFriction(Shapeless, EffectLaw, effect=CoulombFriction):
     """tau = -T sign(w)."""
 
     name: ClassVar[str] = "law_dry_friction"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("T", "N m", signed=False),)
-    equation: ClassVar[str] = "tau = -T sign(w)"
-    in_mjcf: ClassVar[bool] = True
+    adds_to: ClassVar[str] = "friction"
     resembles: ClassVar[str] = "a resistance that is the same at all speeds"
-    stands_for: ClassVar[str] = "coulomb_friction"
-    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["T"], "sign(w)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(friction=p[0]), state
-
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        spec_element(spec, robot, "joint", site).frictionloss += values["T"]
-
 
 @final
-class LawInertia(Shapeless):
+class LawInertia(Shapeless, EffectLaw, effect=Armature):
     """tau = -I dw/dt."""
 
     name: ClassVar[str] = "law_inertia"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("I", "kg m2", signed=False),)
-    equation: ClassVar[str] = "tau = -I dw/dt"
-    in_mjcf: ClassVar[bool] = True
+    adds_to: ClassVar[str] = "inertia"
     resembles: ClassVar[str] = "a resistance to changes of speed, as of an inertia"
-    stands_for: ClassVar[str] = "armature"
 
     def most(self, robot: Robot, joint: int) -> float:
         return scales.rotor_inertia(robot, joint)
@@ -114,40 +95,25 @@ class LawInertia(Shapeless):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(-values["I"], "dw/dt")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(inertia=p[0]), state
-
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        spec_element(spec, robot, "joint", site).armature += values["I"]
-
 
 @final
-class LawPush(Shapeless):
+class LawPush(Shapeless, EffectLaw, effect=TorqueOffset):
     """tau = T."""
 
     name: ClassVar[str] = "law_push"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("T", "N m"),)
-    equation: ClassVar[str] = "tau = T"
     resembles: ClassVar[str] = "a push that is always the same"
-    stands_for: ClassVar[str] = "torque_offset"
 
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["T"], "")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] + jnp.zeros_like(moment.q)), state
-
 
 @final
-class LawSpring(JointLaw):
+class LawSpring(EffectLaw, effect=JointStiffness):
     """tau = -k (q - q0), of either sign."""
 
     name: ClassVar[str] = "law_spring"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
-    equation: ClassVar[str] = "tau = -k (q - q0)"
-    in_mjcf: ClassVar[bool] = True
+    parameters: ClassVar[tuple[Parameter, ...]] = tuple(replace(p, signed=True) for p in JointStiffness.parameters)
     resembles: ClassVar[str] = "a spring"
-    stands_for: ClassVar[str] = "joint_stiffness"
 
     def most(self, robot: Robot, joint: int) -> float:
         return 10.0 * torque(robot, joint) / half_span(robot, joint)
@@ -162,25 +128,16 @@ class LawSpring(JointLaw):
         return signed(-values["k"], away("q", values["q0"]))
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect merges with the joint's own spring, which a spring of negative stiffness cannot.
         return JointForce(force=-p[0] * (moment.q - p[1])), state
-
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        add_spring(robot, spec, site, (values["k"], 0.0, 0.0), values["q0"])
 
 
 @final
-class LawWave(JointLaw):
+class LawWave(EffectLaw, effect=Cogging):
     """tau = A sin(n q + phase)."""
 
     name: ClassVar[str] = "law_wave"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        amplitude("A", "N m", signed=False),
-        Parameter("n", "1/rad", neutral=1.0),
-        Parameter("phase", "rad", signed=True),
-    )
-    equation: ClassVar[str] = "tau = A sin(n q + phase)"
     resembles: ClassVar[str] = "a force that comes again and again along the way, as the poles of a motor pass"
-    stands_for: ClassVar[str] = "cogging"
 
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint)
@@ -196,5 +153,49 @@ class LawWave(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed(values["A"], f"sin({values['n']:.4g} q {signed(values['phase'], '')})")
 
+
+@final
+class LawLoadFriction(Shapeless, EffectLaw, effect=LoadDependentFriction):
+    """tau = -mu |m| sign(w) of motor torque m: teeth that rub the more, the more they carry."""
+
+    name: ClassVar[str] = "law_load_friction"
+    equation: ClassVar[str] = "tau = -mu |m| sign(w), m the motor's torque"
+    resembles: ClassVar[str] = "friction in proportion to the motor's torque"
+    symbols: ClassVar[str] = MOTOR
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 0.95
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["mu"], "|m| sign(w)")
+
+
+@final
+class LawMotorBrake(Shapeless, EffectLaw, effect=BackEmf):
+    """tau = -k w while the motor is on: of all motors of a joint together."""
+
+    name: ClassVar[str] = "law_motor_brake"
+    resembles: ClassVar[str] = "a motor that brakes in proportion to speed"
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(-values["k"], "w while the motor is on")
+
+
+@final
+class LawDriven(Coupling, EffectLaw, effect=Crosstalk):
+    """tau = g m' of the other joint's motor torque m'."""
+
+    name: ClassVar[str] = "law_driven"
+    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("g", ""), OTHER_JOINT)
+    equation: ClassVar[str] = "tau = g m', m' the motor torque of joint `with`"
+    resembles: ClassVar[str] = "a joint that another one's motor pulls at"
+    symbols: ClassVar[str] = "m the torque of the motor of the joint in brackets"
+
+    def most(self, robot: Robot, joint: int) -> float:
+        return 1.0
+
+    def formula(self, values: Mapping[str, float]) -> str:
+        return signed(values["g"], f"m{other_joint(values)}")
+
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * jnp.sin(p[1] * moment.q + p[2])), state
+        return super().act(p[::-1], moment, state)  # of the effect, the joint comes first

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import mujoco
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
+from estexp_jax.physics.effects.catalogue.stribeck_friction import StribeckFriction
 from estexp_jax.physics.effects.laws.base import (
     Bounds,
     JointLaw,
@@ -18,6 +19,7 @@ from estexp_jax.physics.effects.laws.base import (
     signed,
     torque,
 )
+from estexp_jax.physics.effects.laws.from_effect import EffectLaw
 from estexp_jax.physics.effects.passive import add_damper
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -94,7 +96,7 @@ class LawSmoothFriction(JointLaw):
 
 
 @final
-class LawFallingFriction(JointLaw):
+class LawFallingFriction(EffectLaw, effect=StribeckFriction):
     """tau = -T sign(w) / (1 + (w / w_s)^2): dry friction that falls off once the joint moves.
 
     Source: Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 2.3, after Hess and Soom.
@@ -107,8 +109,6 @@ class LawFallingFriction(JointLaw):
     )
     equation: ClassVar[str] = "tau = -T sign(w) / (1 + (w / w_s)^2)"
     resembles: ClassVar[str] = "dry friction that falls off with speed"
-    stands_for: ClassVar[str] = "stribeck_friction"
-    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
 
     def most(self, robot: Robot, joint: int) -> float:
         return torque(robot, joint)
@@ -123,6 +123,7 @@ class LawFallingFriction(JointLaw):
         return signed(-values["T"], f"sign(w) / (1 + (w/{values['w_s']:.3g})^2)")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # Another curve than the effect's exponential, with no level beneath it.
         return JointForce(friction=p[0] / (1.0 + jnp.square(moment.w / p[1]))), state
 
 
