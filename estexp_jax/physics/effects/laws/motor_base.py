@@ -1,46 +1,47 @@
-"""What laws of motors share."""
+"""Parameters and initial guesses that the terms about motors share."""
 
 from typing import ClassVar
 
 import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter
-from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, torque
+from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, MotionRange, amplitude, largest_torque
 from estexp_jax.physics.model.robot import Robot
 
-MOTOR = "m the motor's torque"
-"""A joint without a motor has none, so that these laws do nothing there."""
+MOTOR_TORQUE = "m the motor's torque"
+"""Meaning of m in formulas. It is 0 at a joint without a motor, so that these terms do nothing there."""
 
 
-class Threshold(JointLaw):
-    """A share of the motor's torque that is lost, and the torque where that begins or ends."""
+class MotorThresholdLaw(JointLaw):
+    """A share of the motor's torque is lost beyond, or up to, the torque m_0."""
 
-    symbols: ClassVar[str] = MOTOR
+    symbols: ClassVar[str] = MOTOR_TORQUE
     parameters: ClassVar[tuple[Parameter, ...]] = (
         amplitude("a", "", signed=False),
         Parameter("m_0", "N m", neutral=1.0),
     )
 
-    def most(self, robot: Robot, joint: int) -> float:
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
         return 1.0
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return ((0.001 * torque(robot, joint), 2.0 * torque(robot, joint)),)
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
+        return ((0.001 * largest_torque(robot, joint), 2.0 * largest_torque(robot, joint)),)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(share * reach.motor,) for share in (0.05, 0.15, 0.3, 0.5, 0.75)] if reach.motor > 0.0 else []
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        shares = (0.05, 0.15, 0.3, 0.5, 0.75) if motion.motor_torque > 0.0 else ()
+        return [(share * motion.motor_torque,) for share in shares]
 
 
-class Remembering(JointLaw):
-    """A share of the motor's torque by a variable that follows it, or its square, with the time constant T."""
+class LaggedMotorLaw(JointLaw):
+    """The motor's torque changes by a variable that lags it, or its square, with the time constant T."""
 
-    symbols: ClassVar[str] = MOTOR
+    symbols: ClassVar[str] = MOTOR_TORQUE
     n_states: ClassVar[int] = 1
 
-    def most(self, robot: Robot, joint: int) -> float:
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
         return 1.0
 
     @staticmethod
-    def constants(low: float, high: float) -> list[float]:
-        """Time constants to try, s."""
+    def time_constants(low: float, high: float) -> list[float]:
+        """Initial guesses of a time constant within bounds, s."""
         return np.geomspace(2.0 * low, 0.3 * high, 5).tolist()

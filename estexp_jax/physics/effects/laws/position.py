@@ -1,4 +1,4 @@
-"""Forces that depend on where a joint is."""
+"""Forces that depend on the position of a joint."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -7,26 +7,35 @@ import jax.numpy as jnp
 import mujoco
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
-from estexp_jax.physics.effects.laws.base import Bounds, JointLaw, Reach, amplitude, away, half_span, signed, torque
+from estexp_jax.physics.effects.laws.base import (
+    Bounds,
+    JointLaw,
+    MotionRange,
+    amplitude,
+    difference_text,
+    half_span,
+    largest_torque,
+    signed_text,
+)
 from estexp_jax.physics.effects.passive import add_spring
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
-_TIGHT = 0.1
-"""Share of half a joint's range within which a law of its position may reach full torque."""
+_STEEP = 0.1
+"""Share of half a joint's range over which a force may rise to full torque."""
 
 
-def _place(robot: Robot, joint: int) -> tuple[float, float]:
+def _position_bounds(robot: Robot, joint: int) -> tuple[float, float]:
     return scales.joint_span(robot, joint)
 
 
-def _widths(robot: Robot, joint: int) -> tuple[float, float]:
+def _width_bounds(robot: Robot, joint: int) -> tuple[float, float]:
     half = half_span(robot, joint)
     return 0.005 * half, half
 
 
-def _spots(reach: Reach) -> list[tuple[float, ...]]:
-    return [(q, share * reach.span) for q in reach.places(9) for share in (0.04, 0.1, 0.25)]
+def _initial_spots(motion: MotionRange) -> list[tuple[float, ...]]:
+    return [(q, share * motion.span) for q in motion.positions(9) for share in (0.04, 0.1, 0.25)]
 
 
 @final
@@ -38,17 +47,17 @@ class LawSquare(JointLaw):
     equation: ClassVar[str] = "tau = k (q - q0)^2"
     resembles: ClassVar[str] = "a force that grows away from some position, to one side"
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint) / (_TIGHT * half_span(robot, joint)) ** 2
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return largest_torque(robot, joint) / (_STEEP * half_span(robot, joint)) ** 2
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return (_place(robot, joint),)
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
+        return (_position_bounds(robot, joint),)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in (reach.low, *reach.places(9), reach.high)]
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        return [(q,) for q in (motion.low, *motion.positions(9), motion.high)]
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["k"], f"{away('q', values['q0'])}^2")
+        return signed_text(values["k"], f"{difference_text('q', values['q0'])}^2")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * jnp.square(moment.q - p[1])), state
@@ -64,17 +73,17 @@ class LawCube(JointLaw):
     in_mjcf: ClassVar[bool] = True
     resembles: ClassVar[str] = "a spring that hardens as it is stretched"
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint) / (_TIGHT * half_span(robot, joint)) ** 3
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return largest_torque(robot, joint) / (_STEEP * half_span(robot, joint)) ** 3
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return (_place(robot, joint),)
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
+        return (_position_bounds(robot, joint),)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in (reach.low, *reach.places(9), 0.0, reach.high)]
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        return [(q,) for q in (motion.low, *motion.positions(9), 0.0, motion.high)]
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["k"], f"{away('q', values['q0'])}^3")
+        return signed_text(-values["k"], f"{difference_text('q', values['q0'])}^3")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * (moment.q - p[1]) ** 3), state
@@ -96,17 +105,17 @@ class LawBump(JointLaw):
     equation: ClassVar[str] = "tau = A exp(-((q - q0) / s)^2)"
     resembles: ClassVar[str] = "a push at one position"
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return largest_torque(robot, joint)
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return _place(robot, joint), _widths(robot, joint)
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
+        return _position_bounds(robot, joint), _width_bounds(robot, joint)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return _spots(reach)
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        return _initial_spots(motion)
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["A"], f"exp(-({away('q', values['q0'])}/{values['s']:.3g})^2)")
+        return signed_text(values["A"], f"exp(-({difference_text('q', values['q0'])}/{values['s']:.3g})^2)")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=p[0] * jnp.exp(-jnp.square((moment.q - p[1]) / p[2]))), state
@@ -125,18 +134,18 @@ class LawDetent(JointLaw):
     equation: ClassVar[str] = "tau = -A x exp(-x^2), x = (q - q0) / s"
     resembles: ClassVar[str] = "a detent that pulls to, or pushes from, one position"
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return 2.0 * torque(robot, joint)
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return 2.0 * largest_torque(robot, joint)
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return _place(robot, joint), _widths(robot, joint)
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
+        return _position_bounds(robot, joint), _width_bounds(robot, joint)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return _spots(reach)
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        return _initial_spots(motion)
 
     def formula(self, values: Mapping[str, float]) -> str:
-        x = f"({away('q', values['q0'])}/{values['s']:.3g})"
-        return signed(-values["A"], f"{x} exp(-{x}^2)")
+        x = f"({difference_text('q', values['q0'])}/{values['s']:.3g})"
+        return signed_text(-values["A"], f"{x} exp(-{x}^2)")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         x = (moment.q - p[1]) / p[2]
@@ -148,14 +157,14 @@ class _OneSided(JointLaw):
 
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m/rad"), Parameter("q0", "rad", signed=True))
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint) / (_TIGHT * half_span(robot, joint))
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return largest_torque(robot, joint) / (_STEEP * half_span(robot, joint))
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
         return (scales.joint_span(robot, joint),)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(q,) for q in reach.places(9)]
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        return [(q,) for q in motion.positions(9)]
 
 
 @final
@@ -167,7 +176,7 @@ class LawUpperSpring(_OneSided):
     resembles: ClassVar[str] = "a spring that begins beyond some position"
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["k"], f"max{away('q', values['q0'])[:-1]}, 0)")
+        return signed_text(-values["k"], f"max{difference_text('q', values['q0'])[:-1]}, 0)")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * jnp.maximum(moment.q - p[1], 0.0)), state
@@ -182,7 +191,7 @@ class LawLowerSpring(_OneSided):
     resembles: ClassVar[str] = "a spring that begins below some position"
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["k"], f"min{away('q', values['q0'])[:-1]}, 0)")
+        return signed_text(-values["k"], f"min{difference_text('q', values['q0'])[:-1]}, 0)")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return JointForce(force=-p[0] * jnp.minimum(moment.q - p[1], 0.0)), state

@@ -8,7 +8,7 @@ from estexp_jax.physics.effects.base import Edit, JointForce
 from estexp_jax.physics.effects.catalogue.actuator_lag import ActuatorLag
 from estexp_jax.physics.effects.catalogue.cogging import Cogging
 from estexp_jax.physics.effects.changes import Change, encode
-from estexp_jax.physics.effects.laws.base import Shapeless
+from estexp_jax.physics.effects.laws.base import AmplitudeOnly
 from estexp_jax.physics.effects.laws.from_effect import EffectLaw
 from estexp_jax.physics.effects.registry import LAWS, catalogue, effect
 from estexp_jax.physics.engines.mjx.model import mjx_model
@@ -21,7 +21,7 @@ FIELDS = {"damping": "dof_damping", "friction": "dof_frictionloss", "inertia": "
 """What a field of a term's force adds to, in the model."""
 
 
-class Ripple(Shapeless, EffectLaw, effect=Cogging):
+class Ripple(AmplitudeOnly, EffectLaw, effect=Cogging):
     """A term that states no physics."""
 
     name = "ripple"
@@ -45,7 +45,7 @@ def test_what_a_term_does_not_state_is_the_effects() -> None:
 
 
 def test_a_term_made_of_an_effect_without_a_force_has_to_state_one() -> None:
-    class Silent(Shapeless, EffectLaw, effect=ActuatorLag):
+    class Silent(AmplitudeOnly, EffectLaw, effect=ActuatorLag):
         name = "silent"
 
         def formula(self, values):

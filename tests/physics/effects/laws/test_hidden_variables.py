@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from estexp_jax.physics.effects.laws.base import Course, JointLaw
+from estexp_jax.physics.effects.laws.base import JointLaw, JointTrajectory
 from estexp_jax.physics.effects.registry import effect
 from tests.physics.effects.laws.joint_states import ASKED, REMEMBERING, M, Q, W, force, moment
 
@@ -56,8 +56,8 @@ def test_bristles_hold_like_a_spring_until_they_slip() -> None:
     law = effect("law_bristles")
     assert isinstance(law, JointLaw)
     way = np.array([0.0, 1e-4, 0.2, 0.4, 0.4 - 1e-4])
-    course = Course(np.arange(5.0), way, *np.zeros((3, 5)))
-    built, _ = law.remembered((0.5, 0.01), course)
+    trajectory = JointTrajectory(np.arange(5.0), way, *np.zeros((3, 5)))
+    built, _ = law.hidden_along((0.5, 0.01), trajectory)
     assert built[1] == pytest.approx(0.5 * 1e-4 / 0.01, rel=0.01)
     assert built[2:4] == pytest.approx([0.5, 0.5]) and built[3] - built[4] == pytest.approx(0.01, rel=0.02)
 
@@ -68,11 +68,11 @@ def test_what_is_remembered_is_what_the_steps_lead_to(name: str) -> None:
     assert isinstance(law, JointLaw)
     values, steps = REMEMBERING[name], np.arange(40)
     way, asked = 0.05 * (1.0 - np.cos(steps / 5.0)), np.sin(steps / 3.0)
-    course = Course(0.01 * steps, way, np.sin(steps / 5.0), np.cos(steps / 7.0), asked)
-    [told, *_] = law.remembered(values, course)
+    trajectory = JointTrajectory(0.01 * steps, way, np.sin(steps / 5.0), np.cos(steps / 7.0), asked)
+    [told, *_] = law.hidden_along(values, trajectory)
     one, p = jnp.ones(1), tuple(jnp.full(1, x) for x in values)
-    state, stepped = law.initial(p, course.q[0] * one, one), []
-    for q, w, m, c in zip(*course[1:], strict=True):
+    state, stepped = law.initial(p, trajectory.q[0] * one, one), []
+    for q, w, m, c in zip(*trajectory[1:], strict=True):
         at = moment()._replace(
             q=q * one, w=w * one, torque=m * one, dt=0.01 * one, asked=lambda c=c: (c * one, c * one)
         )

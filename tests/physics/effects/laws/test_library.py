@@ -9,13 +9,13 @@ import pytest
 
 from estexp_jax.physics.effects.base import JointForce, Term, neutral_values
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.laws.base import JointLaw, Reach
+from estexp_jax.physics.effects.laws.base import JointLaw, MotionRange
 from estexp_jax.physics.effects.registry import ALL, LAWS, NAMELESS, VARIANTS, effect
 from tests.physics.effects.laws.joint_states import ASKED, FASTER, M2, Q2, REMEMBERING, W2, M, Q, W, force, moment
 from tests.physics.robots import ROBOTS, robot
 
 every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
-REACH = Reach(-1.2, 1.4, 3.0, 8.0, 2.0, (1,))
+MOTION = MotionRange(-1.2, 1.4, 3.0, 8.0, 2.0, (1,))
 X = (Q - 0.3) / 0.2
 EXPECTED = {
     "law_square": ((1.5, 0.3), 1.5 * (Q - 0.3) ** 2),
@@ -109,10 +109,12 @@ def test_bounds_sentences_and_starts_go_together(law: JointLaw, name: str) -> No
         with nullcontext() if law.in_mjcf else pytest.raises(NotImplementedError, match=law.name):
             law.write_mjcf(subject, spec, site, values)
         assert spec.compile().njnt == subject.model.njnt
-    assert law.tried(REACH) and all(len(shape) == len(law.parameters) - 1 for shape in law.tried(REACH))
+    assert law.initial_shapes(MOTION) and all(
+        len(shape) == len(law.parameters) - 1 for shape in law.initial_shapes(MOTION)
+    )
     assert law.equation and law.resembles and type(law).__doc__
 
 
 @every_law
 def test_a_joint_that_ran_away_does_not_ask_for_endless_starts(law: JointLaw) -> None:
-    assert len(law.tried(REACH._replace(low=-1e8, high=1e8, speed=1e8))) < 200_000
+    assert len(law.initial_shapes(MOTION._replace(low=-1e8, high=1e8, speed=1e8))) < 200_000
