@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.contest import Contest, Rival
+from estexp_jax.discovery.contest import CompetingModel, CompetingModels
 from estexp_jax.experiment_design import propose as module
 from estexp_jax.experiment_design.predictive_simulation import PredictiveSimulation, predictive_simulation_of
-from estexp_jax.experiment_design.propose import PLAIN, ProposeConfig, ProposedExperiment, search_experiment
+from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, ProposeConfig, ProposedExperiment, search_experiment
 from estexp_jax.experiment_design.separation import (
     limits_of,
     pairwise_separation,
@@ -34,41 +34,43 @@ VISCOUS = Change("viscous_friction", "shaft", {"c": 0.08})
 BACK_EMF = Change("back_emf", "servo", {"k": 0.08})
 
 
-def contest(*changes: Change, probabilities: tuple[float, ...] | None = None, speed: float = 0.0) -> Contest:
+def contest(*changes: Change, probabilities: tuple[float, ...] | None = None, speed: float = 0.0) -> CompetingModels:
     shares = probabilities or (1.0 / len(changes),) * len(changes)
-    rivals = tuple(Rival((c,), (c,), p, 1.0) for c, p in zip(changes, shares, strict=True))
+    rivals = tuple(CompetingModel((c,), (c,), p, 1.0) for c, p in zip(changes, shares, strict=True))
     files = (("a.csv", "train"), ("b.csv", "test"))
-    return Contest(rivals, ("angle",), np.array([5e-4]), 100.0, np.array([[-1.6, 1.6]]), np.array([speed]), files)
+    return CompetingModels(
+        rivals, ("angle",), np.array([5e-4]), 100.0, np.array([[-1.6, 1.6]]), np.array([speed]), files
+    )
 
 
-def proposed(among: Contest, config: ProposeConfig = SMALL) -> ProposedExperiment:
-    with patch.object(module, "replayer", lambda *_, **__: shared_replayer("one")):
+def proposed(among: CompetingModels, config: ProposeConfig = SMALL) -> ProposedExperiment:
+    with patch.object(module, "open_loop_simulator", lambda *_, **__: shared_replayer("one")):
         return finished(search_experiment(nominal("one"), among, 4, config))
 
 
-def rehearsal(among: Contest) -> PredictiveSimulation:
+def rehearsal(among: CompetingModels) -> PredictiveSimulation:
     return predictive_simulation_of(shared_replayer("one"), among).finer(4)
 
 
-def apart(among: Contest, time: np.ndarray, commands: np.ndarray) -> float:
+def apart(among: CompetingModels, time: np.ndarray, commands: np.ndarray) -> float:
     limits = limits_of(nominal("one"), 0.9, among.commands, np.array([np.inf]))
-    [shown] = rehearsal(among).shown(time, [commands], limits)
-    return float(shown.apart[0, 1])
+    [shown] = rehearsal(among).predict(time, [commands], limits)
+    return float(shown.separation[0, 1])
 
 
 def test_what_only_more_numbers_make_improbable_is_worth_a_motion_and_no_refuted_rival():
     among = contest(PAYLOAD, WEAK, probabilities=(1.0, 0.0))
-    as_good = replace(among, rivals=(among.rivals[0], replace(among.rivals[1], tied=True)))
+    as_good = replace(among, models=(among.models[0], replace(among.models[1], tied=True)))
     assert rehearsal(among).probabilities.tolist() == [1.0, 0.0]
     assert rehearsal(as_good).probabilities.tolist() == [1.0, 0.1]
-    assert [standing(c.rivals[1]) for c in (among, as_good)] == ["refuted already", "fits as well, by more numbers"]
-    assert Rival.from_json(as_good.rivals[1].to_json()).tied
+    assert [standing(c.models[1]) for c in (among, as_good)] == ["refuted already", "fits as well, by more numbers"]
+    assert CompetingModel.from_json(as_good.models[1].to_json()).tied
 
 
 def test_a_joint_that_was_held_may_move_as_fast_as_its_motor_allows():
     moved = contest(PAYLOAD, WEAK, speed=0.1)
     held = replace(moved, commands=np.zeros((1, 2)))
-    fastest = [np.abs(np.diff(proposed(c).shown.readings[:, :, 0], axis=1)).max() * 100.0 for c in (moved, held)]
+    fastest = [np.abs(np.diff(proposed(c).predicted.readings[:, :, 0], axis=1)).max() * 100.0 for c in (moved, held)]
     assert fastest[0] < 0.5 < fastest[1]
 
 
@@ -78,8 +80,8 @@ def test_no_motion_may_bring_parts_together_that_the_simulation_lets_through_eac
     walled = predictive_simulation_of(shared_replayer("one"), among, Robot.from_spec(spec), [(0, 1)])
     limits, time = limits_of(nominal("one"), 0.9, among.commands, np.array([np.inf])), np.arange(150) / 100.0
     away, at = (np.full((150, 1), angle) for angle in (-1.0, 1.0))
-    assert [shown.excess > 1.0 for shown in walled.shown(time, [away, at], limits)] == [False, True]
-    assert all(shown.excess <= 0.0 for shown in rehearsal(among).shown(time, [away, at], limits))
+    assert [shown.excess > 1.0 for shown in walled.predict(time, [away, at], limits)] == [False, True]
+    assert all(shown.excess <= 0.0 for shown in rehearsal(among).predict(time, [away, at], limits))
 
 
 @pytest.mark.parametrize("pair", [(PAYLOAD, WEAK), (DRY, VISCOUS)], ids=["payload or weakness", "dry or viscous"])
@@ -87,25 +89,34 @@ def test_a_proposed_motion_tells_more_than_what_was_recorded_or_random_ones(pair
     among = contest(*pair)
     found = proposed(among)
     recorded = record("one", Plant(), 5, role="train", length=3.0)
-    best = found.shown.apart[0, 1]
+    best = found.predicted.separation[0, 1]
     assert best > 1.15 * apart(among, recorded.time, recorded.ctrl)
-    assert best > 1.25 * found.usual[0, 1]
+    assert best > 1.25 * found.random_separation[0, 1]
     assert best == pytest.approx(apart(among, found.time, found.commands), rel=1e-3)
-    assert best > PLAIN and "tells them apart" in propose_verdict(found)
+    assert best > CLEAR_SEPARATION and "tells them apart" in propose_verdict(found)
     assert found.robot_steps > 10_000
 
 
 def test_what_no_motion_tells_apart_is_said_to_be_so():
     found = proposed(contest(VISCOUS, BACK_EMF))  # the same as long as the motor is on
-    assert found.shown.apart[0, 1] < 0.1
+    assert found.predicted.separation[0, 1] < 0.1
     assert propose_verdict(found).startswith("No motion found") and "Still record it" not in propose_verdict(found)
     assert [row["told_apart"] for row in propose_rows(found)] == [False]
 
 
 def test_of_three_the_two_that_are_alike_do_not_hide_the_third():
     found = proposed(contest(VISCOUS, BACK_EMF, DRY))
-    assert found.shown.apart[0, 1] < 0.1 and min(found.shown.apart[0, 2], found.shown.apart[1, 2]) > 10.0
-    assert min(found.shown.apart[0, 2] / found.usual[0, 2], found.shown.apart[1, 2] / found.usual[1, 2]) > 1.1
+    assert (
+        found.predicted.separation[0, 1] < 0.1
+        and min(found.predicted.separation[0, 2], found.predicted.separation[1, 2]) > 10.0
+    )
+    assert (
+        min(
+            found.predicted.separation[0, 2] / found.random_separation[0, 2],
+            found.predicted.separation[1, 2] / found.random_separation[1, 2],
+        )
+        > 1.1
+    )
     assert "2 of 3 pairs" in propose_verdict(found) and "1 and 2" in propose_verdict(found)
 
 
@@ -124,10 +135,10 @@ def test_a_floating_base_may_move_faster_than_a_robot_that_stood():
 def test_motions_begin_at_home_and_keep_to_limits_of_speed_and_command():
     limit = 1.2
     slow = proposed(contest(DRY, VISCOUS, speed=limit), replace(SMALL, speed=1.0, margin=0.5))
-    assert slow.shown.excess == 0.0
-    assert np.abs(np.diff(slow.shown.readings[:, :, 0], axis=1)).max() * 100.0 <= limit
+    assert slow.predicted.excess == 0.0
+    assert np.abs(np.diff(slow.predicted.readings[:, :, 0], axis=1)).max() * 100.0 <= limit
     fast = proposed(contest(DRY, VISCOUS))
-    assert np.abs(np.diff(fast.shown.readings[:, :, 0], axis=1)).max() * 100.0 > limit  # so it was the limit
+    assert np.abs(np.diff(fast.predicted.readings[:, :, 0], axis=1)).max() * 100.0 > limit  # so it was the limit
     for found in (slow, fast):
         assert np.abs(found.commands).max() <= 1.6
         np.testing.assert_array_equal(found.commands[:50], 0.0)
@@ -145,7 +156,7 @@ def test_commands_go_as_far_as_their_own_range_lets_them():
 
 def test_joint_ranges_are_kept_under_every_rival():
     limits = limits_of(nominal("one"), 0.9, np.array([[-1.0, 1.0]]), np.array([np.inf]))
-    ranged = replace(limits, places=np.array([0]), lowest=np.array([-0.5]), highest=np.array([0.5]))
+    ranged = replace(limits, qpos_addresses=np.array([0]), lowest=np.array([-0.5]), highest=np.array([0.5]))
     qpos = np.array([[[0.1], [0.4]], [[0.0], [0.6]]])
     assert ranged.excess(qpos, 0.0 * qpos) == pytest.approx(0.2)
     assert ranged.excess(qpos[:1], 0.0 * qpos) == 0.0
@@ -155,8 +166,8 @@ def test_a_simulation_that_blows_up_is_never_proposed():
     wild = contest(DRY, Change("armature", "shaft", {"I": -0.02}))  # more than the arm's own inertia
     time = np.arange(301) / 100.0
     limits = limits_of(nominal("one"), 0.9, wild.commands, np.array([np.inf]))
-    [shown] = rehearsal(wild).shown(time, [np.sin(time)[:, None]], limits)
-    assert np.isnan(shown.apart).all()
+    [shown] = rehearsal(wild).predict(time, [np.sin(time)[:, None]], limits)
+    assert np.isnan(shown.separation).all()
     assert module._cost(shown, rehearsal(wild)) == np.inf
 
 
@@ -193,32 +204,34 @@ def test_probable_rivals_count_more():
 
 def test_rivals_of_an_explanation_come_back_and_simulate_as_explained(diagnosed):
     diagnosis = diagnosed("coulomb_friction@shaft")
-    found = Contest.from_json(json.loads(json.dumps(json_plain(diagnosis.contest.to_json(), "contest"))))
-    assert [r.changes for r in found.rivals] == [r.changes for r in diagnosis.contest.rivals]
-    assert found.rivals[0].label == "coulomb_friction@shaft" and len(found.rivals) >= 3
-    assert len({r.label for r in found.rivals}) == len(found.rivals)
+    found = CompetingModels.from_json(
+        json.loads(json.dumps(json_plain(diagnosis.competing_models.to_json(), "contest")))
+    )
+    assert [r.changes for r in found.models] == [r.changes for r in diagnosis.competing_models.models]
+    assert found.models[0].label == "coulomb_friction@shaft" and len(found.models) >= 3
+    assert len({r.label for r in found.models}) == len(found.models)
     problem = problem_of(diagnosis.case)
     index = diagnosis.case.indices("test")[0]
     windows, step = problem.windows_of([index]), nominal("one").model.opt.timestep / diagnosis.rivals_finer
     fine = [s.stepped(step) for s in problem.segments]
-    values = encode(nominal("one"), problem.replayer.catalogue, found.rivals[0].changes)
-    replay = problem.replayer.replay(stack([values] * len(windows)), fine, windows)
+    values = encode(nominal("one"), problem.replayer.catalogue, found.models[0].changes)
+    replay = problem.simulator.replay(stack([values] * len(windows)), fine, windows)
     simulated = np.concatenate([replay.sensors[k, : fine[w].rows, 0] for k, w in enumerate(windows)])
     np.testing.assert_allclose(simulated, diagnosis.predictions[index].explained[:, 0], atol=1e-5)
     assert 0.0 < found.deviations[0] < 0.01 and found.rate == pytest.approx(100.0)
 
 
 def test_agreement_leaves_no_rivals(diagnosed):
-    assert len(diagnosed("nothing").contest.rivals) == 1
+    assert len(diagnosed("nothing").competing_models.models) == 1
 
 
 def test_a_rival_found_in_recordings_is_told_apart(diagnosed):
-    found = proposed(diagnosed("coulomb_friction@shaft").contest)
+    found = proposed(diagnosed("coulomb_friction@shaft").competing_models)
     robot, plant, _ = CASES["coulomb_friction@shaft"]
     usual = case_of(robot, plant, 7).recordings[0]
-    limits = limits_of(nominal("one"), 0.9, found.contest.commands, np.array([np.inf]))
-    ready = rehearsal(found.contest)
-    [recorded] = ready.shown(usual.time, [usual.ctrl], limits)
-    assert separation_score(found.shown.apart, ready.probabilities) > separation_score(
-        recorded.apart, ready.probabilities
+    limits = limits_of(nominal("one"), 0.9, found.competing_models.commands, np.array([np.inf]))
+    ready = rehearsal(found.competing_models)
+    [recorded] = ready.predict(usual.time, [usual.ctrl], limits)
+    assert separation_score(found.predicted.separation, ready.probabilities) > separation_score(
+        recorded.separation, ready.probabilities
     )

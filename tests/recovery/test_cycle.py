@@ -70,8 +70,8 @@ def test_a_rough_simulator_is_several_with_noise_in_exploration(job: Job) -> Non
     rough, lost, world = replace(job.settings, model_error=0.05), job.planted, job.simulator
     weights = np.random.default_rng(3).uniform(-1.0, 1.0, (2, world.n_weights))
     robots, told = (
-        perturbed_robots(world.robot, 0.05, rough.members),
-        sensor_noise(world.walker.interface, rough.members, rough.steps),
+        perturbed_robots(world.robot, 0.05, rough.ensemble_size),
+        sensor_noise(world.closed_loop.interface, rough.ensemble_size, rough.steps),
     )
     walks = []
     for i, robot in enumerate(robots):
@@ -79,8 +79,13 @@ def test_a_rough_simulator_is_several_with_noise_in_exploration(job: Job) -> Non
         walk = world.walks([(*lost, *robot)], world.settled([(*lost, *robot)]), weights[1:], rough.steps, one)
         walks.append(distances_along(walk.position, "x")[0, 0])
     assert exploration_score(world, rough, lost)(weights)[1] == pytest.approx(-np.mean(walks), abs=1e-6)
-    assert rough.members == 4 and len(set(walks)) == 4
-    assert replace(rough, paper=True).members == 1 == job.settings.members == replace(rough, ensemble=1).members
+    assert rough.ensemble_size == 4 and len(set(walks)) == 4
+    assert (
+        replace(rough, paper=True).ensemble_size
+        == 1
+        == job.settings.ensemble_size
+        == replace(rough, ensemble=1).ensemble_size
+    )
 
 
 def test_simulators_that_the_search_did_not_see_choose_among_its_last_and_what_was_tried(job: Job) -> None:
@@ -105,7 +110,7 @@ def test_simulators_that_the_search_did_not_see_choose_among_its_last_and_what_w
 
 
 def test_noise_is_in_angles_and_turns_touch_round(job: Job) -> None:
-    face = job.simulator.walker.interface
+    face = job.simulator.closed_loop.interface
     told = sensor_noise(face, 3, 400)
     assert np.std(told.added[..., ~face.is_touch]) == pytest.approx(0.005, rel=0.05)
     assert not np.any(told.added[..., face.is_touch]) and np.all(told.factor[..., ~face.is_touch] == 1.0)
@@ -122,7 +127,7 @@ def test_any_callable_is_a_target(job: Job) -> None:
     calls: list[int] = []
 
     def still(controller: Controller) -> Trial:
-        hidden, commands = controller.respond(controller.rest(), job.simulator.walker.interface.rest)
+        hidden, commands = controller.respond(controller.rest(), job.simulator.closed_loop.interface.rest)
         assert hidden.shape == (3,) and commands.shape == (8,)
         calls.append(controller.steps)
         rows = controller.steps
@@ -158,7 +163,7 @@ def test_the_whole_loop_on_a_robot_that_is_not_its_simulator(job: Job, quadruped
     states = list(run_cycle(foreign))
     last = states[-1]
     assert last.phase == "done" and last.alarms == (False,)
-    assert sum(p for _, p in last.rivals[0]) + (last.probabilities[0] or 0.0) <= 1.0 + 1e-9
+    assert sum(p for _, p in last.alternatives[0]) + (last.probabilities[0] or 0.0) <= 1.0 + 1e-9
     estimating = [state for state in states if state.phase == "estimation" and state.search is not None]
     kept = RunState.from_tree(estimating[len(estimating) // 2].to_tree())
     assert equal(list(run_cycle(foreign, kept))[-1].to_tree(), last.to_tree())

@@ -30,7 +30,7 @@ LEGS = Robot.from_string(
     ids=["apart", "all but touching", "touching"],
 )
 def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: list[str]) -> None:
-    used, make = [], module.replayer
+    used, make = [], module.open_loop_simulator
 
     def noting(*arguments, **options):
         found = make(*arguments, **options)
@@ -38,7 +38,7 @@ def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: lis
         return found
 
     commands = np.tile([-torque, torque], (100, 1))
-    with patch.object(module, "replayer", noting):
+    with patch.object(module, "open_loop_simulator", noting):
         traces = ExplainedSimulator(LEGS, ()).rollout(commands, period=0.01)
     assert used == engines
     feet = [x + 0.5 * -np.sin(traces.qpos[:, i]) for i, x in enumerate((0.0, 0.3))]

@@ -7,7 +7,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, parse_change
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.edits import Place, change_of
+from estexp_jax.recovery.estimation.edits import DamageSite, change_of
 from estexp_jax.recovery.population_rollout import population_rollout
 from estexp_jax.recovery.simulator import DamageSimulator, damage_simulator
 
@@ -20,15 +20,15 @@ def controllers(n: int, world: DamageSimulator) -> np.ndarray:
 
 def test_a_walk_does_not_depend_on_its_place_in_the_batch(world: DamageSimulator) -> None:
     weights, start = controllers(40, world), world.settled([()])
-    walks, order = world.walks([()], start, weights, STEPS), np.random.default_rng(1).permutation(40)
-    assert np.array_equal(walks.position[:, order], world.walks([()], start, weights[order], STEPS).position)
+    walks, order = world.rollouts([()], start, weights, STEPS), np.random.default_rng(1).permutation(40)
+    assert np.array_equal(walks.position[:, order], world.rollouts([()], start, weights[order], STEPS).position)
     assert np.array_equal(walks.readings[0, 33], world.trial((), weights[33], STEPS).readings)
 
 
 def test_trials_of_many_robots_are_those_of_each(world: DamageSimulator, quadruped: Robot) -> None:
     sets = [
         (),
-        (change_of(quadruped, Place("part_lost", "upper_l"), 1.0),),
+        (change_of(quadruped, DamageSite("part_lost", "upper_l"), 1.0),),
         (Change("gravity_tilt", None, {"angle": 0.3}),),
     ]
     weights = controllers(2, world)
@@ -40,9 +40,9 @@ def test_trials_of_many_robots_are_those_of_each(world: DamageSimulator, quadrup
 
 
 def test_a_lost_leg_shows_its_sensors_at_rest(world: DamageSimulator, quadruped: Robot) -> None:
-    lost = change_of(quadruped, Place("part_lost", "upper_l"), 1.0)
+    lost = change_of(quadruped, DamageSite("part_lost", "upper_l"), 1.0)
     trial = world.trial([lost], controllers(1, world)[0], STEPS)
-    names = world.walker.interface.names
+    names = world.closed_loop.interface.names
     assert np.all(trial.readings[:, names.index("touch_l")] == -1.0)
     assert np.all(trial.readings[:, names.index("angle_l")] == 0.0)
     assert np.ptp(trial.readings[:, names.index("angle_r")]) > 0.01

@@ -12,15 +12,15 @@ from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Trial
 from estexp_jax.recovery.estimation.base import Estimation, MetricCost
 from estexp_jax.recovery.estimation.choice import estimation_of
-from estexp_jax.recovery.estimation.edits import Place
+from estexp_jax.recovery.estimation.edits import DamageSite
 from estexp_jax.recovery.estimation.error_model import SAMPLES
-from estexp_jax.recovery.estimation.genome import Items
+from estexp_jax.recovery.estimation.genome import DamageHypothesis
 from estexp_jax.recovery.estimation.likelihood import EnsembleLikelihood
 from estexp_jax.recovery.model_error import perturbed_robots
 from estexp_jax.recovery.reality_gap_target import RealityGapTarget
 from estexp_jax.recovery.simulator import DamageSimulator
 
-LOST: Items = ((Place("part_lost", "upper_b"), 1.0),)
+LOST: DamageHypothesis = ((DamageSite("part_lost", "upper_b"), 1.0),)
 PLANTED = (Change("part_lost", "upper_b", {"lost": 1.0}),)
 
 
@@ -52,9 +52,13 @@ def test_an_ensemble_is_as_wrong_as_it_should_be(quadruped: Robot) -> None:
 
 
 def test_the_truth_costs_about_one_a_sample_and_nothing_else_does(reproduction: EnsembleLikelihood) -> None:
-    (few, misfit), (many, surer) = (reproduction.alone(LOST, thorough=thorough) for thorough in (False, True))
+    (few, misfit), (many, surer) = (reproduction.evaluate(LOST, thorough=thorough) for thorough in (False, True))
     assert misfit < 2.0 and surer < 2.0 and few != many
-    others: list[Items] = [(), ((Place("part_lost", "upper_f"), 1.0),), ((Place("gravity_tilt", None), 0.5),)]
+    others: list[DamageHypothesis] = [
+        (),
+        ((DamageSite("part_lost", "upper_f"), 1.0),),
+        ((DamageSite("gravity_tilt", None), 0.5),),
+    ]
     for about in ((), LOST):
         truth, *wrong = reproduction([LOST, *others], about)
         assert np.all(np.array(wrong) > truth + 100.0)
@@ -63,14 +67,14 @@ def test_the_truth_costs_about_one_a_sample_and_nothing_else_does(reproduction: 
 def test_half_the_physics_step_is_nearer_to_a_robot_that_has_none(
     world: DamageSimulator, recorded: dict[str, Any]
 ) -> None:
-    trials, angles = recorded["trials"], ~world.walker.interface.is_touch
+    trials, angles = recorded["trials"], ~world.closed_loop.interface.is_touch
     seen = np.stack([trial.readings[:SAMPLES] for trial in trials])
-    heard = np.stack([trial.network_heard[:SAMPLES] for trial in trials])
+    heard = np.stack([trial.network_readings[:SAMPLES] for trial in trials])
     off = {}
     for simulator in (world, world.finer):
         readings = simulator.trials([PLANTED], recorded["controllers"], seen.shape[1], heard).readings[0]
         step = simulator.robot.model.opt.timestep
-        assert step * simulator.walker.substeps == pytest.approx(world.control_step)
+        assert step * simulator.closed_loop.substeps == pytest.approx(world.control_step)
         off[step] = np.median(np.abs(readings - seen)[..., angles])
     assert off[min(off)] < 0.9 * off[max(off)]
 
@@ -114,8 +118,8 @@ def test_commands_that_were_played_open_loop_are_replayed(paper: bool, world: Da
     np.testing.assert_array_equal(walk.commands[0, 0], foretold.commands)
     deaf = Trial(foretold.time, walk.readings[0, 0], foretold.commands, walk.position[0, 0])
     settings, costs = replace(rough, paper=paper), []
-    for trial in (replace(deaf, heard=foretold.readings), deaf):
+    for trial in (replace(deaf, open_loop_readings=foretold.readings), deaf):
         args = (world, settings, [weights], [trial])
         residuals = MetricCost(*args) if paper else EnsembleLikelihood(*args, healthy=[])
-        costs.append(residuals.alone(LOST)[0])
+        costs.append(residuals.evaluate(LOST)[0])
     assert costs[0] < costs[1] and (costs[0] == 0.0 or not paper)

@@ -10,8 +10,8 @@ from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import Job, run_cycle
 from estexp_jax.recovery.estimation.base import DamageDiagnosis
-from estexp_jax.recovery.estimation.edits import Place
-from estexp_jax.recovery.estimation.genome import Items
+from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.genome import DamageHypothesis
 from estexp_jax.recovery.estimation.set import SetEstimation
 from estexp_jax.recovery.exploration.disagreement import most_informative, remaining_probability
 from estexp_jax.recovery.simulator import DamageSimulator
@@ -60,7 +60,7 @@ def test_the_robot_tries_what_tells_most_and_at_last_what_comes_farthest(
     job: Job, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A diagnosis that leaves rivals: among controllers nearly as good as the best, another one is tried."""
-    weak: Items = ((Place("motor_weakness", "knee_f"), 0.6),)
+    weak: DamageHypothesis = ((DamageSite("motor_weakness", "knee_f"), 0.6),)
     doubtful = DamageDiagnosis((), 0.0, 0.5, ((weak, 0.5),), alarm=False)
     monkeypatch.setattr(SetEstimation, "diagnosis", lambda *_: doubtful)
     asked: list[np.ndarray] = []
@@ -69,8 +69,8 @@ def test_the_robot_tries_what_tells_most_and_at_last_what_comes_farthest(
         asked.append(genomes)
         return np.arange(len(genomes))[::-1].astype(float)
 
-    monkeypatch.setattr("estexp_jax.recovery.cycle.undecided", least_for_the_last)
-    settings = replace(job.settings, next_trial="telling", generations=3)
+    monkeypatch.setattr("estexp_jax.recovery.cycle.remaining_probability", least_for_the_last)
+    settings = replace(job.settings, next_trial="informative", generations=3)
     *_, last = run_cycle(replace(job, settings=settings))
     bests = {row.number: row.best for row in last.history if row.phase == "exploration"}
     assert len(asked) == settings.passes - 1
@@ -81,4 +81,4 @@ def test_the_robot_tries_what_tells_most_and_at_last_what_comes_farthest(
 
 def test_the_papers_search_keeps_no_rivals() -> None:
     with pytest.raises(InputError, match="next-trial"):
-        Settings(next_trial="telling", paper=True)
+        Settings(next_trial="informative", paper=True)
