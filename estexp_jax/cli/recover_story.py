@@ -97,7 +97,7 @@ class Story:
             case "exploration":
                 self._progress.stage(f"exploration {number} of {settings.passes}", settings.generations)
             case "estimation":
-                rounds = estimation_of(self._job.simulator, settings, number).rounds()
+                rounds = estimation_of(self._job.simulator, settings, number).n_iterations()
                 self._progress.stage(f"estimation {number} of {settings.passes}", rounds)
             case "damage" | "trial":
                 self._progress.stage("trial")

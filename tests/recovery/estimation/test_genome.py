@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from estexp_jax.physics.effects.changes import encode, neutral
+from estexp_jax.physics.effects.changes import encode
 from estexp_jax.physics.effects.registry import PAPER, catalogue
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import TILT, DamageSite, canonical_damage, change_of, damage_sites
+from estexp_jax.recovery.estimation.edits import TILT
 from estexp_jax.recovery.estimation.genome import LENGTH, GenomeDecoder, hypothesis_key
 
 ASLEEP = [-1.0, 0.0, 0.0, 0.0]
@@ -59,31 +59,3 @@ def test_every_genome_can_be_simulated(quadruped: Robot) -> None:
 def test_genomes_that_say_the_same_share_a_key(quadruped: Robot) -> None:
     codec, a, b = GenomeDecoder(quadruped), [1.0, -0.2, 1.0, 0.0], [1.0, 0.2, 1.0, 0.5]
     assert hypothesis_key(codec.items(genome(a, b))) == hypothesis_key(codec.items(genome(b, ASLEEP, a)))
-
-
-def test_equivalent_edits_are_merged(quadruped: Robot) -> None:
-    weak, body = DamageSite("motor_weakness", "knee_f"), DamageSite("body_mass", "torso")
-    assert canonical_damage(quadruped, [(weak, 0.5), (weak, 0.5)]) == ((weak, 0.75),)
-    assert canonical_damage(quadruped, [(body, 0.5), (body, -0.5)]) == ()
-
-
-def test_what_sits_on_a_lost_part_is_dropped_but_its_sensors(quadruped: Robot) -> None:
-    lost, lower = DamageSite("part_lost", "upper_f"), DamageSite("part_lost", "lower_f")
-    on_it = [
-        DamageSite("motor_weakness", "knee_f"),
-        DamageSite("joint_jam", "hip_f"),
-        DamageSite("body_mass", "lower_f"),
-    ]
-    sensor = DamageSite("sensor_gain", "touch_f")
-    items = [(lost, 1.0), (lower, 1.0), *((place, 0.5) for place in on_it), (sensor, 0.5)]
-    assert canonical_damage(quadruped, items) == ((lost, 1.0), (sensor, 0.5))
-
-
-def test_every_place_takes_every_amount(quadruped: Robot) -> None:
-    effects = catalogue(PAPER)
-    for name in PAPER:
-        for place in damage_sites(quadruped, name):
-            values = encode(quadruped, effects, [change_of(quadruped, place, 0.5)])
-            nominal = neutral(quadruped, effects)
-            differing = {key for key in values if not np.array_equal(values[key], nominal[key])}
-            assert differing == {name}

@@ -23,7 +23,7 @@ class TwoThatFit:
     def __call__(self, hypotheses: Sequence[DamageHypothesis], reference: DamageHypothesis = ()) -> np.ndarray:
         return np.array([self._cost(items) for items in hypotheses])
 
-    def alone(self, hypothesis: DamageHypothesis, *, thorough: bool = False) -> tuple[float, float]:
+    def evaluate(self, hypothesis: DamageHypothesis, *, thorough: bool = False) -> tuple[float, float]:
         unlucky = HEAVY if thorough else WEAK
         cost = self._cost(hypothesis) + HIDDEN * any(place == unlucky for place, _ in hypothesis)
         return cost, cost / FAR
