@@ -105,7 +105,8 @@ def test_a_distance_may_be_measured_by_hand_or_not_at_all(
     with pytest.raises(InputError, match=r"--metric distance compares it; .*qpos\.\w+\.0"):
         trial_of_recording(quadruped, log, replace(wanted, needs_distance=True), "trial_0.csv")
     log.qpos[[0, -1], 0] = 0.0, 0.43
-    assert trial_of_recording(quadruped, log, replace(wanted, needs_distance=True), "trial_0.csv").trial.distance("x") == 0.43
+    found, _ = trial_of_recording(quadruped, log, replace(wanted, needs_distance=True), "trial_0.csv")
+    assert found.distance("x") == 0.43
     log.qpos[30:, 0] = np.nan  # lost on the way
     assert np.isnan(trial_of_recording(quadruped, log, wanted, "trial_0.csv").trial.distance("x"))
 
