@@ -21,7 +21,7 @@ from estexp_jax.experiment_design.separation import (
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.report.propose.text import propose_rows, propose_verdict, standing
+from estexp_jax.report.propose.text import propose_rows, propose_verdict, rival_status
 from estexp_jax.runs.files import json_plain
 from tests.discovery.planted import CASES, Plant, case_of, finished, nominal, problem_of, record, shared_replayer
 
@@ -61,7 +61,7 @@ def test_what_only_more_numbers_make_improbable_is_worth_a_motion_and_no_refuted
     as_good = replace(among, rivals=(among.rivals[0], replace(among.rivals[1], tied=True)))
     assert rehearsal(among).probabilities.tolist() == [1.0, 0.0]
     assert rehearsal(as_good).probabilities.tolist() == [1.0, 0.1]
-    assert [standing(c.rivals[1]) for c in (among, as_good)] == ["refuted already", "fits as well, by more numbers"]
+    assert [rival_status(c.rivals[1]) for c in (among, as_good)] == ["refuted already", "fits as well, by more numbers"]
     assert Rival.from_json(as_good.rivals[1].to_json()).tied
 
 
