@@ -14,10 +14,10 @@ from estexp_jax.recovery.cycle import run_cycle as run_cycle
 from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.recovery.target import Target
 from estexp_jax.report.drawing.picture import Picture
+from estexp_jax.report.html import html_table
 from estexp_jax.report.recover.figure import path_figure, progress_figure
 from estexp_jax.report.recover.film import Film, film_of
 from estexp_jax.report.recover.page import recover_headline, recover_rows
-from estexp_jax.report.tables import html_table
 
 _HEADS = ("pass", "diagnosis", "probability", "predicted (m)", "trial (m)")
 

@@ -1,6 +1,6 @@
 """HTML tables for notebooks."""
 
-from estexp_jax.report.tables import html_table
+from estexp_jax.report.html import html_table
 
 
 def test_cells_are_escaped_and_floats_shortened():
