@@ -28,13 +28,13 @@ class Target(Protocol):
 class RemoteTarget(Protocol):
     """A robot in the world that somebody else moves, and that may first have to be asked for."""
 
-    def perform(self, number: int, controller: Controller, foretold: Trial) -> Trial:
+    def perform(self, number: int, controller: Controller, predicted: Trial) -> Trial:
         """Have the robot driven as `Target` says.
 
         Args:
             number: of the trial, from 0; asked for again after an interruption, a trial has the same number.
             controller: that drives it.
-            foretold: what the simulator, as diagnosed so far, does under it.
+            predicted: what the simulator, as diagnosed so far, does under it.
         """
         ...
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from estexp_jax.api import bench as module
+from estexp_jax.benchmark import measure as module
 from estexp_jax.cli.main import main
 from tests.physics.robots import CARTPOLE
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from estexp_jax.cli.check_init import guess
 from estexp_jax.cli.main import main
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings import read_manifest
+from estexp_jax.recordings.templates.manifest import guess
 
 
 def test_a_manifest_is_judged(data, capsys):

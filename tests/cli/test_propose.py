@@ -8,12 +8,12 @@ import pytest
 
 import estexp_jax as ee
 from estexp_jax.api import propose as front_door
-from estexp_jax.api.explain import ExplainResult
-from estexp_jax.api.simulator import ExplainedSimulator
+from estexp_jax.report.explain.result import ExplainResult
 from estexp_jax.experiment_design.excitation import multisine
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.write import write_csv
+from estexp_jax.replay.explained_simulator import ExplainedSimulator
 from tests.cli.pendulum import PENDULUM, run
 
 SHORT = ("--duration", "2", "--seed", "4")

@@ -5,9 +5,9 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from estexp_jax.api import simulator as module
-from estexp_jax.api.simulator import ExplainedSimulator
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.replay import explained_simulator as module
+from estexp_jax.replay.explained_simulator import ExplainedSimulator
 
 LEGS = Robot.from_string(
     """

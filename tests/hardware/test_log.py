@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
+from estexp_jax.hardware.log import ExpectedTrial, trial_of_recording
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.control.trial import Controller, Trial
-from estexp_jax.recovery.hardware.log import ExpectedTrial, trial_of_recording
 from tests.recovery.loops import PERIOD, STEPS, controller_of, readings_at, recorded, walked
 
 COMPARED = 41

@@ -5,8 +5,8 @@ import io
 import numpy as np
 import pytest
 
+from estexp_jax.hardware.onboard import ARRAYS, OnboardController
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.hardware.onboard import ARRAYS, OnboardController
 from tests.recovery.loops import controller_of
 
 

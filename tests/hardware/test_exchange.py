@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import estexp_jax as ee
-from estexp_jax.api.hardware import HardwareTarget, lock_exchange_folder
 from estexp_jax.errors import InputError
+from estexp_jax.hardware.exchange import HardwareTarget, lock_exchange_folder
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.write import write_csv

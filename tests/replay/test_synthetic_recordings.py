@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from estexp_jax.api.record import RecordConfig, record
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import read_recording
+from estexp_jax.replay.synthetic_recordings import RecordConfig, record
 from estexp_jax.runs import open_run
 
 FLYING = """

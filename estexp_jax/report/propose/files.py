@@ -9,14 +9,13 @@ import numpy as np
 from estexp_jax.experiment_design.propose import ProposedExperiment
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.report.propose.advice import propose_advice
+from estexp_jax.report.propose.page import propose_page
 from estexp_jax.report.propose.text import column_of
 from estexp_jax.runs import RunFolder, write_text
 
 
 def write_proposal(folder: RunFolder, proposed: ProposedExperiment) -> Path:
-    """Write commands, what each rival predicts, advice and report; gives the report's path."""
-    from estexp_jax.report.propose.page import propose_page
-
+    """Write commands, what each explanation predicts, advice and report; gives the report's path."""
     names = proposed.robot.names("actuator")
     columns = {f"ctrl.{name}": proposed.commands[:, a] for a, name in enumerate(names)}
     for n, readings in enumerate(proposed.shown.readings, start=1):

@@ -11,10 +11,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from estexp_jax.api.inputs import is_manifest, parse_maps
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import check_names, column_names
+from estexp_jax.recordings.inputs import is_manifest, parse_maps
 from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import Selection
 from estexp_jax.runs.files import write_text

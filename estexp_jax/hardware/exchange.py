@@ -1,11 +1,11 @@
-"""A robot of the user's, met through files in a folder.
+"""A robot of the user's, reached through files in a folder.
 
 For trial i `controller_<i>.npz` and `commands_<i>.csv` are written there, and `trial_<i>.csv`, the recording of the
 robot under that controller, is waited for. Where the robot can still be had as it was before its damage,
 `healthy_0.csv` is the same under the first controller.
 
-The controller's file says whose a trial is: a recording that lies there beside another controller's file, or none, is
-refused. No file of the user's is ever removed or written.
+The controller's file says which run a trial belongs to. A recording beside another controller's file, or
+beside none, is refused. No file of the user's is ever removed or written.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.api.controller import load_controller
 from estexp_jax.errors import InputError, listing, unwritable
+from estexp_jax.hardware.controller_files import read_controller
+from estexp_jax.hardware.log import ExpectedTrial, trial_of_recording
+from estexp_jax.hardware.onboard import OnboardController
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import read_recording
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Controller, Trial
 from estexp_jax.recovery.estimation.error_model import SAMPLES
-from estexp_jax.recovery.hardware.log import ExpectedTrial, trial_of_recording
-from estexp_jax.recovery.hardware.onboard import OnboardController
 from estexp_jax.runs import ProgressDisplay
 from estexp_jax.runs.files import replacing
 from estexp_jax.runs.lock import FolderLock, lock_folder
@@ -39,7 +39,7 @@ _OURS, _THEIRS = ("controller_*.npz", "commands_*.csv"), ("trial_*.csv", "health
 
 @final
 class HardwareTarget:
-    """See the module; `recovery.target.Remote` says what it does.
+    """A `RemoteTarget` that writes controllers and waits for recordings, as the module says.
 
     Args:
         robot: the nominal robot.
@@ -65,7 +65,7 @@ class HardwareTarget:
         self._robot, self._settings, self._folder, self._progress = robot, settings, folder, progress
         self._recording, self._poll, self._patience = recording, poll, patience
 
-    def perform(self, number: int, controller: Controller, foretold: Trial) -> Trial:
+    def perform(self, number: int, controller: Controller, predicted: Trial) -> Trial:
         """Write the controller's files, and wait for the recording.
 
         Raises:
@@ -75,7 +75,7 @@ class HardwareTarget:
         if log.exists() and not _is_of(asked, controller):
             what = f"is there, and {asked.name} of this run is not: it is another run's"
             raise InputError(what, where=str(log), right="move it away, then the same command with --resume goes on")
-        self._ask(number, asked, controller, foretold)
+        self._ask(number, asked, controller, predicted)
         say = self._progress.say
         duration = controller.steps * controller.control_step
         who = "the robot before its damage" if self._recording == "healthy" else "the robot"
@@ -84,25 +84,25 @@ class HardwareTarget:
         settings = self._settings
         wanted = ExpectedTrial(
             controller,
-            foretold,
+            predicted,
             settings.axis,
             compared=min(max(SAMPLES, settings.samples), controller.steps),
             measured=settings.metric == "distance",
         )
-        trial, notes = self._awaited(log, wanted)
+        trial, notes = self._wait_for(log, wanted)
         for note in notes:
             say(f"  {log.name}: {note}")
         return trial
 
-    def _ask(self, number: int, asked: Path, controller: Controller, foretold: Trial) -> None:
+    def _ask(self, number: int, asked: Path, controller: Controller, predicted: Trial) -> None:
         motors = self._robot.names("actuator")
-        columns = {f"ctrl.{name}": column for name, column in zip(motors, foretold.commands.T, strict=True)}
+        columns = {f"ctrl.{name}": column for name, column in zip(motors, predicted.commands.T, strict=True)}
         # The controller comes last: where it is, the commands are too.
-        write_csv(self._folder / f"commands_{number}.csv", {"time": foretold.time, **columns})
+        write_csv(self._folder / f"commands_{number}.csv", {"time": predicted.time, **columns})
         with replacing(asked) as stream:
             np.savez(stream, **OnboardController.of(controller, motors).to_arrays(), allow_pickle=False)
 
-    def _awaited(self, log: Path, wanted: ExpectedTrial) -> tuple[Trial, tuple[str, ...]]:
+    def _wait_for(self, log: Path, wanted: ExpectedTrial) -> tuple[Trial, tuple[str, ...]]:
         """The trial, as soon as its file stays the same from one look to the next.
 
         A logger that writes now and then leaves a file alone while it is not complete, so an error counts only after
@@ -125,7 +125,7 @@ class HardwareTarget:
 
 
 def lock_exchange_folder(folder: Path, *, fresh: bool, force: bool) -> FolderLock:
-    """Make a folder for the files, or take one; as long as the result lives, no other process gets it.
+    """Make a folder for the files, or take one; no other process gets it as long as the result lives.
 
     Args:
         folder: new, empty, or that of an earlier run.
@@ -139,12 +139,12 @@ def lock_exchange_folder(folder: Path, *, fresh: bool, force: bool) -> FolderLoc
     check_exchange_folder(folder, fresh=fresh, force=force)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        held = lock_folder(folder)
+        lock = lock_folder(folder)
         for path in _found(folder, _OURS) if fresh else ():
             path.unlink()
     except OSError as error:
         raise unwritable(folder, error) from None
-    return held
+    return lock
 
 
 def check_exchange_folder(folder: Path, *, fresh: bool, force: bool) -> None:
@@ -179,6 +179,6 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 def _is_of(path: Path, controller: Controller) -> bool:
     try:
-        return np.array_equal(load_controller(path).weights, controller.weights)
+        return np.array_equal(read_controller(path).weights, controller.weights)
     except InputError:
         return False

@@ -1,4 +1,4 @@
-"""The story of a recovery, told on the terminal as it happens."""
+"""A recovery on the terminal, line by line as it happens."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from estexp_jax.runs import ProgressDisplay
 
 
 @final
-class Story:
-    """Tells a run, state by state.
+class RecoverProgress:
+    """Prints a run, state by state.
 
     Args:
-        progress: where to.
+        progress: where it is shown.
         job: what runs.
     """
 
     def __init__(self, progress: ProgressDisplay, job: Job) -> None:
         self._progress, self._job = progress, job
 
-    def begin(self, model: str, state: RunState) -> None:
-        """What is going to happen, or to go on."""
+    def start(self, model: str, state: RunState) -> None:
+        """Print what is going to happen, or goes on."""
         settings = self._job.settings
         what = TABLE[settings.situation] if settings.situation is not None else "damage of your choice"
         if isinstance(self._job.target, RemoteTarget):
@@ -40,8 +40,8 @@ class Story:
             self._progress.say(f"going on with pass {state.number}, {state.phase}")
         self._stage(state)
 
-    def tell(self, before: RunState, after: RunState) -> None:
-        """What one step of the run brought."""
+    def update(self, before: RunState, after: RunState) -> None:
+        """Print what one step of the run has brought."""
         if len(after.history) > len(before.history):
             row = after.history[-1]
             unit = " m" if row.phase == "exploration" else ""
@@ -50,8 +50,8 @@ class Story:
         if (before.phase, before.number) != (after.phase, after.number):
             self._stage(after)
 
-    def end(self, state: RunState) -> None:
-        """The run in short."""
+    def finish(self, state: RunState) -> None:
+        """Print a summary of the run."""
         axis = self._job.settings.axis
         trials = [metres(trial.distance(axis)) for trial in state.trials]
         before = metres(float("nan") if state.before is None else state.before.distance(axis))
@@ -59,7 +59,7 @@ class Story:
         self._progress.say(f"{self._undamaged} {before}, damaged {trials[0]}")
         for number, each in enumerate(state.passes(axis), start=1):
             found = "; ".join(change.sentence() for change in each.diagnosis) or "nothing differs"
-            self._progress.say(f"trial {number} {metres(each.hardware)} (foretold {each.simulated:.2f} m): {found}")
+            self._progress.say(f"trial {number} {metres(each.hardware)} (predicted {each.simulated:.2f} m): {found}")
         self._progress.say(f"{len(trials)} trials on the damaged robot")
 
     @property
@@ -83,7 +83,7 @@ class Story:
         if len(after.trials) > len(before.trials):
             distance = metres(after.trials[-1].distance(axis))
             if before.before is not None or after.before is None:
-                say(f"trial {len(after.trials) - 1}: {distance}, foretold {after.simulated[-1]:.2f} m")
+                say(f"trial {len(after.trials) - 1}: {distance}, predicted {after.simulated[-1]:.2f} m")
             elif self._job.stands_in:
                 say(
                     f"the damaged robot walks {distance}, the undamaged simulator {metres(after.before.distance(axis))}"

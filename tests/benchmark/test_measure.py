@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from estexp_jax.api import bench as module
-from estexp_jax.api.bench import BenchConfig, bench, timed
+from estexp_jax.benchmark import measure as module
 from estexp_jax.benchmark.engines import C_ENGINES, CRunner, Runner, runner
+from estexp_jax.benchmark.measure import BenchConfig, bench, timed
 from estexp_jax.benchmark.process import alone, peak_mb
 from estexp_jax.benchmark.subject import BenchmarkRobots, BenchmarkTask, load
 from estexp_jax.benchmark.sweep import sweep

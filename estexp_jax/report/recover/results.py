@@ -1,32 +1,31 @@
-"""What a recovery leaves in its folder."""
+"""Files that a recovery leaves in its folder."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from estexp_jax.recovery.cycle import Job
-    from estexp_jax.recovery.state import RunState
-    from estexp_jax.report.recover.film import Film
-    from estexp_jax.runs import ProgressDisplay, RunFolder
+from estexp_jax.recovery.cycle import Job
+from estexp_jax.recovery.state import RunState
+from estexp_jax.report.drawing.film import can_film
+from estexp_jax.report.drawing.gl import NoGlError
+from estexp_jax.report.recover.files import run_record, write_history, write_traces
+from estexp_jax.report.recover.film import Film, film_of
+from estexp_jax.report.recover.page import recover_page
+from estexp_jax.runs import ProgressDisplay, RunFolder, versions, write_json
+from estexp_jax.runs.files import replacing
 
 
-def write_recover_results(
+def write_recovery(
     folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: ProgressDisplay, *, pictures: bool
 ) -> None:
-    """Write `run_cycle.json`, `history.parquet`, `traces.npz`, the report and, where asked for, the pictures."""
-    from estexp_jax.report.recover.files import run_record, write_history, write_traces
-    from estexp_jax.report.recover.page import recover_page
-    from estexp_jax.runs import versions, write_json
-    from estexp_jax.runs.files import replacing
-
+    """Write `run.json`, `history.parquet`, `traces.npz`, the report and, where asked for, the pictures."""
     axis, simulator = job.settings.axis, job.simulator
     with replacing(folder.file("history.parquet")) as stream:
         write_history(stream, state)
     with replacing(folder.file("traces.npz")) as stream:
         write_traces(stream, state, simulator.robot, simulator.walker.interface)
-    told = run_record(state, axis, job.planted, config, stands_in=job.stands_in)
-    write_json(folder.file("run.json"), {**told, "versions": versions()})
+    record = run_record(state, axis, job.planted, config, stands_in=job.stands_in)
+    write_json(folder.file("run.json"), {**record, "versions": versions()})
     film = _film(folder, job, state, progress) if pictures else None
     title = f"{config['model']}: recovery, seed {job.settings.seed}"
     planted = None if config["robot"] == "hardware" else job.planted
@@ -36,12 +35,7 @@ def write_recover_results(
 
 
 def _film(folder: RunFolder, job: Job, state: RunState, progress: ProgressDisplay) -> Film | None:
-    """How it walks, written; None, and said why, where it cannot be drawn."""
-    from estexp_jax.report.drawing.film import can_film
-    from estexp_jax.report.drawing.gl import NoGlError
-    from estexp_jax.report.recover.film import film_of
-    from estexp_jax.runs.files import replacing
-
+    """Pictures of how it walks, written; None where they cannot be drawn, and the reason is printed."""
     progress.stage("pictures")
     try:
         film = film_of(job, state)

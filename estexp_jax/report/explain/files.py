@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,21 +10,25 @@ import numpy as np
 
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.export import explained_spec, explained_xml
-from estexp_jax.errors import InputError
-from estexp_jax.physics.model.portable import ASSETS, portable
+from estexp_jax.physics.model.portable import portable
 from estexp_jax.recordings.write import write_csv
+from estexp_jax.report.drawing.gl import NoGlError
+from estexp_jax.report.explain.ghosts import ghosts_of
+from estexp_jax.report.explain.marked import guilty, marked_of
+from estexp_jax.report.explain.page import explain_page
 from estexp_jax.runs import RunFolder, write_json, write_text
+from estexp_jax.runs.model_files import write_model
 
 EFFECTS_SCHEMA = "estexp.effects/1"
 """Format of `effects.json`."""
-RIVALS_SCHEMA = "estexp.rivals/1"
+COMPETING_SCHEMA = "estexp.rivals/1"
 """Format of `rivals.json`."""
 
 
-def write_results(
+def write_explanation(
     folder: RunFolder, diagnosis: Diagnosis, findings: Mapping[str, Any], *, pictures: bool
 ) -> tuple[Path, str]:
-    """Write findings, report, both models, effects, rivals and predictions.
+    """Write findings, report, both models, effects, competing explanations and predictions.
 
     Args:
         folder: where to.
@@ -36,11 +39,6 @@ def write_results(
     Returns:
         The report's path, and why it has no such picture though one was wanted, or nothing.
     """
-    from estexp_jax.report.drawing.gl import NoGlError
-    from estexp_jax.report.explain.ghosts import ghosts_of
-    from estexp_jax.report.explain.marked import guilty, marked_of
-    from estexp_jax.report.explain.page import explain_page
-
     ghosts, marked, missing = None, None, ""
     try:
         if pictures:
@@ -57,7 +55,7 @@ def write_results(
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}
     write_json(folder.file("effects.json"), effects)
     if diagnosis.contest is not None:
-        head = {"schema": RIVALS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.rivals_finer}
+        head = {"schema": COMPETING_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.rivals_finer}
         write_json(folder.file("rivals.json"), {**head, **diagnosis.contest.to_json()})
     for prediction in diagnosis.predictions:
         name = f"predictions/{Path(prediction.recording).stem}.csv"
@@ -65,23 +63,6 @@ def write_results(
     report = folder.file("report.html")
     write_text(report, explain_page(diagnosis, findings, ghosts=ghosts, marked=marked))
     return report, missing
-
-
-def write_model(folder: RunFolder, name: str, model: tuple[str, Mapping[str, Path]]) -> None:
-    """Write a model and the files that belong beside it, as `portable` gives them.
-
-    Raises:
-        InputError: one of the files is gone, or cannot be copied.
-    """
-    text, files = model
-    for file, source in files.items():
-        try:
-            shutil.copyfile(source, folder.file(f"{ASSETS}/{file}"))
-        except shutil.SameFileError:
-            pass
-        except OSError as error:
-            raise InputError(f"cannot be copied: {error.strerror}", where=str(source)) from None
-    write_text(folder.file(name), text)
 
 
 def _columns(prediction: Prediction) -> dict[str, np.ndarray]:
