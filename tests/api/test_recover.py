@@ -1,4 +1,4 @@
-"""`estexp recover --hardware`, with a robot that another thread plays from the controllers' files alone."""
+"""`recover`: its settings; with `--hardware`, a robot that another thread plays from the controllers' files alone."""
 
 import json
 import os
@@ -13,7 +13,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from estexp_jax.api.options.recover import RecoverOptions
+from estexp_jax.api.recover import recover_settings_of
 from estexp_jax.cli.main import main
+from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
 from tests.conftest import ROOT
 
@@ -105,6 +108,15 @@ def with_a_motor_turned(trial: Path) -> None:
     trial.with_suffix(".part").rename(trial)
 
 
+def test_what_is_given_goes_over_the_quick_settings() -> None:
+    settings = recover_settings_of(RecoverOptions(quick=True, steps=77, seed=4))
+    assert (settings.steps, settings.seed, settings.situation) == (77, 4, 3)
+    assert settings.population < recover_settings_of(RecoverOptions()).population
+    assert recover_settings_of(RecoverOptions(damage=("gravity_tilt angle=0.1",))).situation is None
+    with pytest.raises(InputError, match="together"):
+        recover_settings_of(RecoverOptions(situation=2, damage=("gravity_tilt angle=0.1",)))
+
+
 def test_from_a_bad_recording_over_an_interruption_to_the_end(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -135,7 +147,7 @@ def test_from_a_bad_recording_over_an_interruption_to_the_end(
     assert tried(exchange, out, "--resume") == 0
     told = capsys.readouterr().out
     assert "the damaged robot walks an unknown distance" in told and "diagnosis 1:" in told
-    assert "trial 1 an unknown distance (foretold" in told
+    assert "trial 1 an unknown distance (predicted" in told
     run = json.loads((out / "run.json").read_text())
     assert run["config"]["robot"] == "hardware" and run["planted"] == []
     assert run["distance"] == {"before": None, "damaged": None}

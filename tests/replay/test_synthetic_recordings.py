@@ -10,7 +10,7 @@ import pytest
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import read_recording
-from estexp_jax.replay.synthetic_recordings import RecordConfig, record
+from estexp_jax.replay.synthetic_recordings import RecordConfig, write_recordings
 from estexp_jax.runs import open_run
 
 FLYING = """
@@ -24,7 +24,7 @@ FLYING = """
 
 def test_without_sensors_a_floating_robot_logs_what_motion_capture_sees(tmp_path: Path) -> None:
     robot = Robot.from_string(FLYING, "flying.xml")
-    record(robot, (), RecordConfig(duration=0.5, rate=50.0), open_run(tmp_path / "out"))
+    write_recordings(robot, (), RecordConfig(duration=0.5, rate=50.0), open_run(tmp_path / "out"))
     log = read_recording(robot, tmp_path / "out" / "test_0.csv")
     assert np.isfinite(log.qpos).all() and np.isfinite(log.qvel[:, :6]).all()
     assert np.abs(np.linalg.norm(log.qpos[:, 3:7], axis=1) - 1.0).max() < 1e-6
@@ -39,7 +39,7 @@ def test_torques_hold_an_upright_arm_around_its_home(tmp_path: Path) -> None:
       <actuator><motor name="low" joint="foot" ctrlrange="-9 9"/></actuator></mujoco>"""
     robot = Robot.from_string(upright, "upright.xml")
     change = parse_change("coulomb_friction@foot T=0.1", robot)
-    record(robot, (change,), RecordConfig(duration=2.0, rate=50.0), open_run(tmp_path / "out"))
+    write_recordings(robot, (change,), RecordConfig(duration=2.0, rate=50.0), open_run(tmp_path / "out"))
     for name, reach in (("train_0.csv", 0.36), ("train_1.csv", 0.36), ("test_0.csv", 0.54)):
         log = read_recording(robot, tmp_path / "out" / name)
         assert 0.1 < np.abs(log.qpos).max() < reach + 0.05
@@ -61,7 +61,7 @@ def test_arms_that_would_meet_move_less_far(tmp_path: Path, apart: float, flag: 
         <motor name="turn" joint="left"/><position name="servo" joint="right" {servo}/></actuator></mujoco>""",
         "arms.xml",
     )
-    record(robot, (), RecordConfig(duration=2.0, rate=50.0, seed=43), open_run(tmp_path / "out"))
+    write_recordings(robot, (), RecordConfig(duration=2.0, rate=50.0, seed=43), open_run(tmp_path / "out"))
     logs = [read_recording(robot, tmp_path / "out" / name) for name in ("train_0.csv", "train_1.csv", "test_0.csv")]
     gaps = [apart - 0.04 - 0.4 * (np.sin(log.qpos[:, 1]) - np.sin(log.qpos[:, 0])) for log in logs]
     assert (min(gap.min() for gap in gaps) > 0.005) == (not flag)

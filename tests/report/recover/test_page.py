@@ -12,11 +12,12 @@ from estexp_jax.package_data import model_path
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.cycle import job_of
 from estexp_jax.recovery.state import RunState
 from estexp_jax.report.recover.figure import _captions, path_figure
 from estexp_jax.report.recover.files import run_record, write_history, write_traces
 from estexp_jax.report.recover.page import recover_advice, recover_headline, recover_page, recover_verdict
-from estexp_jax.report.recover.run import RecoverTable, recover_run
+from estexp_jax.report.recover.run import RecoverRun, RecoverTable
 from estexp_jax.runs.files import json_plain
 from tests.report.examples import LOST, WEAK, recovered, trial
 
@@ -113,8 +114,8 @@ def test_table_prints_itself() -> None:
 
 
 def test_a_run_can_be_looked_at_before_it_has_begun() -> None:
-    run = recover_run(Robot.from_xml(model_path("quadruped")), quick=True, situation=5, seed=2, passes=2)
-    assert run.job.settings.population == 64 and run.job.settings.passes == 2
+    settings = Settings(situation=5, seed=2, passes=1, population=8, generations=1, steps=30, settle_steps=10)
+    run = RecoverRun(job_of(Robot.from_xml(model_path("quadruped")), settings))
     assert "not been damaged" in run._repr_html_()
 
 

@@ -1,7 +1,5 @@
 """A pendulum that rubs: what several commands are tried on."""
 
-from estexp_jax.cli.main import main
-
 PENDULUM = """
 <mujoco model="pendulum">
   <option timestep="0.005" integrator="implicitfast"/>
@@ -31,4 +29,6 @@ SMALL = (
 
 def run(*arguments: object) -> int:
     """The exit code of a command."""
+    from estexp_jax.cli.main import main
+
     return main([str(a) for a in arguments])
