@@ -17,7 +17,7 @@ class WrittenBench(NamedTuple):
     """What `bench_to_folder` measured, and where it is."""
 
     result: BenchResult
-    numbers: Path
+    json_file: Path
     figure: Path
 
 
@@ -36,10 +36,10 @@ def bench_to_folder(options: BenchOptions) -> WrittenBench:
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     with ProgressDisplay() as progress:
         result = measure(config, progress)
-    numbers = folder.file("bench.json")
-    write_json(numbers, result)
+    json_file = folder.file("bench.json")
+    write_json(json_file, result)
     figure = bench_figure(result)
     for ending in ("png", "svg"):
         with replacing(folder.file(f"bench.{ending}")) as stream:
             figure.savefig(stream, format=ending, dpi=150)
-    return WrittenBench(BenchResult(result), numbers, folder.path / "bench.png")
+    return WrittenBench(BenchResult(result), json_file, folder.path / "bench.png")

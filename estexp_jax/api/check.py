@@ -68,7 +68,7 @@ def check_to_folder(options: CheckOptions, say: Callable[[str], object], show: C
     show(result)
     if folder is not None:
         files = write_check(folder, result)
-        say(f"Numbers: {files.numbers}\nFigure: {files.figure}")
+        say(f"Numbers: {files.json_file}\nFigure: {files.figure}")
 
 
 def _begin_manifest(options: CheckOptions, tests: Sequence[str], say: Callable[[str], object]) -> Inputs | None:

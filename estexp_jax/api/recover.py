@@ -156,8 +156,8 @@ def recover_settings_of(options: RecoverOptions) -> Settings:
         ensemble=options.ensemble,
         next_trial=options.next_trial,
     )
-    numbers = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
-    return replace(quick_settings(settings) if options.quick else settings, **numbers)
+    given_numbers = {name: getattr(options, name) for name in _NUMBERS if getattr(options, name) is not None}
+    return replace(quick_settings(settings) if options.quick else settings, **given_numbers)
 
 
 def _refuse_simulated(options: RecoverOptions) -> None:
@@ -204,16 +204,16 @@ def _job_of_options(robot: Robot, settings: Settings, options: RecoverOptions, p
     return job_of(robot, settings, target, healthy=healthy)
 
 
-def _run_with_progress(job: Job, folder: RunFolder, shown: RecoverProgress, model: str) -> RunState:
+def _run_with_progress(job: Job, folder: RunFolder, display: RecoverProgress, model: str) -> RunState:
     """Each state is saved before it is printed, so that what was printed is never lost."""
     saved = load_checkpoint(folder.file(_CHECKPOINT))
     state = RunState() if saved is None else _state_of(saved, folder.path)
-    shown.start(model, state)
+    display.start(model, state)
     for reached in run_cycle(job, state):
         save_checkpoint(folder.file(_CHECKPOINT), reached.to_tree())
-        shown.update(state, reached)
+        display.update(state, reached)
         state = reached
-    shown.finish(state)
+    display.finish(state)
     return state
 
 

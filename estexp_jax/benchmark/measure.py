@@ -108,8 +108,8 @@ def measure(config: BenchConfig, progress: ProgressDisplay, made: Made = runner)
     if config.sweep:
         result["sweep"] = sweep(races[0], trusted, progress, made)
     machine = {"cores": cores(), "device": device(), "load_average_before": load_before}
-    about = {"repeats": config.repeats, **machine, "seed": config.seed}
-    return {**result, **about, "notes": _notes(), "versions": versions()}
+    conditions = {"repeats": config.repeats, **machine, "seed": config.seed}
+    return {**result, **conditions, "notes": _notes(), "versions": versions()}
 
 
 def _race(race: BenchmarkTask, repeats: int, progress: ProgressDisplay, made: Made) -> dict[str, Any]:
@@ -156,14 +156,14 @@ def timed(
     The third is the arithmetic peak, flops per second.
     """
     for each in runners:
-        each.walk(each.robots, min(2, each.steps))
+        each.simulate(each.robots, min(2, each.steps))
     rates: dict[str, list[float]] = {each.name: [] for each in runners}
     busy: dict[str, list[float]] = {each.name: [] for each in runners}
     peaks = []
     for _ in range(repeats):
         for each in runners:
             begin, used, robot_steps = perf_counter(), process_time(), each.robots * each.steps * substeps
-            each.walk(each.robots, each.steps)
+            each.simulate(each.robots, each.steps)
             rates[each.name].append(robot_steps / (perf_counter() - begin))
             busy[each.name].append(robot_steps / max(process_time() - used, 1e-9))
             progress.advance(note=f"{each.name} {rates[each.name][-1]:,.0f} steps/s")

@@ -10,7 +10,7 @@ from estexp_jax.api.bench import BenchResult, bench_to_folder
 from estexp_jax.api.options.bench import BenchOptions
 
 
-def run_bench(options: BenchOptions) -> int:
+def bench_command(options: BenchOptions) -> int:
     """Measure, write, and print.
 
     Raises:
@@ -18,7 +18,7 @@ def run_bench(options: BenchOptions) -> int:
     """
     written = bench_to_folder(options)
     _print_result(written.result)
-    print(f"Numbers: {written.numbers}\nFigure: {written.figure}")
+    print(f"Numbers: {written.json_file}\nFigure: {written.figure}")
     return 0
 
 

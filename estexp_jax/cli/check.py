@@ -10,7 +10,7 @@ from estexp_jax.api.check import CheckResult, check_to_folder
 from estexp_jax.api.options.check import CheckOptions
 
 
-def run_check(options: CheckOptions) -> int:
+def check_command(options: CheckOptions) -> int:
     """Check, print, and write what was asked for.
 
     Raises:

@@ -17,7 +17,7 @@ EXPERIMENTS = Path("experiments")
 _INTERRUPTED = 3
 
 
-def run_experiment(options: ExperimentOptions) -> int:
+def experiment_command(options: ExperimentOptions) -> int:
     """Run the experiment's `run.py` and wait for it.
 
     Returns:

@@ -6,7 +6,7 @@ from estexp_jax.api.explain import explain_to_folder
 from estexp_jax.api.options.explain import ExplainOptions
 
 
-def run_explain(options: ExplainOptions) -> int:
+def explain_command(options: ExplainOptions) -> int:
     """Explain, write, and print what was found.
 
     Raises:

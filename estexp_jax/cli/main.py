@@ -22,9 +22,13 @@ COMMANDS = (
     "recover",
 )
 """The subcommands, in the help's order. For each, `api/options/<name>.py` has `<Name>Options`, a frozen dataclass whose
-docstrings are the help (its own ends with an example); `cli/<name>.py` has `run_<name>(options) -> int`, the exit code.
-Help needs only the options, so what computes is imported when a command runs."""
+docstrings are the help (its own ends with an example); `cli/<name>.py` has `<name>_command(options) -> int`, the exit
+code. Help needs only the options, so what computes is imported when a command runs."""
 
+_SUMMARY = (
+    "Finds what broke on a robot, or what physics its simulator lacks, by searching simulations until they "
+    "reproduce its sensors. `estexp COMMAND --help` explains a command; `estexp --version` prints the version."
+)
 DONE, DEFECT, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 3
 
 
@@ -69,23 +73,19 @@ def _parsed(arguments: list[str]) -> Any:
     if arguments and arguments[0] in COMMANDS:
         options = _options_of(arguments[0])
         # The whole docstring: left to itself, tyro would drop the example as a section of its own.
-        description = cleandoc(options.__doc__ or "")
-        prog = f"estexp {arguments[0]}"
-        return tyro.cli(options, prog=prog, description=description, args=arguments[1:], config=settings)
+        texts: dict[str, Any] = {"prog": f"estexp {arguments[0]}", "description": cleandoc(options.__doc__ or "")}
+        return tyro.cli(options, **texts, args=arguments[1:], config=settings)
     choices: Any = Union[tuple(_choice(name) for name in COMMANDS)]  # noqa: UP007
-    description = (
-        "Finds what broke on a robot, or what physics its simulator lacks, by searching simulations until they "
-        "reproduce its sensors. `estexp COMMAND --help` explains a command; `estexp --version` prints the version."
-    )
-    return tyro.cli(choices, prog="estexp", description=description, args=arguments, config=settings)
+    texts = {"prog": "estexp", "description": _SUMMARY}
+    return tyro.cli(choices, **texts, args=arguments, config=settings)
 
 
 def _choice(name: str) -> Any:
     import tyro
 
     options = _options_of(name)
-    summary = cleandoc(options.__doc__ or "").partition("\n")[0]
-    return Annotated[options, tyro.conf.subcommand(name, description=summary)]
+    texts: dict[str, Any] = {"description": cleandoc(options.__doc__ or "").partition("\n")[0]}
+    return Annotated[options, tyro.conf.subcommand(name, **texts)]
 
 
 def _options_of(name: str) -> Any:
@@ -96,7 +96,7 @@ def _options_of(name: str) -> Any:
 def _run_of(options: Any) -> Callable[[Any], int]:
     """The function that runs a command with such options."""
     name = type(options).__module__.rpartition(".")[2]
-    return getattr(importlib.import_module(f"estexp_jax.cli.{name}"), f"run_{name}")
+    return getattr(importlib.import_module(f"estexp_jax.cli.{name}"), f"{name}_command")
 
 
 if __name__ == "__main__":

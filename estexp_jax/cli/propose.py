@@ -6,7 +6,7 @@ from estexp_jax.api.options.propose import ProposeOptions
 from estexp_jax.api.propose import propose_to_folder
 
 
-def run_propose(options: ProposeOptions) -> int:
+def propose_command(options: ProposeOptions) -> int:
     """Search, write, and print what was found.
 
     Raises:

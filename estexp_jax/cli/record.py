@@ -6,7 +6,7 @@ from estexp_jax.api.options.record import RecordOptions
 from estexp_jax.api.record import record_to_folder
 
 
-def run_record(options: RecordOptions) -> int:
+def record_command(options: RecordOptions) -> int:
     """Simulate, write, and print where the recordings are.
 
     Raises:

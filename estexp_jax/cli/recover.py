@@ -6,7 +6,7 @@ from estexp_jax.api.options.recover import RecoverOptions
 from estexp_jax.api.recover import recover_to_folder
 
 
-def run_recover(options: RecoverOptions) -> int:
+def recover_command(options: RecoverOptions) -> int:
     """Run to the end, or from where an earlier run was interrupted.
 
     Raises:

@@ -12,7 +12,7 @@ class Fake(Runner):
     def __init__(self, name: str, error: float = 0.0) -> None:
         self.name, self.robots, self.steps, self.error, self.walks = name, 3, 6, error, []
 
-    def walk(self, robots: int, steps: int) -> None:
+    def simulate(self, robots: int, steps: int) -> None:
         self.walks.append((robots, steps))
 
     def agreement(self) -> Agreement:

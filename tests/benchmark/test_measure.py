@@ -57,7 +57,7 @@ def test_engines_are_timed_in_turns(progress) -> None:
     order: list[str] = []
 
     class Loud(Fake):
-        def walk(self, robots: int, steps: int) -> None:
+        def simulate(self, robots: int, steps: int) -> None:
             order.append(self.name)
 
     fakes = [Loud(name) for name in "abc"]

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from numbers import Integral, Real
-from typing import Annotated, Any, Literal, final, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, SupportsFloat, SupportsIndex, final, get_args, get_origin, get_type_hints
 
 from estexp_jax.errors import InputError, abbreviated, known
 
@@ -80,18 +79,18 @@ def _parts(hint: Any) -> Iterator[Any]:
 
 
 def _check_value(where: str, value: Any, parts: tuple[Any, ...]) -> None:
-    if isinstance(value, tuple | list):
+    choices = [choice for part in parts if isinstance(part, tuple) for choice in part]
+    kinds = [part for part in parts if part in (int, float)]
+    if value is None or not (choices or kinds) or (isinstance(value, str) and value in choices):
+        return
+    if kinds and not isinstance(value, str) and hasattr(value, "__len__"):
         for each in value:
             _check_value(where, each, parts)
         return
-    choices = [choice for part in parts if isinstance(part, tuple) for choice in part]
-    numbers = [part for part in parts if part in (int, float)]
-    if value is None or isinstance(value, bool) or value in choices or not (choices or numbers):
-        return
-    if choices and not numbers:
-        raise InputError(f"there is no {abbreviated(value)}", where=where, right=known(map(str, choices)))
-    if not isinstance(value, Real) or (float not in numbers and not isinstance(value, Integral)):
-        right = " or ".join(["a number" if float in numbers else "a whole number", *map(repr, choices)])
+    if choices and not kinds:
+        raise InputError(f"there is no {abbreviated(value)}", where=where, right=known(choices))
+    if isinstance(value, bool) or not isinstance(value, SupportsFloat if float in kinds else SupportsIndex):
+        right = " or ".join(["a number" if float in kinds else "a whole number", *map(repr, choices)])
         raise InputError(f"{abbreviated(value)} is not possible", where=where, right=right)
     for part in parts:
         if isinstance(part, Range) and float(value) not in part:

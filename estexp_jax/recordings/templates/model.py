@@ -37,12 +37,12 @@ def first_model(robot: Robot) -> mujoco.MjSpec:
         raise InputError("the robot has no hinge and no slide joint", where=robot.source)
     driven = {robot.joint_of_actuator(a) for a in range(model.nu)}
     sensors = {element.name for element in spec_elements(spec)["sensor"]}
-    seen = model.sensor_objid[model.sensor_type == int(mujoco.mjtSensor.mjSENS_JOINTPOS)].tolist()
+    measured = model.sensor_objid[model.sensor_type == int(mujoco.mjtSensor.mjSENS_JOINTPOS)].tolist()
     for joint in robot.scalar_joints:
         name = robot.names("joint")[joint]
         if joint not in driven:
             _add_servo(spec, model, joint, name)
-        if joint not in seen and f"{name}_pos" not in sensors:
+        if joint not in measured and f"{name}_pos" not in sensors:
             spec.add_sensor(
                 name=f"{name}_pos",
                 type=mujoco.mjtSensor.mjSENS_JOINTPOS,

@@ -16,15 +16,15 @@ class BenchResult:
     """What was measured.
 
     Attributes:
-        numbers: the contents of `bench.json`.
+        measured: the contents of `bench.json`.
     """
 
-    numbers: Mapping[str, Any]
+    measured: Mapping[str, Any]
 
     def tables(self) -> Iterator[tuple[TextTable, list[str]]]:
         """A table for each number of physics steps, and a sentence on each engine that was not timed."""
-        return bench_tables(self.numbers)
+        return bench_tables(self.measured)
 
     def sentences(self) -> list[str]:
         """What the columns mean, and what the tables do not show."""
-        return [BENCH_LEGEND, *bench_sentences(self.numbers)]
+        return [BENCH_LEGEND, *bench_sentences(self.measured)]

@@ -32,12 +32,12 @@ def draw_check(robot: Robot, recordings: Sequence[Recording], path: Path) -> Non
     """
     from matplotlib.figure import Figure
 
-    shown = list(recordings[:MOST_COLUMNS])
-    channels = _channels(robot, shown)
+    drawn = list(recordings[:MOST_COLUMNS])
+    channels = _channels(robot, drawn)
     rows = channels[:MOST_ROWS]
-    figure = Figure(figsize=(3.2 + 3.0 * len(shown), 1.0 + 1.1 * len(rows)), layout="constrained")
-    grid = figure.subplots(len(rows), len(shown), sharex="col", sharey="row", squeeze=False)
-    for column, recording in enumerate(shown):
+    figure = Figure(figsize=(3.2 + 3.0 * len(drawn), 1.0 + 1.1 * len(rows)), layout="constrained")
+    grid = figure.subplots(len(rows), len(drawn), sharex="col", sharey="row", squeeze=False)
+    for column, recording in enumerate(drawn):
         for row, (kind, index, name) in enumerate(rows):
             _draw_channel(grid[row, column], recording, kind, index)
             if column == 0:
@@ -45,7 +45,7 @@ def draw_check(robot: Robot, recordings: Sequence[Recording], path: Path) -> Non
                 grid[row, column].set_ylabel(name, rotation=0, ha="right", va="center", fontsize=8, parse_math=False)
         grid[0, column].set_title(f"{recording.name} ({recording.role})", fontsize=9, parse_math=False)
         grid[-1, column].set_xlabel("time, s", fontsize=8)
-    figure.suptitle(_title(len(channels) - len(rows), len(recordings) - len(shown)), fontsize=9)
+    figure.suptitle(_title(len(channels) - len(rows), len(recordings) - len(drawn)), fontsize=9)
     with replacing(path) as stream:
         figure.savefig(stream, format=path.suffix.removeprefix("."), dpi=110)
 

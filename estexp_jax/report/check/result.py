@@ -21,7 +21,7 @@ from estexp_jax.runs import RunFolder, open_run, versions, write_json
 class CheckFiles(NamedTuple):
     """Where results were written."""
 
-    numbers: Path
+    json_file: Path
     figure: Path
 
 
@@ -85,6 +85,6 @@ def check_inputs(inputs: Inputs) -> CheckResult:
 def write_check(folder: RunFolder, result: CheckResult) -> CheckFiles:
     """Write `check.json` and `check.png`."""
     files = CheckFiles(folder.file("check.json"), folder.file("check.png"))
-    write_json(files.numbers, result.to_json())
+    write_json(files.json_file, result.to_json())
     draw_check(result.inputs.robot, result.inputs.recordings, files.figure)
     return files

@@ -50,8 +50,8 @@ def _recordings(judged: Judged) -> list[tuple[str, ...]]:
     for one in judged:
         clock = one["clock"]
         times = (f"{one['duration_s']:.4g}", f"{clock['hz']:.4g}", f"{1e3 * clock['jitter_s']:.3g}")
-        gaps = f"{clock['gaps']} (longest {clock['longest_s']:.3g} s)" if clock["gaps"] else "none"
-        rows.append((one["file"], one["role"], str(one["rows"]), *times, gaps))
+        clock_gaps = f"{clock['gaps']} (longest {clock['longest_s']:.3g} s)" if clock["gaps"] else "none"
+        rows.append((one["file"], one["role"], str(one["rows"]), *times, clock_gaps))
     return rows
 
 

@@ -19,7 +19,7 @@ def test_right_keywords_arrive():
 
 def test_a_wrong_keyword_is_answered_with_those_that_exist_the_nearest_first():
     with pytest.raises(InputError) as refused:
-        door("a", sed=1)
+        door("a", sed=1)  # pyright: ignore[reportCallIssue]
     assert str(refused.value) == "door(): has no keyword 'sed'; known are: seed, folder, margin, progress"
 
 

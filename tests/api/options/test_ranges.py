@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+import numpy as np
 import pytest
 
 from estexp_jax.api.options.ranges import CheckedOptions, Range
@@ -32,6 +33,7 @@ class Example(CheckedOptions):
         {"n_rows": 1},
         {"sizes": (1, 9)},
         {"engine": "lanes"},
+        {"n_rows": np.int64(3), "duration": np.float32(2.0)},
         {"name": "7", "quick": True},
     ],
 )
@@ -50,6 +52,8 @@ def test_possible_values_pass(given):
         ({"n_rows": 0}, "--n-rows: 0 is not possible; at least 1"),
         ({"n_rows": 1.5}, "--n-rows: 1.5 is not possible; a whole number"),
         ({"sizes": (4, 0)}, "--sizes: 0 is not possible; 1 to 9"),
+        ({"n_rows": True}, "--n-rows: True is not possible; a whole number"),
+        ({"sizes": np.array([4, 0])}, "--sizes: 0 is not possible; 1 to 9"),
         ({"engine": "magic"}, "--engine: there is no 'magic'; known are: auto, lanes"),
     ],
 )
