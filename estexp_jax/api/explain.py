@@ -39,7 +39,7 @@ def explain(
     *,
     test: Sequence[str | Path] = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
-    window: float | Literal["full"] = 2.0,
+    window: float | str = 2.0,
     most: int = 5,
     effects: Sequence[str] | None = (),
     engine: Literal["auto", "lanes", "mjx"] = "auto",
@@ -97,7 +97,7 @@ def explain_to_folder(options: ExplainOptions) -> WrittenExplanation:
 
 
 def explain_config_of(
-    window: float | Literal["full"], most: int, effects: Sequence[str] | None, seed: int, engine: str = "auto"
+    window: float | str, most: int, effects: Sequence[str] | None, seed: int, engine: str = "auto"
 ) -> ExplainConfig:
     """The configuration of these choices.
 

@@ -31,7 +31,7 @@ class ExplainOptions(CheckedOptions):
     """Logs that are kept for the proof; without any, the last one given."""
     map: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="OURS=THEIRS")] = ()
     """A column of the logs that has another name than ours."""
-    window: Annotated[float | Literal["full"], Range(0.0, open=True), tyro.conf.arg(metavar="S|full")] = 2.0
+    window: Annotated[float | str, Range(0.0, open=True, words=("full",)), tyro.conf.arg(metavar="S|full")] = 2.0
     """Length of the windows that are compared and written, s; or `full`, whole recordings."""
     most: Annotated[int, Range(1)] = 5
     """Largest number of effects in an explanation; more than three only where these explain most of the mismatch."""

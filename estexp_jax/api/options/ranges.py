@@ -21,11 +21,13 @@ class Range:
         low: the smallest; None: there is none.
         high: the largest; None: there is none.
         open: whether `low` itself is left out.
+        words: texts that may stand instead of a number.
     """
 
     low: float | None = None
     high: float | None = None
     open: bool = False
+    words: tuple[str, ...] = ()
 
     def __contains__(self, value: float) -> bool:
         if value != value:  # NaN
@@ -81,17 +83,25 @@ def _parts(hint: Any) -> Iterator[Any]:
 def _check_value(where: str, value: Any, parts: tuple[Any, ...]) -> None:
     choices = [choice for part in parts if isinstance(part, tuple) for choice in part]
     kinds = [part for part in parts if part in (int, float)]
-    if value is None or not (choices or kinds) or (isinstance(value, str) and value in choices):
+    if value is None or not (choices or kinds):
         return
-    if kinds and not isinstance(value, str) and hasattr(value, "__len__"):
+    if choices:
+        if value not in choices:
+            raise InputError(f"there is no {abbreviated(value)}", where=where, right=known(choices))
+    elif isinstance(value, str) or not hasattr(value, "__len__"):
+        _check_number(where, value, float not in kinds, [part for part in parts if isinstance(part, Range)])
+    else:
         for each in value:
             _check_value(where, each, parts)
+
+
+def _check_number(where: str, value: Any, whole: bool, ranges: list[Range]) -> None:
+    words = [word for each in ranges for word in each.words]
+    if isinstance(value, str) and value in words:
         return
-    if choices and not kinds:
-        raise InputError(f"there is no {abbreviated(value)}", where=where, right=known(choices))
-    if isinstance(value, bool) or not isinstance(value, SupportsFloat if float in kinds else SupportsIndex):
-        right = " or ".join(["a number" if float in kinds else "a whole number", *map(repr, choices)])
+    if isinstance(value, bool) or not isinstance(value, SupportsIndex if whole else SupportsFloat):
+        right = " or ".join(["a whole number" if whole else "a number", *map(repr, words)])
         raise InputError(f"{abbreviated(value)} is not possible", where=where, right=right)
-    for part in parts:
-        if isinstance(part, Range) and float(value) not in part:
-            raise InputError(f"{value} is not possible", where=where, right=str(part))
+    for each in ranges:
+        if float(value) not in each:
+            raise InputError(f"{value} is not possible", where=where, right=str(each))

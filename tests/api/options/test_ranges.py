@@ -15,7 +15,7 @@ class Example(CheckedOptions):
     """Options of every kind."""
 
     duration: Annotated[float, Range(1.0, 600.0)] = 8.0
-    window: Annotated[float | Literal["full"], Range(0.0, open=True)] = 2.0
+    window: Annotated[float | str, Range(0.0, open=True, words=("full",))] = 2.0
     n_rows: Annotated[int | None, Range(1)] = None
     sizes: Annotated[tuple[int, ...], Range(1, 9)] = ()
     engine: Literal["auto", "lanes"] = "auto"
