@@ -79,8 +79,8 @@ def _draw_channel(axes: Axes, recording: Recording, kind: str, index: int) -> No
 
 def _shade_off(axes: Axes, time: np.ndarray, enable: np.ndarray) -> None:
     off = np.concatenate([[False], enable == 0.0, [False]])
-    starts, ends = np.flatnonzero(~off[:-1] & off[1:]), np.flatnonzero(off[:-1] & ~off[1:])
-    for start, end in zip(starts, ends, strict=True):
+    first_rows, ends = np.flatnonzero(~off[:-1] & off[1:]), np.flatnonzero(off[:-1] & ~off[1:])
+    for start, end in zip(first_rows, ends, strict=True):
         axes.axvspan(time[start], time[min(end, len(time) - 1)], color=_OFF, alpha=0.3, linewidth=0.0)
 
 
