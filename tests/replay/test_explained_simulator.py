@@ -9,8 +9,7 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.replay import explained_simulator as module
 from estexp_jax.replay.explained_simulator import ExplainedSimulator
 
-LEGS = Robot.from_string(
-    """
+LEGS = """
 <mujoco><option timestep="0.004"/><worldbody>
   <body name="left">
     <joint name="l" axis="0 1 0" damping="0.2"/><geom size="0.05" mass="1" pos="0 0 -0.5"/>
@@ -19,9 +18,7 @@ LEGS = Robot.from_string(
     <joint name="r" axis="0 1 0" damping="0.2"/><geom size="0.05" mass="1" pos="0 0 -0.5"/>
   </body></worldbody>
   <actuator><motor name="l" joint="l"/><motor name="r" joint="r"/></actuator>
-</mujoco>""",
-    "legs.xml",
-)
+</mujoco>"""
 
 
 @pytest.mark.parametrize(
@@ -30,7 +27,8 @@ LEGS = Robot.from_string(
     ids=["apart", "all but touching", "touching"],
 )
 def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: list[str]) -> None:
-    used, make = [], module.replayer
+    legs = Robot.from_string(LEGS, "legs.xml")
+    used, make = [], module.open_loop_simulator
 
     def noting(*arguments, **options):
         found = make(*arguments, **options)
@@ -38,8 +36,8 @@ def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: lis
         return found
 
     commands = np.tile([-torque, torque], (100, 1))
-    with patch.object(module, "replayer", noting):
-        traces = ExplainedSimulator(LEGS, ()).rollout(commands, period=0.01)
+    with patch.object(module, "open_loop_simulator", noting):
+        traces = ExplainedSimulator(legs, ()).rollout(commands, period=0.01)
     assert used == engines
     feet = [x + 0.5 * -np.sin(traces.qpos[:, i]) for i, x in enumerate((0.0, 0.3))]
     gap = feet[1] - feet[0] - 0.1
