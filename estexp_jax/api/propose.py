@@ -81,7 +81,7 @@ def run_proposal(questions: OpenQuestions, config: ProposeConfig, report: Callab
     """
     enable_compilation_cache()
     forget_programs()
-    steps = search_experiment(questions.robot, questions.contest, questions.finer, config)
+    steps = search_experiment(questions.robot, questions.competing_models, questions.finer, config)
     while True:
         try:
             report(next(steps))

@@ -64,7 +64,7 @@ def recover(
     catalogue: Literal["full", "paper"] = "full",
     model_error: float | None = None,
     ensemble: int | None = None,
-    next_trial: Literal["farthest", "telling"] = "farthest",
+    next_trial: Literal["farthest", "informative"] = "farthest",
     engine: Literal["auto", "lanes", "mjx"] = "auto",
 ) -> RecoverRun:
     """Recover a robot from damage: iterating over the result runs the algorithm pass by pass.
@@ -184,7 +184,7 @@ def recover_to_folder(options: RecoverOptions) -> None:
     for part in reduced_to_mjx(robot).left_out:
         progress.say(f"Simulated without {part}")
     job = _job_of_options(robot, settings, options, progress)
-    config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.walker.choice.engine}
+    config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.closed_loop.choice.engine}
     if options.hardware is not None:
         config |= {"robot": "hardware", "healthy": options.healthy}
     marker = {"command": "recover", "config": config}

@@ -87,7 +87,7 @@ class HardwareTarget:
             predicted,
             settings.axis,
             compared=min(max(SAMPLES, settings.samples), controller.steps),
-            measured=settings.metric == "distance",
+            needs_distance=settings.metric == "distance",
         )
         trial, notes = self._wait_for(log, wanted)
         for note in notes:

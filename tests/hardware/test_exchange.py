@@ -120,7 +120,7 @@ def test_a_bad_file_is_told_and_its_correction_is_read(
         hardware.perform(0, controller, predicted)
     thread.join()
     log.write_text("\n".join(good))
-    assert hardware.perform(0, controller, predicted).heard is None
+    assert hardware.perform(0, controller, predicted).open_loop_readings is None
 
 
 def test_a_recording_of_another_controller_is_refused(

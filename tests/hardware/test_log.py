@@ -31,7 +31,7 @@ def wanted(controller: Controller) -> ExpectedTrial:
 
 def test_rows_at_the_control_steps_are_the_trial(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     found, notes = trial_of_recording(quadruped, recorded(quadruped, wanted.controller, trial), wanted, "trial_0.csv")
-    assert notes == () and found.heard is None
+    assert notes == () and found.open_loop_readings is None
     for name in ("time", "readings", "commands", "position"):
         np.testing.assert_allclose(getattr(found, name), getattr(trial, name), atol=1e-12)
 
@@ -53,16 +53,16 @@ def test_other_clocks_give_the_same_trial(
     assert np.mean(found.readings[:, touch] != trial.readings[:, touch]) < 0.02
     np.testing.assert_allclose(found.commands, trial.commands, atol=1e-12)
     assert found.distance("x") == pytest.approx(trial.distance("x"), abs=0.02)
-    assert found.heard is None
+    assert found.open_loop_readings is None
 
 
 def test_commands_that_were_played_are_heard_as_foretold(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
-    played = replace(recorded(quadruped, wanted.controller, trial), ctrl=wanted.foretold.commands)
+    played = replace(recorded(quadruped, wanted.controller, trial), ctrl=wanted.predicted.commands)
     found, _ = trial_of_recording(quadruped, played, wanted, "trial_0.csv")
-    assert found.heard is wanted.foretold.readings
+    assert found.open_loop_readings is wanted.predicted.readings
     np.testing.assert_allclose(found.readings, trial.readings, atol=1e-12)
     kept = Trial.from_tree(found.to_tree())
-    np.testing.assert_array_equal(kept.network_heard, wanted.foretold.readings)
+    np.testing.assert_array_equal(kept.network_readings, wanted.predicted.readings)
 
 
 def test_commands_of_nobody_are_refused(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
@@ -112,7 +112,7 @@ def test_a_distance_may_be_measured_by_hand_or_not_at_all(
 
 def test_rows_further_apart_than_control_steps_are_told(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     time = np.arange(0.0, STEPS * PERIOD, 0.02)
-    steady = replace(wanted, foretold=trial)
+    steady = replace(wanted, predicted=trial)
     assert (
         "0.02 s apart"
         in trial_of_recording(quadruped, recorded(quadruped, wanted.controller, trial, time), steady, "").notes[0]

@@ -79,7 +79,7 @@ class RecoverOptions(CheckedOptions):
     ensemble: Annotated[int | None, Range(1)] = None
     """Simulators, as far off as --model-error and with noisy sensors, on which each controller is tried. Default: 1 if
     that is 0 and with --paper, else 4."""
-    next_trial: Literal["farthest", "telling"] = "farthest"
+    next_trial: Literal["farthest", "informative"] = "farthest"
     """Which controller the robot tries next: the one that comes farthest, or, of those that come nearly as far, the one
     on which explanations that are not excluded yet disagree most."""
     engine: Literal["auto", "lanes", "mjx"] = "auto"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from estexp_jax.discovery.contest import Contest
+from estexp_jax.discovery.contest import CompetingModels
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
@@ -21,12 +21,12 @@ class OpenQuestions:
 
     Attributes:
         robot: the nominal one.
-        contest: the competing explanations, at least two.
+        competing_models: the competing explanations, at least two.
         finer: part of the model's step that they were fitted at.
     """
 
     robot: Robot
-    contest: Contest
+    competing_models: CompetingModels
     finer: int
 
 
@@ -39,21 +39,21 @@ def read_open_questions(folder: str | Path) -> OpenQuestions:
     path = Path(folder) / "rivals.json"
     kept = read_results(path, COMPETING_SCHEMA, "a list of rivals")
     try:
-        contest = Contest.from_json(kept)
+        models = CompetingModels.from_json(kept)
         robot, finer = Robot.from_xml(Path(folder) / kept["nominal"]), int(kept["finer"])
     except DAMAGE as error:
         raise unreadable_result(path, error) from None
-    _check(contest, robot, path)
-    return OpenQuestions(robot, contest, finer)
+    _check(models, robot, path)
+    return OpenQuestions(robot, models, finer)
 
 
-def _check(contest: Contest, robot: Robot, path: Path) -> None:
-    for change in (change for rival in contest.rivals for change in (*rival.claims, *rival.changes)):
+def _check(models: CompetingModels, robot: Robot, path: Path) -> None:
+    for change in (change for each in models.models for change in (*each.claims, *each.changes)):
         sites = effect(change.effect).sites(robot)
         if (change.name or "") not in sites:
             raise InputError(f"'{change.effect}' cannot act on '{change.name}'", where=str(path), right=known(sites))
-    if contest.commands.shape != (robot.model.nu, 2) or contest.speeds.shape != (robot.model.nv,):
+    if models.commands.shape != (robot.model.nu, 2) or models.speeds.shape != (robot.model.nv,):
         raise InputError("is of another robot than the model beside it", where=str(path), right="explain again")
-    if len(contest.rivals) < 2:
+    if len(models.models) < 2:
         right = "nothing is left to tell apart; propose serves explanations that have alternatives"
         raise InputError("the explanation has no rivals", where=str(path), right=right)

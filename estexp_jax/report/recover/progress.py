@@ -32,7 +32,7 @@ class RecoverProgress:
         if isinstance(self._job.target, RemoteTarget):
             what = "a robot of yours"
         self._progress.say(f"{model}, seed {settings.seed}: {what}")
-        engine, reason = self._job.simulator.walker.choice
+        engine, reason = self._job.simulator.closed_loop.choice
         self._progress.say(f"  engine: {engine}, {reason}")
         for change in self._job.planted:
             self._progress.say(f"  planted: {change.sentence()}")
@@ -75,7 +75,7 @@ class RecoverProgress:
             sure = "" if share is None else f", probability {share:.2f}"
             found = "; ".join(change.sentence() for change in after.diagnoses[-1]) or "nothing differs"
             say(f"diagnosis {len(after.diagnoses)}: {found} (error {after.residuals[-1]:.2g}{sure})")
-            for diagnosis, probability in after.rivals[-1]:
+            for diagnosis, probability in after.alternatives[-1]:
                 said = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
                 say(f"  not excluded, probability {probability:.2f}: {said}")
             if after.alarms[-1]:
@@ -97,8 +97,8 @@ class RecoverProgress:
             case "exploration":
                 self._progress.stage(f"exploration {number} of {settings.passes}", settings.generations)
             case "estimation":
-                rounds = estimation_of(self._job.simulator, settings, number).rounds()
-                self._progress.stage(f"estimation {number} of {settings.passes}", rounds)
+                n_iterations = estimation_of(self._job.simulator, settings, number).n_iterations()
+                self._progress.stage(f"estimation {number} of {settings.passes}", n_iterations)
             case "damage" | "trial":
                 self._progress.stage("trial")
             case _:

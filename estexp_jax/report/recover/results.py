@@ -23,7 +23,7 @@ def write_recovery(
     with replacing(folder.file("history.parquet")) as stream:
         write_history(stream, state)
     with replacing(folder.file("traces.npz")) as stream:
-        write_traces(stream, state, simulator.robot, simulator.walker.interface)
+        write_traces(stream, state, simulator.robot, simulator.closed_loop.interface)
     record = run_record(state, axis, job.planted, config, stands_in=job.stands_in)
     write_json(folder.file("run.json"), {**record, "versions": versions()})
     film = _film(folder, job, state, progress) if pictures else None
