@@ -68,7 +68,7 @@ def test_rivals_of_an_explanation_come_back_and_simulate_as_explained(diagnosed)
     windows, step = problem.windows_of([index]), nominal("one").model.opt.timestep / diagnosis.rivals_finer
     fine = [s.stepped(step) for s in problem.segments]
     values = encode(nominal("one"), problem.replayer.catalogue, found.models[0].changes)
-    replay = problem.simulator.replay(stack([values] * len(windows)), fine, windows)
+    replay = problem.replayer.replay(stack([values] * len(windows)), fine, windows)
     simulated = np.concatenate([replay.sensors[k, : fine[w].rows, 0] for k, w in enumerate(windows)])
     np.testing.assert_allclose(simulated, diagnosis.predictions[index].explained[:, 0], atol=1e-5)
     assert 0.0 < found.deviations[0] < 0.01 and found.rate == pytest.approx(100.0)
