@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,7 +41,7 @@ def log_axis(axes: Axes, errors: list[float], unit: str = "") -> None:
 
 
 def label_rows(
-    axes: Axes, heights: Sequence[float], labels: Sequence[str], *, bold: int | None = None, fontsize: int = 9
+    axes: Axes, heights: Sequence[float], labels: Sequence[str], *, bold: Collection[int] = (), fontsize: int = 9
 ) -> None:
     """Label rows on the y axis, without ticks and frame.
 
@@ -49,12 +49,12 @@ def label_rows(
         axes: of the rows.
         heights: y of each row.
         labels: of each row; they may contain dollars.
-        bold: index of the row that stands out; None: none does.
+        bold: indices of the rows that stand out.
         fontsize: of the labels, points.
     """
     axes.set_yticks(heights, labels, fontsize=fontsize, parse_math=False)
-    if bold is not None:
-        axes.get_yticklabels()[bold].set_fontweight("bold")
+    for row in bold:
+        axes.get_yticklabels()[row].set_fontweight("bold")
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)
 

@@ -38,7 +38,7 @@ def figure_competing_models(findings: Mapping[str, Any]) -> Figure:
     figure = Figure(figsize=(WIDTH, 0.9 + 0.38 * len(keys)), layout="constrained")
     axes = figure.subplots()
     drawn = [error for row, key in enumerate(keys) for error in _draw_model(axes, row, key, fit[key])]
-    bold = keys.index("explained") if "explained" in keys else None
+    bold = [row for row, key in enumerate(keys) if key == "explained"]
     label_rows(axes, range(len(keys)), [NAMES[key] for key in keys], bold=bold)
     axes.set_ylim(len(keys) - 0.4, -0.8)
     draw_noise_floor(axes, _percent(fit["noise_floor"]["test"]), drawn)

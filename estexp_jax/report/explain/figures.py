@@ -102,19 +102,19 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
 
     candidates = ranked(diagnosis)
     labels = ["\n".join(wrap(label, _LABEL_LETTERS)) for label, _ in candidates]
-    lines = sum(label.count("\n") + 1 for label in labels)
-    figure = Figure(figsize=(WIDTH, 1.2 + 0.12 * len(candidates) + 0.16 * lines), layout="constrained")
+    lines = np.array([label.count("\n") + 1 for label in labels])
+    figure = Figure(figsize=(WIDTH, 1.2 + 0.12 * len(candidates) + 0.16 * lines.sum()), layout="constrained")
     axes = figure.subplots()
-    height = np.cumsum([0.0, *(-0.75 - 0.5 * (label.count("\n") + 1) for label in labels[:-1])])
+    height = -np.cumsum([0.0, *(0.75 + 0.25 * (lines[:-1] + lines[1:]))])  # labels are centred at their rows
     chosen = diagnosis.selection.chosen
     for y, (_, explanation) in zip(height, candidates, strict=True):
         _draw_candidate(axes, y, explanation.error, _colour(diagnosis, explanation), bold=explanation is chosen)
-    bold = next((row for row, (_, explanation) in enumerate(candidates) if explanation is chosen), None)
+    bold = [row for row, (_, explanation) in enumerate(candidates) if explanation is chosen]
     label_rows(axes, height.tolist(), labels, bold=bold)
     errors = [explanation.error for _, explanation in candidates]
     draw_noise_floor(axes, 1.0, errors)
     log_axis(axes, errors)
-    axes.set_ylim(height[-1] - 1.0, 1.0)
+    axes.set_ylim(height[-1] - 0.5 - 0.5 * lines[-1], 0.5 + 0.5 * lines[0])
     axes.set_xlabel("error on held-out windows")
     return figure
 

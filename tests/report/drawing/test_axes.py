@@ -13,7 +13,7 @@ def test_long_names_are_cut_in_the_middle_line_by_line():
 
 def test_rows_are_labelled_and_one_is_bold():
     axes = Figure().subplots()
-    label_rows(axes, range(3), ["a", "$x", "c"], bold=1)
+    label_rows(axes, range(3), ["a", "$x", "c"], bold=[1])
     labels = axes.get_yticklabels()
     assert [label.get_text() for label in labels] == ["a", "$x", "c"]
     assert [label.get_fontweight() for label in labels] == ["normal", "bold", "normal"]
@@ -33,4 +33,4 @@ def test_a_noise_floor_is_drawn_where_there_is_noise():
     assert not axes.get_lines() and not axes.texts
     draw_noise_floor(axes, 0.5, [1.0, 2.0])
     draw_noise_floor(axes, 5.0, [1.0, 2.0])
-    assert [text.get_ha() for text in axes.texts] == ["left", "right"]
+    assert [text.get_horizontalalignment() for text in axes.texts] == ["left", "right"]

@@ -48,3 +48,10 @@ def test_many_long_names_fit():
             box = axes.get_tightbbox()
             assert box is not None
             assert box.x0 >= -1.0 and box.y0 >= -1.0 and box.x1 <= width + 1.0 and box.y1 <= height + 1.0
+
+
+def test_labels_of_the_ranking_do_not_overlap():
+    figure = figure_ranking(diagnosis())
+    figure.draw_without_rendering()
+    boxes = [label.get_window_extent() for label in figure.axes[0].get_yticklabels()]
+    assert all(upper.y0 > lower.y1 for upper, lower in zip(boxes, boxes[1:], strict=False))
