@@ -22,7 +22,7 @@ from estexp_jax.recordings.excitation import missing
 from estexp_jax.recordings.inspect import judge
 from estexp_jax.recordings.read import read_table
 from estexp_jax.recordings.table import Selection
-from experiments.fuzz.folders import TOML
+from experiments.robustness.fuzz.folders import TOML
 from tests.recordings.forms import FORMS, write_form, write_lerobot
 
 ARM = """

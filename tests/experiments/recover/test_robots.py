@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from estexp_jax.physics.changes import parse_change
-from experiments.robots.cases import DAMAGES, Tried, job, outcome
-from experiments.robots.figure import distances_figure
-from experiments.robots.run import main
+from experiments.recover.robots.cases import DAMAGES, Tried, job, outcome
+from experiments.recover.robots.figure import distances_figure
+from experiments.recover.robots.run import main
 
 
 def test_damages_have_their_places() -> None:

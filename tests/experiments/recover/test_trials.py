@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.common.case import Case
-from experiments.common.world import world
-from experiments.next_trial import summary as next_trial
-from experiments.repertoire import summary as repertoire
-from experiments.repertoire.repertoire import Repertoire, adapted, believed, evolved
-from experiments.repertoire.run import budget
+from experiments.harness.recovery_case import Case
+from experiments.harness.world import world
+from experiments.recover.next_trial import summary as next_trial
+from experiments.recover.repertoire import summary as repertoire
+from experiments.recover.repertoire.repertoire import Repertoire, adapted, believed, evolved
+from experiments.recover.repertoire.run import budget
 
 
 def rows(way: str, seed: int, right: list[bool]) -> list[dict]:

@@ -1,0 +1,131 @@
+"""One diagnosis: a damaged robot is driven by walkers of the library, and an estimation names what is broken."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from estexp_jax.physics.changes import Change
+from estexp_jax.recovery.config import Catalogue, Settings
+from estexp_jax.recovery.cycle import Job, job_of
+from estexp_jax.recovery.disagreement import most_telling, undecided
+from estexp_jax.recovery.estimation import Diagnosis, changes_of
+from estexp_jax.recovery.evidence import estimation, residuals_of
+from estexp_jax.recovery.trial import Trial
+from experiments.harness.diagnosis_score import amount_error, same_set, text
+from experiments.harness.world import quadruped, short_world, trial_of
+
+LIBRARY = Path(__file__).resolve().parents[2] / "walkers" / "walkers.npz"
+STEPS = 60
+_CANDIDATES = 48
+"""Walkers that the next trial is chosen from."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is diagnosed, from how many trials, and how.
+
+    Attributes:
+        situation, seed, robot: of the case.
+        catalogue, paper: what the search chooses from, and whether it is the paper's.
+        trials: numbers of trials after which there is a diagnosis, each begun with the one before.
+        telling: whether the next walker is the most telling one instead of one that is drawn.
+    """
+
+    situation: int
+    seed: int
+    robot: Literal["same", "foreign"]
+    catalogue: Catalogue = "full"
+    paper: bool = False
+    trials: tuple[int, ...] = (1, 2, 4)
+    telling: bool = False
+
+    @property
+    def kind(self) -> str:
+        """The search, and what it chooses from."""
+        return "paper" if self.paper else f"set-{self.catalogue}"
+
+    @property
+    def settings(self) -> Settings:
+        """Of the run that it stands for."""
+        return Settings(
+            situation=self.situation,
+            seed=self.seed,
+            robot=self.robot,
+            catalogue=self.catalogue,
+            paper=self.paper,
+            steps=STEPS,
+        )
+
+
+@cache
+def library() -> np.ndarray:
+    """Weights of the walkers, (walkers, n_weights)."""
+    with np.load(LIBRARY) as archive:
+        return archive["percent"] / 100.0
+
+
+def diagnose(task: Task) -> list[dict[str, Any]]:
+    """A row for each number of trials; each estimation begins with the diagnosis before, as in the whole loop."""
+    job = job_of(quadruped(), task.settings, world=short_world())
+    drawn = list(np.random.default_rng([task.seed, task.situation]).permutation(len(library())))
+    controllers, trials, seeds, rows = [], [], [], []
+    before = trial_of(job, library()[drawn[0]], STEPS, healthy=True)
+    for number in task.trials:
+        while len(trials) < number:
+            controllers.append(library()[drawn.pop(0)])
+            trials.append(trial_of(job, controllers[-1], STEPS))
+        begin = time.monotonic()
+        found, seed = _estimated(job, number, controllers, trials, before, seeds)
+        seeds.append(seed)
+        rows.append(_row(task, number, job.planted, found, time.monotonic() - begin))
+        if task.telling and found.rivals:
+            drawn.insert(0, drawn.pop(_most_telling(job, found, library()[drawn[:_CANDIDATES]])))
+    return rows
+
+
+def _most_telling(job: Job, found: Diagnosis, controllers: np.ndarray) -> int:
+    """Index of the controller on which a diagnosis and its rivals disagree most."""
+    told = [(found.items, found.probability or 0.0), *found.rivals]
+    explanations = [(changes_of(job.simulator, items), p) for items, p in told]
+    return most_telling(undecided(job.simulator, job.settings, controllers, explanations))
+
+
+def _estimated(
+    job: Job, number: int, controllers: list[np.ndarray], trials: list[Trial], before: Trial, seeds: list[Any]
+) -> tuple[Diagnosis, Any]:
+    method = estimation(job.simulator, job.settings, number)
+    residuals = residuals_of(job.simulator, job.settings, controllers, trials, [(controllers[0], before)])
+    state = method.begin(seeds)
+    while not method.done(state):
+        state = method.advance(state, residuals)
+    return method.diagnosis(state), method.seed(state)
+
+
+def _row(task: Task, number: int, planted: tuple[Change, ...], found: Diagnosis, seconds: float) -> dict[str, Any]:
+    world = short_world()
+    diagnosis = changes_of(world, found.items)
+    rivals = [changes_of(world, items) for items, _ in found.rivals]
+    return {
+        "robot": task.robot,
+        "method": "paper" if task.paper else "set",
+        "catalogue": task.catalogue,
+        "situation": task.situation,
+        "seed": task.seed,
+        "trials": number,
+        "right": same_set(planted, diagnosis),
+        "error": amount_error(quadruped(), planted, diagnosis),
+        "among_rivals": any(same_set(planted, rival) for rival in rivals),
+        "probability": found.probability,
+        "alarm": found.alarm,
+        "residual": found.residual,
+        "planted": text(planted),
+        "diagnosis": text(diagnosis),
+        "rivals": " | ".join(f"{p:.2f} {text(c)}" for c, (_, p) in zip(rivals, found.rivals, strict=True)),
+        "seconds": seconds,
+    }

@@ -1,0 +1,47 @@
+"""`estexp experiment robots`: recovery on robots that the program was not made for, a hexapod and the Unitree Go1.
+
+estexp experiment robots --quick
+python experiments/recover/robots/run.py --size small      # as `estexp recover --quick`; what the README shows
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Every damage on every robot with every seed; a table, a figure, and what it looks like."""
+    from experiments.harness.options import parsed, publish
+    from experiments.harness.recovery_case import seeds
+    from experiments.harness.tables import write_rows, write_summary
+    from experiments.recover.robots.cases import DAMAGES, Tried, outcome
+    from experiments.recover.robots.figure import distances_figure
+    from experiments.recover.robots.pictures import show
+
+    options = parsed("robots", __doc__, seeds=3, quick_seeds=1, arguments=arguments)
+    cases = [
+        Tried(model, damage, seed, options.size)
+        for seed in seeds(options.n)
+        for model, damages in DAMAGES.items()
+        for damage in damages
+    ]
+    rows = []
+    for number, case in enumerate(cases, start=1):
+        rows.append(outcome(case, options.store))
+        print(f"{number} of {len(cases)}: {case.name}: {rows[-1]['told']}", flush=True)
+    write_rows(options.out / "runs.csv", rows)
+    summary = {"runs": rows, "right": sum(row["right"] for row in rows), "of": len(rows)}
+    write_summary(options.out / "results.json", summary, size=options.size, seeds=list(seeds(options.n)))
+    distances_figure(rows).savefig(options.out / "distances.png", dpi=110)
+    for model in DAMAGES:
+        show(next(case for case in cases if case.model == model), options.store, options.out)
+    publish(options, __file__)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
