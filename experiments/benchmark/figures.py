@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from experiments.benchmark.scoring.judge import QUIET, Row
+from experiments.harness.figures import write_figure
 
 _INK, _GOOD, _BAD, _SOFT = "#22303c", "#2a7f62", "#c0492f", "#9aa7b1"
 _VERDICTS = {
@@ -28,7 +29,7 @@ _VERDICTS = {
 
 
 def draw_page(rows: Sequence[Row], scores: Mapping[str, Any], path: Path) -> None:
-    """Draw everything into a PNG, and an SVG beside it."""
+    """Draw everything into a PNG."""
     with plt.rc_context({"font.size": 8, "axes.spines.top": False, "axes.spines.right": False, "text.color": _INK}):
         figure, axes = plt.subplots(2, 3, figsize=(12.5, 7.6), layout="constrained")
         _verdicts(axes[0, 0], rows)
@@ -37,8 +38,7 @@ def draw_page(rows: Sequence[Row], scores: Mapping[str, Any], path: Path) -> Non
         _gains(axes[1, 0], rows)
         _calibration(axes[1, 1], rows, scores)
         _times(axes[1, 2], rows)
-        figure.savefig(path, dpi=130)
-        figure.savefig(path.with_suffix(".svg"))
+        write_figure(path, figure, dpi=130)
         plt.close(figure)
 
 
@@ -58,7 +58,7 @@ def draw_confusion(scores: Mapping[str, Any], path: Path) -> None:
         ax.set_yticks(range(len(truths)), truths)
         ax.set_xlabel("first name claimed, or (verdict)")
         ax.set_ylabel("what was concealed")
-        figure.savefig(path, dpi=130)
+        write_figure(path, figure, dpi=130)
         plt.close(figure)
 
 
@@ -98,10 +98,10 @@ def _detection(ax: Axes, scores: Mapping[str, Any]) -> None:
         ),
         strict=True,
     ):
-        told = [(i, b[key]) for i, b in enumerate(bins) if b[key]["n"]]
-        x = np.array([i for i, _ in told]) + shift
-        y = np.array([s["share"] for _, s in told])
-        error = np.abs([[s["share"] - s["low"] for _, s in told], [s["high"] - s["share"] for _, s in told]])
+        asked = [(i, b[key]) for i, b in enumerate(bins) if b[key]["n"]]
+        x = np.array([i for i, _ in asked]) + shift
+        y = np.array([s["share"] for _, s in asked])
+        error = np.abs([[s["share"] - s["low"] for _, s in asked], [s["high"] - s["share"] for _, s in asked]])
         ax.errorbar(x, y, error, fmt="o", color=colour, label=label, ms=4, lw=1, capsize=2)
     counts = [b["detected"]["n"] for b in bins]
     ax.set_xticks(range(len(bins)), [f"{a}\nn = {n}" for a, n in zip(labels, counts, strict=True)])
@@ -138,14 +138,14 @@ def _shares(ax: Axes, scores: Mapping[str, Any]) -> None:
 
 
 def _gains(ax: Axes, rows: Sequence[Row]) -> None:
-    told = sorted((r for r in rows if r.errors and r.floor), key=lambda r: r.errors["nominal"] / (r.floor or 1.0))
+    ordered = sorted((r for r in rows if r.errors and r.floor), key=lambda r: r.errors["nominal"] / (r.floor or 1.0))
     for name, colour, marker in (
         ("nominal", _SOFT, "o"),
         ("parameters_only", "#5b8db8", "s"),
         ("explained", _GOOD, "D"),
     ):
-        y = [r.errors.get(name, np.nan) / (r.floor or 1.0) for r in told]
-        ax.plot(range(len(told)), y, marker, color=colour, ms=4, label=name.replace("_", " "))
+        y = [r.errors.get(name, np.nan) / (r.floor or 1.0) for r in ordered]
+        ax.plot(range(len(ordered)), y, marker, color=colour, ms=4, label=name.replace("_", " "))
     ax.axhline(1.0, color=_BAD, lw=0.8)
     ax.set_yscale("log")
     ax.set_xlabel("case, sorted by the nominal simulator's error")

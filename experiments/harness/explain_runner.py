@@ -19,8 +19,11 @@ from pathlib import Path
 from threading import Event, Lock
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[2]
+from experiments.harness.study import ROOT
+
 _PR_SET_PDEATHSIG = 1
+EXPLAIN = (sys.executable, "-m", "estexp_jax.cli.main", "explain")
+"""What explains a case, as users would."""
 TIMEOUT = 1800.0
 """A case that takes longer (s) counts as failed."""
 
@@ -48,7 +51,7 @@ class Runner:
             only: names of the cases; None: all that the folder holds.
         """
         self.out, self.workers, self.timeout, self.ray = out, workers, timeout, ray
-        self.command = command or (sys.executable, "-m", "estexp_jax.cli.main", "explain")
+        self.command = command or EXPLAIN
         self.only = only
         self.children: set[subprocess.Popen[bytes]] = set()
         self.lock, self.stopped = Lock(), Event()
@@ -106,9 +109,9 @@ class Runner:
         if code == 2 and again:  # nothing to resume from
             code = self._process(case, ("--force",))
         if not self.stopped.is_set() and code != -signal.SIGTERM:  # that comes from outside only
-            told = {"code": code, "wall_s": time.monotonic() - begin, "resumed": bool(again)}
+            ending = {"code": code, "wall_s": time.monotonic() - begin, "resumed": bool(again)}
             part = result.with_suffix(".part")
-            part.write_text(json.dumps(told), encoding="utf-8")
+            part.write_text(json.dumps(ending), encoding="utf-8")
             part.replace(result.with_suffix(".json"))
         return case
 

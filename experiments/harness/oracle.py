@@ -1,4 +1,4 @@
-"""A run in which every estimation is handed the true damage: the most that knowing it can give."""
+"""A run whose every diagnosis is the true damage: the most that a diagnosis can be worth."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from estexp_jax.recovery.cycle import Job, run
 from estexp_jax.recovery.state import RunState
 
 
-def told(job: Job, state: RunState) -> Iterator[RunState]:
+def with_true_damage(job: Job, state: RunState) -> Iterator[RunState]:
     """As `cycle.run`, with the same random numbers, explorations and trials.
 
     Args:
-        job: what it works with; its `planted` is what is handed over.
+        job: what it works with; its `planted` is every diagnosis.
         state: to go on from.
     """
     while state.phase != "done":
         if state.phase == "estimation":
-            state = _handed(job, state)
+            state = _known(job, state)
             yield state
         for reached in run(job, state):
             state = reached
@@ -27,8 +27,8 @@ def told(job: Job, state: RunState) -> Iterator[RunState]:
                 break
 
 
-def _handed(job: Job, state: RunState) -> RunState:
-    """The state after an estimation that knew."""
+def _known(job: Job, state: RunState) -> RunState:
+    """The state after an estimation that knows the damage."""
     return replace(
         state,
         phase="exploration",

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from estexp_jax.recovery.config import Metric, NextTrial, Settings
 
 Size = Literal["tiny", "quick", "small", "medium", "full"]
-Method = Literal["paper", "set", "told"]
+Method = Literal["paper", "set", "oracle"]
 
 SIZES: dict[Size, dict[str, int]] = {
     "tiny": {"population": 8, "generations": 3, "steps": 60},
@@ -24,14 +24,14 @@ FIRST_SEED = 5000
 
 
 @dataclass(frozen=True)
-class Case:
+class RecoveryCase:
     """A run of the estimation-exploration algorithm.
 
     Attributes:
         situation: of the paper's Table 1; None: `damage` happens instead.
         seed: of the run, its places among it.
         size: see `SIZES`.
-        method: the paper's genetic algorithm, the set search, or none: the true damage is handed over.
+        method: the paper's genetic algorithm, the set search, or the oracle, which knows the true damage.
         metric: what a diagnosis is judged by.
         robot: the robot in the world.
         damage: changes as on the command line.

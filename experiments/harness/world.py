@@ -15,7 +15,7 @@ from estexp_jax.recovery.simulator import Simulator, simulator
 from estexp_jax.recovery.target import Remote
 from estexp_jax.recovery.trial import Trial
 from estexp_jax.runs import enable_compilation_cache
-from experiments.harness.recovery_case import SIZES, Case, Size
+from experiments.harness.recovery_case import SIZES, RecoveryCase, Size
 
 
 @cache
@@ -38,7 +38,7 @@ def short_world() -> Simulator:
     return simulator(quadruped(), Settings(population=200, steps=300))
 
 
-def job(case: Case) -> Job:
+def job(case: RecoveryCase) -> Job:
     """What a run works with."""
     return job_of(quadruped(), case.settings, world=world(case.size))
 

@@ -1,25 +1,32 @@
-"""Runs the bench on the quadruped, with its twelve contacts and with its feet alone; see README.md."""
+"""`estexp experiment speed`: the bench on the quadruped, with its twelve contacts and with its feet alone.
 
-import argparse
+Numbers belong together, so all are measured anew, one at a time, whatever --resume and --workers say.
+"""
+
+from __future__ import annotations
+
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
-from estexp_jax.cli.main import main
-
-OUT = Path("out") / "bench"
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 
-def run() -> int:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--resume", action="store_true", help="numbers belong together, so both are measured anew")
-    parser.add_argument("--workers", type=int, help="only one at a time can be measured: ignored")
-    parser.add_argument("--out", type=Path, default=OUT, help=f"default: {OUT}")
-    given = parser.parse_args()
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure; gives the exit code."""
+    from estexp_jax.cli.main import main as estexp
+    from experiments.harness.study import Study, words
+
+    study = Study.of(__file__, __doc__)
+    given = study.parser().parse_args(words(arguments))
+    out = study.results(given.out)
     options = ["--force", *(["--quick"] if given.quick else [])]
-    code = main(["bench", "--out", str(given.out / "quadruped"), *options, *([] if given.quick else ["--sweep"])])
-    return code or main(["bench", "--out", str(given.out / "feet"), "--feet", *options])
+    sweep = [] if given.quick else ["--sweep"]
+    code = estexp(["bench", "--out", str(out / "quadruped"), *options, *sweep])
+    return code or estexp(["bench", "--out", str(out / "feet"), "--feet", *options])
 
 
 if __name__ == "__main__":
-    sys.exit(run())
+    from experiments.harness.study import exit_code
+
+    sys.exit(exit_code(main))

@@ -1,11 +1,11 @@
-"""All rivals on a random part of a set; what is done is kept in `out/rivals.json`, so a killed run goes on."""
+"""All baselines on a random part of a set; what is done is kept in `out/baselines.json`, so a killed run goes on."""
 
 from __future__ import annotations
 
 import json
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +19,14 @@ NOTICED = 3.0
 """A parameter tool notices that something is wrong where its fit leaves so many floors in training."""
 
 
-def run_rivals(out: Path, most: int | None = None) -> None:
+def run_baselines(out: Path, most: int | None = None) -> None:
     """Run what has not been run.
 
     Args:
         out: folder of a set.
         most: on so many cases, drawn by the set's seed; None: all.
     """
-    answers, path = open_answers(out), out / "rivals.json"
+    answers, path = open_answers(out), out / "baselines.json"
     seed = json.loads((out / "commitment.json").read_text(encoding="utf-8"))["seed"]
     cases = sorted(answers)
     if most is not None and most < len(cases):
@@ -36,13 +36,13 @@ def run_rivals(out: Path, most: int | None = None) -> None:
         print("mujoco.sysid is left out: it needs pip install 'mujoco[sysid]'", file=sys.stderr)
     for case in cases:
         if case not in done:
-            done[case] = rivals_of(out / "cases" / case, answers[case])
+            done[case] = baselines_of(out / "cases" / case, answers[case])
             path.write_text(json.dumps(done, indent=1), encoding="utf-8")
-            print(f"{case}: rivals {', '.join(done[case])}", flush=True)
+            print(f"{case}: baselines {', '.join(done[case])}", flush=True)
 
 
-def rivals_of(folder: Path, answer: dict[str, Any]) -> dict[str, Any]:
-    """All rivals on one case, each with errors, gain and time; a failure is told as one."""
+def baselines_of(folder: Path, answer: Mapping[str, Any]) -> dict[str, Any]:
+    """All baselines on one case, each with errors, gain and time; a failure is reported as one."""
     model, logs = read_case(folder)
     tests, trains = ([log for log in logs if log.role == role] for role in ("test", "train"))
     noise, nominal = floor(tests), nrmse(model, tests)
@@ -54,18 +54,18 @@ def rivals_of(folder: Path, answer: dict[str, Any]) -> dict[str, Any]:
         jobs["oracle"] = lambda: {"test": oracle.error(answer, model, logs)}
     for name, job in jobs.items():
         begin = time.monotonic()
-        told: dict[str, Any] | None
+        result: dict[str, Any] | None
         try:
-            told = job()
+            result = job()
         except (ValueError, FloatingPointError, np.linalg.LinAlgError) as error:
-            told = {"failed": str(error)}
-        if told is not None:
-            error = told.get("test")
+            result = {"failed": str(error)}
+        if result is not None:
+            error = result.get("test")
             share = None if error is None else gain(error, nominal, noise)
-            found[name] = told | {"gain": share, "wall_s": time.monotonic() - begin}
+            found[name] = result | {"gain": share, "wall_s": time.monotonic() - begin}
     return found
 
 
 def _sysid(folder: Path, model: Any, logs: list[Log], noise: float) -> dict[str, Any]:
-    told = sysid.run(folder, model, logs)
-    return told | {"noticed": bool(told["train"] > NOTICED * noise)}
+    result = sysid.run(folder, model, logs)
+    return result | {"noticed": bool(result["train"] > NOTICED * noise)}

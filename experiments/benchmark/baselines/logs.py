@@ -1,4 +1,4 @@
-"""A case as rivals read it: model, recordings, windows with starts estimated from the recordings alone."""
+"""A case as baselines read it: model, recordings, windows with starts estimated from the recordings alone."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import mujoco
@@ -14,7 +15,7 @@ from experiments.benchmark.generator.robots import ROBOTS, layout
 from experiments.benchmark.generator.sensing import channels
 
 
-def rebuilt(answer: dict[str, Any]) -> Case:
+def rebuilt(answer: Mapping[str, Any]) -> Case:
     """The case of an answer."""
     plan = answer["plan"]
     return make(
@@ -24,12 +25,12 @@ def rebuilt(answer: dict[str, Any]) -> Case:
     )
 
 
-def error(answer: dict[str, Any], model: mujoco.MjModel, logs: list[Log]) -> float:
+def error(answer: Mapping[str, Any], model: mujoco.MjModel, logs: list[Log]) -> float:
     """nrmse of the oracle on the test recordings."""
     return float(np.sqrt(np.mean(np.square(errors(answer, model, logs)))))
 
 
-def errors(answer: dict[str, Any], model: mujoco.MjModel, logs: list[Log]) -> list[float]:
+def errors(answer: Mapping[str, Any], model: mujoco.MjModel, logs: list[Log]) -> list[float]:
     """nrmse of the oracle on each of the test recordings."""
     case, place = rebuilt(answer), layout(answer["robot"])
     robot, parts = ROBOTS[answer["robot"]], []
@@ -40,9 +41,9 @@ def errors(answer: dict[str, Any], model: mujoco.MjModel, logs: list[Log]) -> li
         plant = Plant(robot, case.truth, case.motors, case.effects, case.plan.by_hand)
         starts = {float(log.time[w.rows[0]]): (w.qpos, w.qvel) for w in windows(model, log)}
         rows, steps = plant.replay(recorded.rows, starts)
-        told = recorded.__class__(recorded.name, rows, steps)
+        again = recorded.__class__(recorded.name, rows, steps)
         seen = [
-            reading(c, told, rows.time, case.effects, case.plan.planted, robot.name)
+            reading(c, again, rows.time, case.effects, case.plan.planted, robot.name)
             for c in channels(robot.model, place)
         ]
         truth = np.stack(seen, axis=1)

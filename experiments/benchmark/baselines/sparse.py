@@ -105,6 +105,6 @@ def run(model: mujoco.MjModel, logs: list[Log]) -> dict[str, Any] | None:
     def push(qpos: np.ndarray, qvel: np.ndarray, motors: np.ndarray) -> np.ndarray:
         return np.sum(library(qpos, qvel, motors) * found, axis=-1)
 
-    told = {model.joint(v).name: {t: round(c, 5) for t, c in law.items() if c} for v, law in enumerate(laws)}
+    terms = {model.joint(v).name: {t: round(c, 5) for t, c in law.items() if c} for v, law in enumerate(laws)}
     errors = {role: nrmse(model, [log for log in logs if log.role == role], push) for role in ("train", "test")}
-    return errors | {"terms": told}
+    return errors | {"terms": terms}

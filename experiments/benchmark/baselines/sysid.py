@@ -1,9 +1,9 @@
 """mujoco.sysid with all the parameters MJCF has for a joint: masses, damping, friction loss, armature, gains.
 
 Its default residual and optimiser (Gauss-Newton on finite differences over rollouts in C), windows of 2 s of the
-training recordings, starts estimated as for every rival, the nominal step. Two of its habits are allowed for, so that
-it is at its best: it stamps a reading one step after the state it belongs to, so recorded times are shifted alike; and
-its torque sensors show the command that acts from then on, not the one before, so only positions are fitted.
+training recordings, starts estimated as for all baselines, the nominal step. Two of its habits are allowed for, so
+that it is at its best: it stamps a reading one step after the state it belongs to, so recorded times are shifted alike;
+and its torque sensors show the command that acts from then on, not the one before, so only positions are fitted.
 """
 
 from __future__ import annotations
@@ -140,6 +140,6 @@ def _held(window: Window, step: float) -> Any:
 
 def run(folder: Path, model: mujoco.MjModel, logs: list[Log]) -> dict[str, Any]:
     """Errors on training and test recordings, what changed, and the cost."""
-    fitted, told = fit(folder, model, logs)
+    fitted, changed = fit(folder, model, logs)
     roles = {role: nrmse(fitted, [log for log in logs if log.role == role]) for role in ("train", "test")}
-    return roles | told
+    return roles | changed

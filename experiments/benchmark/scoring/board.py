@@ -12,7 +12,8 @@ from experiments.benchmark.scoring.judge import QUIET, Row
 
 BINS = (0.0, 1.0, 3.0, 10.0, 30.0, np.inf)
 """Edges of visibility, noise floors."""
-UNNAMED = ("unknown", "relative")
+OUTSIDE_CATALOGUE = ("unknown", "relative")
+"""Groups whose laws no catalogue holds."""
 
 
 def wilson(k: int, n: int, z: float = 1.96) -> tuple[float, float]:
@@ -38,14 +39,6 @@ def share(rows: Iterable[_T], right: Callable[[_T], Any]) -> dict[str, Any]:
     return {"k": k, "n": n, "share": k / n if n else None, "low": low, "high": high}
 
 
-def told_share(rows: Iterable[_T], right: Callable[[_T], Any]) -> str:
-    """`share` in words; a dash where nothing was asked."""
-    found = share(rows, right)
-    if not found["n"]:
-        return "-"
-    return f"{found['k']} of {found['n']} ({100 * found['low']:.0f} to {100 * found['high']:.0f} %)"
-
-
 def ece(probabilities: Sequence[float], right: Sequence[bool], bins: int = 5) -> float | None:
     """Expected calibration error over bins of equal count: sum n_b / n |mean p - share right|; None for no claim."""
     if not probabilities:
@@ -64,8 +57,8 @@ def board(rows: Sequence[Row], oracle: Mapping[str, float] | None = None) -> dic
         oracle: held-out gain of the true model, by those cases where it is known.
     """
     quiet = [r for r in rows if r.group in QUIET]
-    shown = [r for r in rows if r.visible and r.group not in ("hidden", *UNNAMED)]
-    outside = [r for r in rows if r.visible and r.group in UNNAMED]
+    shown = [r for r in rows if r.visible and r.group not in ("hidden", *OUTSIDE_CATALOGUE)]
+    outside = [r for r in rows if r.visible and r.group in OUTSIDE_CATALOGUE]
     hidden = [r for r in rows if r.group == "hidden"]
     claims = [(r.probability, bool(r.name_equivalent)) for r in rows if r.probability is not None and r.claimed]
     return {
@@ -99,7 +92,7 @@ def board(rows: Sequence[Row], oracle: Mapping[str, float] | None = None) -> dic
 def abstained(row: Row) -> bool:
     """No name was given where none can be known."""
     quiet = ("consistent", "parameters") if row.group == "hidden" else ("unexplained",)
-    return row.verdict in quiet or (row.group in UNNAMED and row.wrong_name is False and bool(row.name_first))
+    return row.verdict in quiet or (row.group in OUTSIDE_CATALOGUE and row.wrong_name is False and bool(row.name_first))
 
 
 def by_visibility(rows: Sequence[Row]) -> list[dict[str, Any]]:
@@ -168,10 +161,10 @@ def onset(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def gains(rows: Sequence[Row], oracle: Mapping[str, float]) -> dict[str, Any]:
-    """Held-out gain, its share of the oracle's where that is known, and how often the explanation beats each rival."""
+    """Held-out gain, its share of the oracle's where known, and how often the explanation beats each baseline."""
     own = {r.case: r.gain for r in rows if r.gain is not None}
     shares = [gain / oracle[case] for case, gain in own.items() if case in oracle]
-    rivals = sorted({n for r in rows for n in r.errors} - {"explained"})
+    baselines = sorted({n for r in rows for n in r.errors} - {"explained"})
     return {
         "cases": len(own),
         "median": float(np.median(list(own.values()))) if own else None,
@@ -183,7 +176,7 @@ def gains(rows: Sequence[Row], oracle: Mapping[str, float]) -> dict[str, Any]:
                 [r for r in rows if n in r.errors and "explained" in r.errors],
                 lambda r, n=n: r.errors["explained"] < r.errors[n],
             )
-            for n in rivals
+            for n in baselines
         },
     }
 

@@ -14,7 +14,8 @@ THRESHOLD = 3.0
 """Visibility, in noise floors, from which on an effect ought to be found."""
 CONVERGED = 3.0
 """Noise floors a refit of parameters may leave in training where nothing is missing."""
-_NEUTRAL = {"sensor_gain": 1.0}
+NEUTRAL = {"sensor_gain": 1.0}
+"""Values of parameters at which an effect does nothing, where that is not zero."""
 
 
 @dataclass(frozen=True)
@@ -112,10 +113,10 @@ def judge(case: str, answer: Mapping[str, Any], findings: Mapping[str, Any] | No
     }
     if effects:
         right = [
-            [_matches(c, e, answer, set(equal)) for e, equal in zip(effects, answer["equivalents"], strict=True)]
+            [matches(c, e, answer, set(equal)) for e, equal in zip(effects, answer["equivalents"], strict=True)]
             for c in claims
         ]
-        exact = [[_matches(c, e, answer, set()) for e in effects] for c in claims]
+        exact = [[matches(c, e, answer, set()) for e in effects] for c in claims]
         what |= _names(exact, right, effects, verdict) | _places(findings["where"], effects, answer)
         if what["name_equivalent"] and not what["name_first"]:  # what says the same may sit elsewhere
             what |= {"place_first": True, "place_three": True}
@@ -150,7 +151,7 @@ def _same_place(place: Mapping[str, Any], effect: Mapping[str, Any], answer: Map
     return axis(place, answer) == effect["axis"]
 
 
-def _matches(
+def matches(
     claim: Mapping[str, Any], effect: Mapping[str, Any], answer: Mapping[str, Any], equivalents: set[str]
 ) -> bool:
     """Whether a claim is this effect, or one that says the same."""
@@ -184,7 +185,7 @@ def _sizes(claim: Mapping[str, Any], effect: Mapping[str, Any]) -> list[Size]:
     for name in effect["scored"]:
         if name in claim["parameters"] and claim["effect"] == effect["effect"]:
             fitted, true = claim["parameters"][name], effect["parameters"][name]
-            scale = abs(true - _NEUTRAL.get(effect["effect"], 0.0)) or 1.0
+            scale = abs(true - NEUTRAL.get(effect["effect"], 0.0)) or 1.0
             bounds = fitted.get("low"), fitted.get("high")
             covered = None not in bounds and bounds[0] <= true <= bounds[1]
             found.append(

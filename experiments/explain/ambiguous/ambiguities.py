@@ -19,16 +19,16 @@ Motion = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 
 @final
 @dataclass(frozen=True)
-class Doubt:
-    """A doubt.
+class Ambiguity:
+    """An ambiguity.
 
     Attributes:
         name: in words.
         robot: its MJCF, of what becomes of numbers.
-        effects: what is in doubt, each with its parameters at a strength in 0..1, as `estexp record --effect` takes it.
+        effects: each with its parameters at a strength in 0..1, as `estexp record --effect` takes it.
         motion: the first one, under which they say the same.
-        equals: names that say the same as one of them on this robot, whatever it is told to do.
-        noise: deviation of the noise on angles, rad: so much that what the first motion tells of the difference drowns.
+        equals: names that say the same as one of them on this robot, whatever its commands.
+        noise: deviation of the noise on angles, rad: so much that what the first motion shows of the difference drowns.
         rest: for which the robot stands before a recording begins, s.
     """
 
@@ -46,7 +46,7 @@ class Doubt:
         return tuple(effect(0.5).split()[0].partition("@")[0] for effect in self.effects)
 
     def said(self, effects: Iterable[str]) -> tuple[str, ...]:
-        """Those of the doubt that some effects are, or say."""
+        """Those of the ambiguity that some effects are, or say."""
         meant = {self.equals.get(name, name) for name in effects}
         return tuple(name for name in self.names if name in meant)
 
@@ -167,8 +167,8 @@ def either_way(size: float) -> Motion:
     return commands
 
 
-DOUBTS = (
-    Doubt(
+AMBIGUITIES = (
+    Ambiguity(
         "payload or weak motor",
         motor,
         (
@@ -177,7 +177,7 @@ DOUBTS = (
         ),
         slow(0.07),
     ),
-    Doubt(
+    Ambiguity(
         "delay or viscous friction",
         level,
         (
@@ -187,7 +187,7 @@ DOUBTS = (
         slow(0.5),
         {"sensor_delay": "command_delay", "back_emf": "viscous_friction"},
     ),
-    Doubt(
+    Ambiguity(
         "backlash, delay or stiction",
         level,
         (
@@ -198,7 +198,7 @@ DOUBTS = (
         one_way(0.18),
         {"sensor_delay": "command_delay"},
     ),
-    Doubt(
+    Ambiguity(
         "sensor gain or payload",
         hanging,
         (
@@ -207,7 +207,7 @@ DOUBTS = (
         ),
         slow(0.3),
     ),
-    Doubt(
+    Ambiguity(
         "joint offset or sensor bias",
         hanging,
         (
@@ -217,7 +217,7 @@ DOUBTS = (
         slow(0.25),
         {"gravity_tilt": "joint_offset"},
     ),
-    Doubt(
+    Ambiguity(
         "saturation or weak motor",
         motor,
         (
@@ -227,7 +227,7 @@ DOUBTS = (
         either_way(0.3),
         noise=2e-3,
     ),
-    Doubt(
+    Ambiguity(
         "tilt or centre of mass",
         turning,
         (
@@ -238,7 +238,7 @@ DOUBTS = (
         {"joint_offset": "com_shift"},
         noise=2e-3,
     ),
-    Doubt(
+    Ambiguity(
         "quadruped: payload or weak motors",
         standing,
         (

@@ -1,4 +1,4 @@
-"""One doubt settled, or not: explained, proposed, recorded, explained again."""
+"""One ambiguity settled, or not: explained, proposed, recorded, explained again."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from estexp_jax.inference.excitation import multisine
 from estexp_jax.physics.changes import parse_change
 from estexp_jax.physics.robot import Robot
 from estexp_jax.recordings.write import write_csv
-from experiments.explain.ambiguous.ambiguities import DOUBTS, Doubt
+from experiments.explain.ambiguous.ambiguities import AMBIGUITIES, Ambiguity
 
 SECONDS, RATE = 8.0, 50.0
 BITS = 12
@@ -33,25 +33,30 @@ _RANDOM = 0.3
 
 
 def settled(index: int, seed: int, folder: Path) -> dict[str, Any]:
-    """A case: one of a doubt's effects is there, in turn.
+    """A case: one of an ambiguity's effects is there, in turn.
 
     Args:
-        index: of the doubt.
+        index: of the ambiguity.
         seed: of the robot's errors, the effect's strength, motions and noise.
         folder: for its files.
 
     Returns:
-        What is told before, and after one more recording: the proposed one, or a random one of the same length.
+        What is claimed before, and after one more recording: the proposed one, or a random one of the same length.
     """
-    doubt, rng = DOUBTS[index], np.random.default_rng([seed, 31, index])
-    which = seed % len(doubt.effects)
-    real = _Real(doubt, which, rng, folder)
+    ambiguity, rng = AMBIGUITIES[index], np.random.default_rng([seed, 31, index])
+    which = seed % len(ambiguity.effects)
+    real = _Real(ambiguity, which, rng, folder)
     time = np.arange(round(SECONDS * RATE)) / RATE
-    train = [real.log(f"train_{k}.csv", doubt.motion(time, rng)) for k in range(2)]
-    test = real.log("test_0.csv", doubt.motion(time, rng))
+    train = [real.log(f"train_{k}.csv", ambiguity.motion(time, rng)) for k in range(2)]
+    test = real.log("test_0.csv", ambiguity.motion(time, rng))
     first = ee.explain(real.nominal.source, train, test=[test])
     first.write(folder / "first", force=True, pictures=False)
-    found = {"doubt": doubt.name, "seed": seed, "truth": doubt.names[which], "before": told(first, doubt, which)}
+    found = {
+        "ambiguity": ambiguity.name,
+        "seed": seed,
+        "truth": ambiguity.names[which],
+        "before": assessed(first, ambiguity, which),
+    }
     motions = {"random": multisine(real.nominal, time, _RANDOM, seed)}
     contest = first.diagnosis.contest
     if contest is not None and len(contest.rivals) > 1:
@@ -59,20 +64,20 @@ def settled(index: int, seed: int, folder: Path) -> dict[str, Any]:
         motions["proposed"] = proposal.commands[:-1]
     for name, commands in motions.items():
         more = real.log(f"{name}.csv", commands)
-        found[name] = told(ee.explain(real.nominal.source, [*train, more], test=[test]), doubt, which)
+        found[name] = assessed(ee.explain(real.nominal.source, [*train, more], test=[test]), ambiguity, which)
     return found
 
 
 class _Real:
     """The real robot of a case, and its loggers."""
 
-    def __init__(self, doubt: Doubt, which: int, rng: np.random.Generator, folder: Path) -> None:
+    def __init__(self, ambiguity: Ambiguity, which: int, rng: np.random.Generator, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "nominal.xml").write_text(doubt.robot(lambda x: x), encoding="utf-8")
+        (folder / "nominal.xml").write_text(ambiguity.robot(lambda x: x), encoding="utf-8")
         self.nominal, self._folder, self._rng = Robot.from_xml(folder / "nominal.xml"), folder, rng
-        self._noise, self._rest = doubt.noise, doubt.rest
-        wrong = Robot.from_string(doubt.robot(lambda x: x * (1.0 + ERROR * rng.standard_normal())), "real.xml")
-        effect = parse_change(doubt.effects[which](float(rng.uniform())), wrong)
+        self._noise, self._rest = ambiguity.noise, ambiguity.rest
+        wrong = Robot.from_string(ambiguity.robot(lambda x: x * (1.0 + ERROR * rng.standard_normal())), "real.xml")
+        effect = parse_change(ambiguity.effects[which](float(rng.uniform())), wrong)
         self._simulator = Simulator(wrong, (effect,), finer=_FINER)
 
     def log(self, name: str, commands: np.ndarray) -> str:
@@ -100,28 +105,28 @@ class _Real:
         return columns | {f"qvel.{root}.{i}": speeds[:, i] for i in range(6)}
 
 
-def told(found: Explanation, doubt: Doubt, which: int) -> dict[str, Any]:
-    """What an explanation says of a doubt.
+def assessed(found: Explanation, ambiguity: Ambiguity, which: int) -> dict[str, Any]:
+    """What an explanation says of an ambiguity.
 
     Returns:
-        verdict; claims, all of `what`; listed, those of the doubt that are open: of an explanation that is as likely as
-        `LISTED`, or that held-out windows do not tell from the best; probability of the right one; alone, whether that
-        one is named first and the only one of the doubt that is listed.
+        verdict; claims, all of `what`; listed, those of the ambiguity that are open: of an explanation that is as
+        likely as `LISTED`, or as good as the best on held-out windows; probability of the right one; alone, whether
+        that one is named first and the only one of the ambiguity that is listed.
     """
     diagnosis, claims = found.diagnosis, [w["effect"] for w in found.findings["what"]]
     tried, shares = diagnosis.selection.tried, probabilities(diagnosis.selection, diagnosis.config.seed)[1:]
     least = min((e.held_out.sum() for e in tried), default=0.0)
     near = [p >= LISTED or e.held_out.sum() <= SAME * least for e, p in zip(tried, shares, strict=True)]
-    right = doubt.names[which]
-    said = [doubt.said({effect for effect, _ in e.places}) for e in tried]
+    right = ambiguity.names[which]
+    said = [ambiguity.said({effect for effect, _ in e.places}) for e in tried]
     said = [(right,) if right in names else names for names in said]  # beside it, another one is no rival
     listed = tuple(
-        name for name in doubt.names if any(o and name in names for names, o in zip(said, near, strict=True))
+        name for name in ambiguity.names if any(o and name in names for names, o in zip(said, near, strict=True))
     )
     return {
         "verdict": found.findings["verdict"],
         "claims": [w["effect"] + (f"@{w['name']}" if w["name"] else "") for w in found.findings["what"]],
         "listed": list(listed),
         "probability": float(sum(p for names, p in zip(said, shares, strict=True) if right in names)),
-        "alone": listed == (right,) and doubt.said(claims[:1]) == (right,),
+        "alone": listed == (right,) and ambiguity.said(claims[:1]) == (right,),
     }

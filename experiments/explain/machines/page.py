@@ -1,70 +1,65 @@
-"""The page of the real recordings: a table a device, agreement of halves, withheld truths."""
+"""The page of the real machines: a table a device, agreement of halves, withheld truths."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from experiments.explain.machines.cases import Plan, agreement, score
+from estexp_jax.runs import write_json
+from estexp_jax.runs.files import write_text
+from experiments.explain.machines.cases import MachineCase, planned
 from experiments.explain.machines.devices import DEVICES
-from experiments.harness.explain_runner import findings_of
+from experiments.explain.machines.score import agreement, score
+from experiments.harness.explain_study import Entry
 
+Found = Mapping[str, Mapping[str, Any] | None]
+"""Findings by case; None where the program failed."""
 _PROVES = (
     "Real recordings have no known truth. They can show that a description is *consistent* (noise is what is left), "
     "*predictive* (recordings that were not fitted come out better) and *repeatable* (disjoint halves name the same). "
     "They cannot show that the named physics is what is in the machine: another law that acts alike on these motions "
     "would score the same. Withheld truths are known because they were put there, and reach only the command and "
-    "sensor sides, and what the program was told."
+    "sensor sides, and what the program was given as known."
 )
 
 
-def write_page(out: Path, plans: Sequence[Plan]) -> Path:
-    """Write `results.json` and `results.md`; gives the latter's path."""
-    found = {p.name: findings_of(out, p.name) for p in plans}
-    told = [_withheld(p, found) for p in plans if p.withheld]
-    halves = _halves(plans, found)
-    results = {
-        "devices": {p.name: _short(found[p.name]) for p in plans if not p.withheld},
-        "halves": halves,
-        "withheld": told,
-    }
-    (out / "results.json").write_text(json.dumps(results, indent=1), encoding="utf-8")
+def write_page(out: Path, entries: Sequence[Entry], _: int) -> Path:
+    """Write `summary.json` and `results.md` of the cases that have been explained; gives the latter's path."""
+    cases = planned(0, "all")
+    found = {entry["case"]: entry.get("findings") for entry in entries}
+    withheld = [_withheld(case, found) for case in cases.values() if case.withheld]
+    halves = _halves(cases, found)
+    write_json(out / "summary.json", {"halves": halves, "withheld": withheld})
     page = out / "results.md"
-    page.write_text("\n".join(_lines(plans, found, halves, told)), encoding="utf-8")
+    write_text(page, "\n".join(_lines(cases, found, halves, withheld)))
     return page
 
 
-def _short(findings: dict[str, Any] | None) -> dict[str, Any] | None:
-    return None if findings is None else {k: findings[k] for k in ("verdict", "where", "what", "fit", "cost")}
-
-
-def _withheld(plan: Plan, found: dict[str, dict[str, Any] | None]) -> dict[str, Any]:
-    findings, w = found[plan.name], plan.withheld
+def _withheld(case: MachineCase, found: Found) -> dict[str, Any]:
+    findings, w = found.get(case.name), case.withheld
     assert w is not None
-    told = (
-        {"found": False, "as": None, "named_first": False, "error": None}
-        if findings is None
-        else score(w, findings, found.get(plan.base))
-    )
-    return {"case": plan.name, "truth": w.truth, "ran": findings is not None} | told
+    truth = None if w.truth is None else [w.truth.effect, w.truth.element, w.truth.parameter, w.truth.value]
+    scored = {"found": False, "as": None, "named_first": False, "error": None}
+    if findings is not None:
+        scored = score(w, findings, found.get(case.base))
+    return {"case": case.name, "truth": truth, "ran": findings is not None} | scored
 
 
-def _halves(plans: Sequence[Plan], found: dict[str, dict[str, Any] | None]) -> dict[str, float | None]:
+def _halves(cases: Mapping[str, MachineCase], found: Found) -> dict[str, float | None]:
     shared = {}
-    for plan in plans:
-        a, b = found.get(f"{plan.name}-half0"), found.get(f"{plan.name}-half1")
+    for name in cases:
+        a, b = found.get(f"{name}-half0"), found.get(f"{name}-half1")
         if a is not None and b is not None:
-            shared[plan.name] = agreement(a, b)
+            shared[name] = agreement(a, b)
     return shared
 
 
 def _lines(
-    plans: Sequence[Plan],
-    found: dict[str, dict[str, Any] | None],
-    halves: dict[str, float | None],
-    told: list[dict[str, Any]],
+    cases: Mapping[str, MachineCase],
+    found: Found,
+    halves: Mapping[str, float | None],
+    withheld: Sequence[Mapping[str, Any]],
 ) -> list[str]:
     lines = ["# Real recordings", "", _PROVES, "", "## Devices", ""]
     head = (
@@ -79,16 +74,16 @@ def _lines(
         "halves agree",
     )
     lines += [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-    lines += [_device(p.name, found[p.name], halves) for p in plans if not p.withheld]
+    lines += [_device(name, found.get(name), halves) for name, case in cases.items() if not case.withheld]
     lines += ["", "Errors: nrmse on recordings that were not fitted, windows of 2 s.", "", "Published:", ""]
     lines += [f"- {d.name}: {sentence}" for d in DEVICES.values() for sentence in d.published]
-    ran = [t for t in told if t["ran"]]
+    ran = [t for t in withheld if t["ran"]]
     lines += ["", f"## Withheld truth: {sum(t['found'] for t in ran)} of {len(ran)} found", ""]
     lines += [
         "| case | withheld | found | as | named first | value | relative error |",
         "|---|---|---|---|---|---|---|",
     ]
-    for t in told:
+    for t in withheld:
         truth = (
             "nothing" if t["truth"] is None else f"{t['truth'][0]}@{t['truth'][1]} {t['truth'][2]} = {t['truth'][3]:g}"
         )
@@ -105,7 +100,7 @@ def _lines(
     return [*lines, ""]
 
 
-def _device(name: str, findings: dict[str, Any] | None, halves: dict[str, float | None]) -> str:
+def _device(name: str, findings: Mapping[str, Any] | None, halves: Mapping[str, float | None]) -> str:
     if findings is None:
         return f"| {name} | not run | | | | | | | |"
     fit = findings["fit"]

@@ -6,16 +6,13 @@ python experiments/explain/one_case/run.py --publish        ... and copies the p
 
 from __future__ import annotations
 
-import argparse
-import shutil
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,17 +33,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from estexp_jax.report.gl import NoGlError
     from experiments.benchmark.generator.__main__ import write_one
     from experiments.benchmark.generator.case import Plan, Planted
+    from experiments.harness.figures import write_figure
+    from experiments.harness.study import Study, words
 
-    parser = argparse.ArgumentParser("one_case", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--out", type=Path, default=ROOT / "out" / "experiments" / "one_case")
-    parser.add_argument("--publish", action="store_true", help="copy the pictures beside this script")
-    for flag in ("--quick", "--resume"):
-        parser.add_argument(flag, action="store_true", help="changes nothing")
-    given = parser.parse_args(arguments)
-
+    study = Study.of(__file__, __doc__)
+    given = study.parser(quick="changes nothing").parse_args(words(arguments))
+    out = study.results(given.out)
     planted = (Planted("load_dependent_friction", 1, 0.5), Planted("command_delay", 2, 0.3))
-    answer = write_one(given.out, CASE, Plan("pair", "leg", planted, SEED, plain=True, tests=(0.9,)))
-    logs = given.out / "cases" / CASE
+    answer = write_one(out, CASE, Plan("pair", "leg", planted, SEED, plain=True, tests=(0.9,)))
+    logs = out / "cases" / CASE
     stages = set[str]()
 
     def tell(step: Progress) -> None:
@@ -55,23 +50,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(step.stage, flush=True)
 
     found = ee.explain(logs / "recordings.toml", progress=tell)
-    report = found.write(given.out / "explained", force=True)
-    figure_of_log(read_table(logs / SHOWN)).savefig(given.out / "log.png", dpi=100)
+    report = found.write(out / "explained", force=True)
+    write_figure(out / "log.png", figure_of_log(read_table(logs / SHOWN)), dpi=100)
     for name in ("where", "fit", "rivals", "ranking"):
-        getattr(found, f"plot_{name}")().save(str(given.out / f"{name}.png"))
+        getattr(found, f"plot_{name}")().save(str(out / f"{name}.png"))
     with suppress(NoGlError):
         marked = marked_of(found.diagnosis.case.robot, guilty(found.findings))
         for name, picture in (("robots", ghosts_of(found.diagnosis)), ("marked", marked)):
             if picture is not None:
-                (given.out / f"{name}.jpg").write_bytes(picture)
+                (out / f"{name}.jpg").write_bytes(picture)
     print(found.summary())
     for effect in answer["effects"]:
         numbers = ", ".join(f"{name} = {value:.3g}" for name, value in effect["parameters"].items())
         print(f"Hidden was: {effect['effect']} at {effect['name']}, {numbers}.")
     print(f"Report: {report}")
-    if given.publish:
-        for path in (*given.out.glob("*.png"), *given.out.glob("*.jpg")):
-            shutil.copy(path, Path(__file__).with_name(path.name))
+    study.publish(out, given.publish)
     return 0
 
 
@@ -95,6 +88,6 @@ def figure_of_log(log: Table) -> Figure:
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))

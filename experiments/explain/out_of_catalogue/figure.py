@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from experiments.harness.figures import write_figure
+
 _COLUMNS = 4
 _TRUE, _FOUND = "#222222", "#1b6ca8"
 
@@ -44,7 +46,7 @@ def draw_laws(entries: Sequence[Mapping[str, Any]], path: Path) -> None:
     panels[0].set_ylabel("force (N m)", fontsize=8)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper left", ncols=2, frameon=False, fontsize=8, markerscale=3)
-    figure.savefig(path, dpi=130)
+    write_figure(path, figure, dpi=130)
 
 
 def explained(x: np.ndarray, y: np.ndarray, bins: int = 20) -> float:

@@ -1,6 +1,6 @@
-"""`python -m experiments.explain.out_of_catalogue.reduced_catalogue --without A,B MANIFEST --out DIR`: explain with a smaller catalogue.
+"""Explain with a smaller catalogue: `python -m THIS_MODULE --without A,B MANIFEST --out DIR`.
 
-Beside the usual results it leaves `unnamed.json`: errors on each test recording, and each law's force where the
+Beside the usual results it leaves `laws.json`: errors on each test recording, and each law's force where the
 training recordings show its joint.
 """
 
@@ -30,14 +30,14 @@ def main(arguments: list[str] | None = None) -> int:
     found = ee.explain(options.manifest, effects=names, progress=lambda step: print(step.stage, flush=True))
     found.write(options.out, force=True, pictures=False)
     tests = [p for p in found.diagnosis.predictions if p.role == "test"]
-    told = {
+    forces = {
         "tests": {p.recording: {m: error(p, getattr(p, m)) for m in ("nominal", "explained")} for p in tests},
         "laws": [
             {name: x if isinstance(x, str) else np.round(x, 6).tolist() for name, x in law._asdict().items()}
             for law in found.diagnosis.laws
         ],
     }
-    write_json(options.out / "unnamed.json", told)
+    write_json(options.out / "laws.json", forces)
     return 0
 
 

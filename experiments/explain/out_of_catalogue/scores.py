@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from estexp_jax.runs import write_text
-from experiments.benchmark.scoring.board import told_share
+from experiments.benchmark.scoring.table import Line, share_text, write_tables
 from experiments.explain.out_of_catalogue.figure import draw_laws
+from experiments.harness.explain_study import Entry
 
 _STATES = (
     "joint_compliance",
@@ -24,7 +23,6 @@ _STATES = (
 """Laws with a memory; the others are static."""
 _ALIKE = 1.02
 """Errors whose ratio is less count as the same."""
-Entry = Mapping[str, Any]
 
 
 def write_scores(out: Path, entries: Sequence[Entry], whole: int) -> Path:
@@ -35,33 +33,27 @@ def write_scores(out: Path, entries: Sequence[Entry], whole: int) -> Path:
         entries: cases that have been explained.
         whole: cases of the set.
     """
-    lines = [f"{len(entries)} of {whole} cases explained.", ""]
-    for part, name in (("left_out", "left out of the catalogue"), ("own", "laws of no catalogue")):
-        own = [e for e in entries if e["group"] == part]
-        lines += [f"| {name} | wanted | found |", "|---|---|---|"]
-        lines += [f"| {what} | {wanted} | {found} |" for what, wanted, found in measured(own)]
-        lines += [""]
-    page = out / "scores.md"
-    write_text(page, "\n".join([*lines, *_each(entries)]))
+    groups = {"left out of the catalogue": "left_out", "laws of no catalogue": "own"}
+    tables = {name: measured([e for e in entries if e["group"] == group]) for name, group in groups.items()}
     draw_laws([e for e in entries if e["visible"] and e.get("force")], out / "laws.png")
-    return page
+    return write_tables(out / "scores.md", len(entries), whole, tables, _each(entries))
 
 
-def measured(entries: Sequence[Entry]) -> list[tuple[str, str, str]]:
+def measured(entries: Sequence[Entry]) -> list[Line]:
     """Every line that is asked for."""
-    seen = [e for e in entries if e["visible"]]
-    static = [e for e in seen if e["truth"] not in _STATES]
-    forces = [e["force"]["error"] for e in seen if e.get("force")]
+    visible = [e for e in entries if e["visible"]]
+    static = [e for e in visible if e["truth"] not in _STATES]
+    forces = [e["force"]["error"] for e in visible if e.get("force")]
     worse = [e for e in entries if e.get("errors") and _worse(e["errors"])]
     return [
-        ("too weak to be seen", "stated", f"{len(entries) - len(seen)} of {len(entries)}"),
-        ("right place first", "90 %", told_share(seen, lambda e: e["place_first"])),
-        ("a wrong name given", "at most 10 %", told_share(seen, wrongly_named)),
+        ("too weak to be seen", "stated", f"{len(entries) - len(visible)} of {len(entries)}"),
+        ("right place first", "90 %", share_text(visible, lambda e: e["place_first"])),
+        ("a wrong name given", "at most 10 %", share_text(visible, wrongly_named)),
         ("gain inside the range, of the true law's, median (static)", "80 %", _of_true(static, "inside")),
         ("gain overall, of the true law's, median (static)", "60 %", _of_true(static, "both")),
         ("error of the force, median", "15 %", f"{100 * np.median(forces):.0f} % ({len(forces)})" if forces else "-"),
         ("predicts the tests worse than the nominal simulator", "0", f"{len(worse)} of {len(entries)}"),
-        ("unexplained", "", told_share(seen, lambda e: e["verdict"] == "unexplained")),
+        ("unexplained", "", share_text(visible, lambda e: e["verdict"] == "unexplained")),
     ]
 
 
@@ -87,10 +79,10 @@ def _of_true(entries: Sequence[Entry], where: str) -> str:
 
 def _each(entries: Sequence[Entry]) -> list[str]:
     """Every case in a line."""
-    lines = ["| case | robot | law | floors | told | gain | force off by |", "|---|---|---|---|---|---|---|"]
+    lines = ["| case | robot | law | floors | claimed | gain | force off by |", "|---|---|---|---|---|---|---|"]
     for e in sorted(entries, key=lambda e: (e["truth"], e["case"])):
-        told = ", ".join(e["claimed"]) if e["verdict"] == "missing_physics" else e["verdict"]
+        said = ", ".join(e["claimed"]) if e["verdict"] == "missing_physics" else e["verdict"]
         gain = "-" if e["gain"] is None else f"{e['gain']:.2f}"
         force = f"{100 * e['force']['error']:.0f} %" if e.get("force") else "-"
-        lines.append(f"| {e['case']} | {e['robot']} | {e['truth']} | {e['shown']:.1f} | {told} | {gain} | {force} |")
+        lines.append(f"| {e['case']} | {e['robot']} | {e['truth']} | {e['shown']:.1f} | {said} | {gain} | {force} |")
     return lines

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from experiments.benchmark.scoring.judge import axis
 from experiments.explain.out_of_catalogue.forces import FORCES
 from experiments.explain.out_of_catalogue.plans import PARTS, left_out, planned
 from experiments.explain.out_of_catalogue.scores import write_scores
-from experiments.harness.explain_study import CaseSet
+from experiments.harness.explain_study import ExplainStudy, numbered
+from experiments.harness.study import Study
 
 _POINTS = 400
 """So many samples of a law are kept for its figure."""
@@ -34,25 +36,25 @@ def _command(plan: Plan) -> tuple[str, ...]:
     )
 
 
-def _more(out: Path, case: str, answer: dict[str, Any]) -> dict[str, Any]:
+def _beside(out: Path, case: str, answer: Mapping[str, Any]) -> dict[str, Any]:
     """Gains on each test recording, of the explanation and of the true law, and how well the law's force is known."""
-    told = json.loads((out / "explained" / case / "unnamed.json").read_text(encoding="utf-8"))
+    forces = json.loads((out / "explained" / case / "laws.json").read_text(encoding="utf-8"))
     findings = json.loads((out / "explained" / case / "findings.json").read_text(encoding="utf-8"))
     model, logs = read_case(out / "cases" / case)
     tests = [log for log in logs if log.role == "test"]
     truths = oracle.errors(answer, model, logs)
     found = []
-    for log, own, true in zip(tests, told["tests"].values(), truths, strict=True):
+    for log, own, true in zip(tests, forces["tests"].values(), truths, strict=True):
         noise = floor([log])
         shares = gain(own["explained"], own["nominal"], noise), gain(true, nrmse(model, [log]), noise)
         found.append({"explained": shares[0], "true": shares[1]})
-    return {"inside": found[0], "beyond": found[1], "force": force_error(findings, told["laws"], answer)}
+    return {"inside": found[0], "beyond": found[1], "force": force_error(findings, forces["laws"], answer)}
 
 
 def force_error(
     findings: Mapping[str, Any], laws: list[dict[str, Any]], answer: Mapping[str, Any]
 ) -> dict[str, Any] | None:
-    """How far the force told at the true joint is off, where both can be said by position, speed and motor torque.
+    """How far the force found at the true joint is off, where both can be said by position, speed and motor torque.
 
     Named effects at the joint count with the law beside them.
 
@@ -83,14 +85,17 @@ def force_error(
     return {"error": float(share), **samples}
 
 
-UNNAMED = CaseSet(
-    name="out_of_catalogue",
-    planned=planned,
-    parts=PARTS,
-    seed=20276,
-    quick=(4001, "own"),
-    published=Path(__file__).with_name("rows.json"),
-    command=_command,
-    write_scores=write_scores,
-    more=_more,
-)
+def out_of_catalogue(script: str, about: str | None) -> ExplainStudy:
+    """The study of a `run.py`."""
+    study = Study.of(script, about)
+    return ExplainStudy(
+        study=study,
+        planned=partial(numbered, planned),
+        parts=PARTS,
+        seed=20276,
+        quick=(4001, "own"),
+        published=study.folder / "rows.parquet",
+        write_scores=write_scores,
+        command=_command,
+        beside=_beside,
+    )

@@ -11,18 +11,17 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Do what is asked; gives the exit code."""
-    from experiments.explain.planted.study import PLANTED
+    from experiments.explain.planted.study import planted
 
-    return PLANTED.main(__doc__, arguments)
+    return planted(__file__, __doc__).main(arguments)
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from functools import partial
 
-from experiments.benchmark.generator.case import Plan
 from experiments.explain.planted.plans import PARTS, planned
 from experiments.explain.planted.scores import write_scores
-from experiments.harness.explain_study import CaseSet, row_of
+from experiments.harness.explain_study import ExplainStudy, numbered
+from experiments.harness.study import Study
 
 
-def _command(_: Plan) -> tuple[str, ...]:
-    return (sys.executable, "-m", "estexp_jax.cli.main", "explain", "--no-pictures")
-
-
-def _scored(out: Path, entries: Sequence[Mapping[str, Any]], whole: int) -> Path:
-    return write_scores(out, [row_of(entry) for entry in entries], whole)
-
-
-PLANTED = CaseSet(
-    name="planted",
-    planned=planned,
-    parts=PARTS,
-    seed=20261,
-    quick=(4000, "two"),
-    published=Path(__file__).with_name("rows.json"),
-    command=_command,
-    write_scores=_scored,
-)
+def planted(script: str, about: str | None) -> ExplainStudy:
+    """The study of a `run.py`."""
+    study = Study.of(script, about)
+    return ExplainStudy(
+        study=study,
+        planned=partial(numbered, planned),
+        parts=PARTS,
+        seed=20261,
+        quick=(4000, "two"),
+        published=study.folder / "rows.parquet",
+        write_scores=write_scores,
+    )

@@ -2,7 +2,7 @@
 
 estexp experiment diagnosis --quick                  few cases
 estexp experiment diagnosis --workers 8              all 13 situations, 10 seeds, both robots, and the paper's search
-python experiments/recover/diagnosis/run.py --seeds 5 --part foreign --part same
+python experiments/recover/diagnosis/run.py --seeds 5 --part foreign same
 python experiments/recover/diagnosis/run.py --seeds 5 --report       tables and figures of what is finished
 """
 
@@ -11,7 +11,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from experiments.harness.options import Options
+    from experiments.recover.diagnosis.task import Task
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
@@ -26,27 +30,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     What is published beside the README no machine does again.
     """
-    from experiments.harness.options import parsed, publish
-    from experiments.harness.runs import each
+    from experiments.harness.options import options_of, options_parser
+    from experiments.harness.recovery_runs import each_kept, kept
+    from experiments.harness.study import Study
+    from experiments.recover.diagnosis.task import diagnose
 
-    given = list(sys.argv[1:] if arguments is None else arguments)
-    parts = [given[i + 1] for i, word in enumerate(given) if word == "--part"]
-    own = [w for i, w in enumerate(given) if w in ("--part", "--report") or (i and given[i - 1] == "--part")]
-    rest = [word for word in given if word not in own]
-    options = parsed("diagnosis", __doc__, seeds=10, quick_seeds=1, arguments=rest)
-    asked, quick = [] if "--report" in given else parts or PARTS, options.size == "quick"
-    tasks = [task for part in asked for task in tasks_of(part, options.n, quick=quick)]
-    store, known = options.store.parent / "diagnoses", {} if quick else published()
-    store.mkdir(parents=True, exist_ok=True)
-    todo = [task for task in tasks if key(task) not in known and not _path(task, store).is_file()]
-    each("diagnoses", [(_kept, task, store) for task in todo], options)
-    everything = [task for part in PARTS for task in tasks_of(part, options.n, quick=quick)]
-    report([row for task in everything for row in _rows(task, store, known)], options)
-    publish(options, __file__)
+    study = Study.of(__file__, __doc__)
+    parser = options_parser(study, seeds=10)
+    parser.add_argument("--part", nargs="+", choices=PARTS, default=PARTS, help="default: all")
+    options = options_of(study, arguments, seeds=10, quick_seeds=1, parser=parser)
+    store, known = options.store.parent / "diagnoses", {} if options.quick else published()
+    if not options.report:
+        asked = [task for part in options.given.part for task in tasks_of(part, options.n, quick=options.quick)]
+        missing = [task for task in asked if key(task) not in known]
+        each_kept("diagnoses", {_path(task, store): (diagnose, task) for task in missing}, options)
+    everything = [task for part in PARTS for task in tasks_of(part, options.n, quick=options.quick)]
+    report([row for task in everything for row in kept(_path(task, store)) or known.get(key(task), [])], options)
+    study.publish(options.out, options.publish)
     return 0
 
 
-def tasks_of(part: str, n: int, *, quick: bool = False) -> list:
+def tasks_of(part: str, n: int, *, quick: bool = False) -> list[Task]:
     """The tasks of a part, seed by seed."""
     from experiments.harness.recovery_case import seeds
     from experiments.recover.diagnosis.task import Task
@@ -58,52 +62,39 @@ def tasks_of(part: str, n: int, *, quick: bool = False) -> list:
     return [Task(s, seed, robot, catalogue, part == "paper", trials) for seed in drawn for s in situations]
 
 
-def key(task) -> tuple:
-    """What tells a task from the others."""
+def key(task: Task) -> tuple[str, str, int, int]:
+    """What distinguishes a task from the others."""
     return task.robot, task.kind, task.situation, task.seed
 
 
-def published() -> dict[tuple, list[dict[str, Any]]]:
+def published() -> dict[tuple[str, str, int, int], list[dict[str, Any]]]:
     """Rows of the table beside the README, by their tasks' keys."""
-    from experiments.harness.tables import read_rows
+    from experiments.harness.rows import read_rows
 
-    found: dict[tuple, list[dict[str, Any]]] = {}
-    for row in read_rows(Path(__file__).with_name("diagnoses.csv")):
+    found: dict[tuple[str, str, int, int], list[dict[str, Any]]] = {}
+    for row in read_rows(Path(__file__).with_name("rows.parquet")):
         kind = "paper" if row["method"] == "paper" else f"set-{row['catalogue']}"
         found.setdefault((row["robot"], kind, row["situation"], row["seed"]), []).append(row)
     return found
 
 
-def _path(task, store: Path) -> Path:
+def _path(task: Task, store: Path) -> Path:
     return store / f"{task.robot}-{task.kind}-s{task.situation:02d}-{task.seed}.json"
 
 
-def _rows(task, store: Path, known: dict[tuple, list[dict[str, Any]]]) -> list[dict[str, Any]]:
-    import json
-
-    path = _path(task, store)
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else known.get(key(task), [])
-
-
-def _kept(task, store: Path) -> None:
-    from estexp_jax.runs import write_json
-    from experiments.recover.diagnosis.task import diagnose
-
-    write_json(_path(task, store), diagnose(task))
-
-
-def report(rows: Sequence[dict[str, Any]], options) -> None:
+def report(rows: Sequence[dict[str, Any]], options: Options) -> None:
     """Tables, numbers and figures."""
-    from experiments.harness.tables import write_rows, write_summary
+    from experiments.harness.recovery_rows import write_summary
+    from experiments.harness.rows import write_rows
     from experiments.recover.diagnosis.summary import draw, summary
 
-    write_rows(options.out / "diagnoses.csv", rows)
+    write_rows(options.out / "rows.parquet", rows)
     found = summary(rows)
     write_summary(options.out / "summary.json", found, seeds=sorted({row["seed"] for row in rows}))
     draw(found, rows, options.out)
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))

@@ -34,7 +34,7 @@ class Task:
         situation, seed, robot: of the case.
         catalogue, paper: what the search chooses from, and whether it is the paper's.
         trials: numbers of trials after which there is a diagnosis, each begun with the one before.
-        telling: whether the next walker is the most telling one instead of one that is drawn.
+        informative: whether the next walker is the most informative one instead of one that is drawn.
     """
 
     situation: int
@@ -43,7 +43,7 @@ class Task:
     catalogue: Catalogue = "full"
     paper: bool = False
     trials: tuple[int, ...] = (1, 2, 4)
-    telling: bool = False
+    informative: bool = False
 
     @property
     def kind(self) -> str:
@@ -84,12 +84,12 @@ def diagnose(task: Task) -> list[dict[str, Any]]:
         found, seed = _estimated(job, number, controllers, trials, before, seeds)
         seeds.append(seed)
         rows.append(_row(task, number, job.planted, found, time.monotonic() - begin))
-        if task.telling and found.rivals:
-            drawn.insert(0, drawn.pop(_most_telling(job, found, library()[drawn[:_CANDIDATES]])))
+        if task.informative and found.rivals:
+            drawn.insert(0, drawn.pop(_most_informative(job, found, library()[drawn[:_CANDIDATES]])))
     return rows
 
 
-def _most_telling(job: Job, found: Diagnosis, controllers: np.ndarray) -> int:
+def _most_informative(job: Job, found: Diagnosis, controllers: np.ndarray) -> int:
     """Index of the controller on which a diagnosis and its rivals disagree most."""
     told = [(found.items, found.probability or 0.0), *found.rivals]
     explanations = [(changes_of(job.simulator, items), p) for items, p in told]

@@ -13,9 +13,9 @@ from estexp_jax.recovery.exploration import exploration_score
 from estexp_jax.runs import write_json
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Genetic
-from experiments.harness.recovery_case import Case
-from experiments.harness.runs import state_of
-from experiments.harness.tables import result
+from experiments.harness.recovery_case import RecoveryCase
+from experiments.harness.recovery_rows import result
+from experiments.harness.recovery_runs import state_of
 from experiments.harness.world import job
 
 RECOVERED = 0.8
@@ -25,7 +25,7 @@ LONGER = 4
 _TAG = 31
 
 
-def direct(case: Case, store: Path) -> dict[str, Any]:
+def direct(case: RecoveryCase, store: Path) -> dict[str, Any]:
     """Best distance so far after each hardware trial, starting from the walker of before the damage; kept."""
     path = store / case.name / "direct.json"
     if path.is_file():
@@ -50,7 +50,7 @@ def direct(case: Case, store: Path) -> dict[str, Any]:
     return told
 
 
-def compared(cases: Sequence[Case], runs: Sequence[dict[str, Any]], store: Path) -> list[dict[str, Any]]:
+def compared(cases: Sequence[RecoveryCase], runs: Sequence[dict[str, Any]], store: Path) -> list[dict[str, Any]]:
     """A row for each seed: trials until recovery; None where it did not come to it."""
     rows = []
     walked = courses(cases, store)
@@ -64,7 +64,7 @@ def compared(cases: Sequence[Case], runs: Sequence[dict[str, Any]], store: Path)
     return rows
 
 
-def courses(cases: Sequence[Case], store: Path) -> dict[str, list[list[float]]]:
+def courses(cases: Sequence[RecoveryCase], store: Path) -> dict[str, list[list[float]]]:
     """Distances of the full algorithm's trials, m, seed by seed; the one in which the robot was damaged counts."""
     found = [result(case, store) for case in cases]
     walked = [[each["distance"]["damaged"], *(p["hardware_m"] for p in each["passes"])] for each in found]

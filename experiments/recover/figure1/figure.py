@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.harness.tables import write_figure
+from experiments.harness.figures import write_figure
 from experiments.recover.figure1.direct import RECOVERED
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from experiments.harness.figures import write_figure
 from experiments.harness.statistics import signed_rank
-from experiments.harness.tables import write_figure
 
 _NAMES = ("motor weaker by 10 %", "the same by 20 %", "a touch sensor by 50 %")
 

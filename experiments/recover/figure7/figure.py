@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from experiments.harness.figures import write_figure
 from experiments.harness.statistics import interval
-from experiments.harness.tables import write_figure
 from experiments.recover.figure7.summary import LAST, arms, of
 
 _BARS = (("before", "before", "white"), ("damaged", "damaged", "0.8"), (f"trial_{LAST}", f"trial {LAST}", "0.4"))

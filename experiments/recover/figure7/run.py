@@ -1,9 +1,9 @@
-"""`estexp experiment figure7`: Figure 7, thirteen situations under both metrics, and how right the diagnoses are.
+"""`estexp experiment figure7`: the paper's Figure 7, thirteen situations, and how right the diagnoses are.
 
 estexp experiment figure7 --quick                    one seed, very small runs
 estexp experiment figure7 --workers 8                the paper's: 10 seeds, 200 genomes, 40 generations, 1000 steps
 python experiments/recover/figure7/run.py --size small --seeds 10
-python experiments/recover/figure7/run.py --size small --report      table and figures of the runs finished so far
+python experiments/recover/figure7/run.py --size small --report     table and figures of the runs finished so far
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from estexp_jax.recovery.config import Metric
-    from experiments.harness.recovery_case import Case, Method, Size
+    from experiments.harness.options import Options
+    from experiments.harness.recovery_case import Method, RecoveryCase, Size
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
@@ -25,41 +26,43 @@ ARMS: tuple[tuple[Method, Metric], ...] = (("paper", "distance"), ("paper", "rol
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """All runs, then the table and the figures."""
-    from experiments.harness.options import parsed, publish
-    from experiments.harness.runs import finished, run_all
+    from experiments.harness.options import options_of
+    from experiments.harness.recovery_runs import finished, run_all
+    from experiments.harness.study import Study
 
-    given = list(sys.argv[1:] if arguments is None else arguments)
-    options = parsed("figure7", __doc__, seeds=10, quick_seeds=1, arguments=[w for w in given if w != "--report"])
+    study = Study.of(__file__, __doc__)
+    options = options_of(study, arguments, seeds=10, quick_seeds=1)
     cases = cases_of(options.size, options.n)
-    if "--report" not in given:
+    if not options.report:
         run_all(cases, options)
     done = [case for case in cases if finished(case, options.store)]
     whole = [arm for arm in ARMS if {c.situation for c in done if (c.method, c.metric) == arm} == set(range(1, 14))]
     report([case for case in done if (case.method, case.metric) in whole], options)
-    publish(options, __file__)
+    study.publish(options.out, options.publish)
     return 0
 
 
-def cases_of(size: Size, n: int) -> list[Case]:
+def cases_of(size: Size, n: int) -> list[RecoveryCase]:
     """Seed by seed, so that a run that is stopped leaves whole seeds."""
-    from experiments.harness.recovery_case import Case, seeds
+    from experiments.harness.recovery_case import RecoveryCase, seeds
 
     return [
-        Case(situation, seed, size, method, metric)
+        RecoveryCase(situation, seed, size, method, metric)
         for seed in seeds(n)
         for situation in range(1, 14)
         for method, metric in ARMS
     ]
 
 
-def report(cases: Sequence, options) -> None:
+def report(cases: Sequence[RecoveryCase], options: Options) -> None:
     """Tables, numbers and figures of the runs that are finished."""
-    from experiments.harness.tables import row, write_rows, write_summary
+    from experiments.harness.recovery_rows import row, write_summary
+    from experiments.harness.rows import write_rows
     from experiments.recover.figure7.figure import draw_confusion, draw_distances
     from experiments.recover.figure7.summary import confusion, diagnoses, distances, environment
 
     rows = [row(case, options.store) for case in cases]
-    write_rows(options.out / "runs.csv", rows)
+    write_rows(options.out / "rows.parquet", rows)
     found = {"distances": distances(rows), "environment": environment(rows)}
     found |= {"diagnoses": diagnoses(rows), "confusion": confusion(rows)}
     seeds = sorted({case.seed for case in cases})
@@ -69,6 +72,6 @@ def report(cases: Sequence, options) -> None:
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))

@@ -12,8 +12,8 @@ from estexp_jax.recovery.evidence import residuals_of
 from estexp_jax.recovery.genome import LENGTH, Codec, key
 from estexp_jax.runs import write_json
 from estexp_jax.search.genetic import RESOLUTION
-from experiments.harness.recovery_case import Case
-from experiments.harness.runs import state_of
+from experiments.harness.recovery_case import RecoveryCase
+from experiments.harness.recovery_runs import state_of
 from experiments.harness.world import job, quadruped
 
 _TAG = 29
@@ -32,7 +32,7 @@ class Count(NamedTuple):
     residual: float  #: at the end
 
 
-def counted(case: Case, store: Path) -> list[Count]:
+def counted(case: RecoveryCase, store: Path) -> list[Count]:
     """The estimations of a finished run."""
     state, found = state_of(case, store), []
     for number in sorted({row.number for row in state.history if row.phase == "estimation"}):
@@ -43,7 +43,7 @@ def counted(case: Case, store: Path) -> list[Count]:
     return found
 
 
-def random_search(case: Case, store: Path) -> Count:
+def random_search(case: RecoveryCase, store: Path) -> Count:
     """As many random genomes on the run's first trial, in generations of the same sizes; kept beside the run."""
     path = store / case.name / "random.json"
     if path.is_file():
@@ -66,7 +66,7 @@ def random_search(case: Case, store: Path) -> Count:
     return count
 
 
-def _known(case: Case) -> int:
+def _known(case: RecoveryCase) -> int:
     if case.situation is None:
         raise ValueError("dominants are counted by situation")
     return case.situation

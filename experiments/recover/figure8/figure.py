@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from experiments.harness.tables import write_figure
+from experiments.harness.figures import write_figure
 from experiments.recover.figure8.count import Count
 
 _KINDS = (("rolling-mean", "evolved"), ("rolling-mean", "random"), ("distance", "evolved"), ("distance", "random"))

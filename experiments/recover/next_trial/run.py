@@ -1,19 +1,24 @@
-"""`estexp experiment next_trial`: trials until a diagnosis is right, each next one drawn, farthest or most telling.
+"""`estexp experiment next_trial`: trials until a diagnosis is right, each next one drawn, farthest or most informative.
 
 estexp experiment next_trial --quick                 few cases
 estexp experiment next_trial --workers 8             10 seeds, the foreign robot
-python experiments/recover/next_trial/run.py --part diagnosis          walkers of the library, drawn or most telling
-python experiments/recover/next_trial/run.py --part loop --size small --seeds 3     the whole loop, farthest or most telling
+python experiments/recover/next_trial/run.py --part diagnosis       walkers of the library, drawn or most informative
+python experiments/recover/next_trial/run.py --part loop --size small --seeds 3     the whole loop
 python experiments/recover/next_trial/run.py --size small --report     tables and figure of what is finished
 """
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from estexp_jax.recovery.config import NextTrial
+    from experiments.harness.options import Options
+    from experiments.harness.recovery_case import RecoveryCase, Size
+    from experiments.recover.diagnosis.task import Task
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
@@ -21,6 +26,9 @@ PARTS = ("diagnosis", "loop")
 SITUATIONS = tuple(range(1, 11))
 """Those of the paper that its catalogue can say."""
 TRIALS = (1, 2, 3, 4)
+LOOP: dict[str, NextTrial] = {"farthest": "farthest", "informative": "telling"}
+"""Ways to choose the next trial of the whole loop, and what `estexp recover --next-trial` calls them."""
+_COLUMNS = ("situation", "seed", "trials", "right", "error", "probability", "planted", "diagnosis")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -28,124 +36,108 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Diagnoses that are published beside the README no machine does again.
     """
-    from experiments.harness.options import parsed, publish
-    from experiments.harness.runs import each, run_all
+    from experiments.harness.options import options_of, options_parser
+    from experiments.harness.recovery_runs import each_kept, kept, run_all
+    from experiments.harness.study import Study
+    from experiments.recover.diagnosis.task import diagnose
 
-    parser = argparse.ArgumentParser(add_help=False)
-    parser.add_argument("--part", choices=PARTS)
-    parser.add_argument("--report", action="store_true")
-    own, rest = parser.parse_known_args(sys.argv[1:] if arguments is None else list(arguments))
-    options = parsed("next_trial", __doc__, seeds=10, quick_seeds=1, arguments=rest)
-    parts = [] if own.report else [own.part] if own.part else PARTS
-    situations = (3, 8) if options.size == "quick" else SITUATIONS
+    study = Study.of(__file__, __doc__)
+    parser = options_parser(study, seeds=10)
+    parser.add_argument("--part", nargs="+", choices=PARTS, default=PARTS, help="default: both")
+    options = options_of(study, arguments, seeds=10, quick_seeds=1, parser=parser)
+    situations = (3, 8) if options.quick else SITUATIONS
     tasks, cases = tasks_of(situations, options.n), cases_of(situations, options.size, options.n)
     store = options.store.parent / "next_trial_diagnoses"
-    store.mkdir(parents=True, exist_ok=True)
-    known = {} if options.size == "quick" else published()
-    if "diagnosis" in parts:
-        todo = [task for task in tasks if not (_path(task, store).is_file() or _key(task) in known)]
-        each("diagnoses", [(_kept, task, store) for task in todo], options)
-    if "loop" in parts:
+    known = {} if options.quick else published()
+    if "diagnosis" in options.given.part and not options.report:
+        missing = {_path(task, store): (diagnose, task) for task in tasks if _key(task) not in known}
+        each_kept("diagnoses", missing, options)
+    if "loop" in options.given.part and not options.report:
         run_all(cases, options)
-    report(_diagnoses(tasks, store, known), _runs(cases, options.store), options)
-    publish(options, __file__)
+    diagnoses = [_labelled(task, r) for task in tasks for r in kept(_path(task, store)) or known.get(_key(task), [])]
+    report(diagnoses, _runs(cases, options.store), options)
+    study.publish(options.out, options.publish)
     return 0
 
 
-def tasks_of(situations: Sequence[int], n: int) -> list:
+def tasks_of(situations: Sequence[int], n: int) -> list[Task]:
     """Diagnoses from walkers of the library, seed by seed, both ways to come to the next one."""
     from experiments.harness.recovery_case import seeds
     from experiments.recover.diagnosis.run import FIRST
     from experiments.recover.diagnosis.task import Task
 
     return [
-        Task(s, seed, "foreign", trials=TRIALS, telling=telling)
+        Task(s, seed, "foreign", trials=TRIALS, informative=informative)
         for seed in seeds(n, FIRST["foreign"])
         for s in situations
-        for telling in (False, True)
+        for informative in (False, True)
     ]
 
 
-def cases_of(situations: Sequence[int], size, n: int) -> list:
+def cases_of(situations: Sequence[int], size: Size, n: int) -> list[RecoveryCase]:
     """Whole runs, seed by seed."""
-    from experiments.harness.recovery_case import Case, seeds
+    from experiments.harness.recovery_case import RecoveryCase, seeds
 
-    ways = ("farthest", "telling")
-    return [Case(s, i, size, "set", robot="foreign", next_trial=w) for i in seeds(n) for s in situations for w in ways]
-
-
-def _path(task, store: Path) -> Path:
-    return store / f"{_way(task)}-s{task.situation:02d}-{task.seed}.json"
-
-
-def _way(task) -> str:
-    return "telling" if task.telling else "drawn"
+    return [
+        RecoveryCase(s, seed, size, "set", robot="foreign", next_trial=way)
+        for seed in seeds(n)
+        for s in situations
+        for way in LOOP.values()
+    ]
 
 
-def _kept(task, store: Path) -> None:
-    from estexp_jax.runs import write_json
-    from experiments.recover.diagnosis.task import diagnose
-
-    write_json(_path(task, store), diagnose(task))
-
-
-def _key(task) -> tuple:
-    return _way(task), task.situation, task.seed
-
-
-def published() -> dict[tuple, list[dict[str, Any]]]:
+def published() -> dict[tuple[str, int, int], list[dict[str, Any]]]:
     """Rows of diagnoses in the table beside the README, by their tasks' keys."""
-    from experiments.harness.tables import read_rows
+    from experiments.harness.rows import read_rows
 
-    found: dict[tuple, list[dict[str, Any]]] = {}
-    for row in read_rows(Path(__file__).with_name("next_trial.csv")):
+    found: dict[tuple[str, int, int], list[dict[str, Any]]] = {}
+    for row in read_rows(Path(__file__).with_name("rows.parquet")):
         if row["part"] == "diagnosis":
             found.setdefault((row["next_trial"], row["situation"], row["seed"]), []).append(row)
     return found
 
 
-def _diagnoses(tasks: Sequence, store: Path, known: dict[tuple, list[dict[str, Any]]]) -> list[dict[str, Any]]:
-    """A row for each number of trials of each task that is done."""
-    import json
-
-    found = []
-    for task in tasks:
-        path = _path(task, store)
-        rows = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else known.get(_key(task), [])
-        found += [{"part": "diagnosis", "next_trial": _way(task), **{n: row[n] for n in _NAMES}} for row in rows]
-    return found
+def _key(task: Task) -> tuple[str, int, int]:
+    return "informative" if task.informative else "drawn", task.situation, task.seed
 
 
-def _runs(cases: Sequence, store: Path) -> list[dict[str, Any]]:
+def _path(task: Task, store: Path) -> Path:
+    way, situation, seed = _key(task)
+    return store / f"{way}-s{situation:02d}-{seed}.json"
+
+
+def _labelled(task: Task, row: dict[str, Any]) -> dict[str, Any]:
+    return {"part": "diagnosis", "next_trial": _key(task)[0], **{name: row[name] for name in _COLUMNS}}
+
+
+def _runs(cases: Sequence[RecoveryCase], store: Path) -> list[dict[str, Any]]:
     """A row for each diagnosis of each run that is done."""
-    from experiments.harness.runs import finished
-    from experiments.harness.tables import row
+    from experiments.harness.recovery_rows import row
+    from experiments.harness.recovery_runs import finished
 
-    found = []
+    found, ways = [], {option: way for way, option in LOOP.items()}
     for case in (c for c in cases if finished(c, store)):
         line = row(case, store)
+        about = {"part": "loop", "next_trial": ways[case.next_trial], "situation": case.situation, "seed": case.seed}
         for i in range(1, case.settings.passes + 1):
             own = {"trials": i, "right": line[f"right_{i}"], "diagnosis": line[f"diagnosis_{i}"]}
-            about = {"part": "loop", "next_trial": case.next_trial, "situation": case.situation, "seed": case.seed}
             found.append({**about, **own, "planted": line["planted"], "distance": line[f"trial_{i}"]})
     return found
 
 
-_NAMES = ("situation", "seed", "trials", "right", "error", "probability", "planted", "diagnosis")
-
-
-def report(diagnoses: Sequence[dict[str, Any]], runs: Sequence[dict[str, Any]], options) -> None:
+def report(diagnoses: Sequence[dict[str, Any]], runs: Sequence[dict[str, Any]], options: Options) -> None:
     """Tables, numbers and figure."""
-    from experiments.harness.tables import write_rows, write_summary
+    from experiments.harness.recovery_rows import write_summary
+    from experiments.harness.rows import write_rows
     from experiments.recover.next_trial.summary import draw, summary
 
     rows = [*diagnoses, *runs]
-    write_rows(options.out / "next_trial.csv", rows)
+    write_rows(options.out / "rows.parquet", rows)
     write_summary(options.out / "summary.json", summary(rows), size_of_runs=options.size)
     draw(rows, options.out)
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from experiments.harness.figures import write_figure
 from experiments.harness.statistics import share, signed_rank
-from experiments.harness.tables import write_figure
 
 Row = dict[str, Any]
-WAYS = {"diagnosis": ("drawn", "telling"), "loop": ("farthest", "telling")}
+WAYS = {"diagnosis": ("drawn", "informative"), "loop": ("farthest", "informative")}
 """Ways to choose the next trial in either part: as before, and the one that is put to the test."""
 
 
@@ -89,4 +89,4 @@ def draw(rows: Sequence[Row], out: Path) -> None:
     write_figure(out / "next_trial.png", figure)
 
 
-_WORDS = {"drawn": "drawn at random", "farthest": "the farthest", "telling": "the most telling"}
+_WORDS = {"drawn": "drawn at random", "farthest": "the farthest", "informative": "the most informative"}

@@ -1,4 +1,4 @@
-"""What a diagnosis is worth: distances of the last trial against those of runs that were handed the true damage."""
+"""What a diagnosis is worth: distances of the last trial against those of runs whose diagnosis was the true damage."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from experiments.harness.tables import write_figure
+from experiments.harness.figures import write_figure
 
 Row = dict[str, Any]
 Pair = tuple[Row, Row]
-"""A run that diagnosed, and the one that was told."""
+"""A run that diagnosed, and the one that knew the damage."""
 LAST = "trial_4"
 _HALF = 0.5
 """Damage that leaves less of the distance than this is severe."""
@@ -22,7 +22,7 @@ def summary(pairs: Sequence[Pair]) -> dict[str, Any]:
     """By robot and situation: medians over seeds, and how often a severely damaged robot came twice as far again."""
     return {
         robot: {
-            "situations": {str(s): _told(own) for s, own in by_situation(mine).items()},
+            "situations": {str(s): _situation(own) for s, own in by_situation(mine).items()},
             "ratio": _median_ratio(mine),
             "severe": _severe(mine),
         }
@@ -42,16 +42,16 @@ def by_situation(pairs: Sequence[Pair]) -> dict[int, list[Pair]]:
 
 
 def _median_ratio(pairs: Sequence[Pair]) -> float | None:
-    """Share of the told run's last distance that the diagnosing one reached, of pairs in which that got anywhere."""
-    shares = [own[LAST] / told[LAST] for own, told in pairs if told[LAST] > 0.0]
+    """Share of the oracle run's last distance that the diagnosing one reached, of pairs in which that got anywhere."""
+    shares = [own[LAST] / oracle[LAST] for own, oracle in pairs if oracle[LAST] > 0.0]
     return float(np.median(shares)) if shares else None
 
 
-def _told(pairs: Sequence[Pair]) -> dict[str, Any]:
+def _situation(pairs: Sequence[Pair]) -> dict[str, Any]:
     medians = {name: float(np.median([own[name] for own, _ in pairs])) for name in ("before", "damaged", LAST)}
-    told = float(np.median([told[LAST] for _, told in pairs]))
+    oracle = float(np.median([run[LAST] for _, run in pairs]))
     right = float(np.mean([own["right_4"] for own, _ in pairs]))
-    return {"n": len(pairs), **medians, "told": told, "ratio": _median_ratio(pairs), "right": right}
+    return {"n": len(pairs), **medians, "oracle": oracle, "ratio": _median_ratio(pairs), "right": right}
 
 
 def _severe(pairs: Sequence[Pair]) -> dict[str, int]:
@@ -60,7 +60,7 @@ def _severe(pairs: Sequence[Pair]) -> dict[str, int]:
 
 
 def draw(pairs: Sequence[Pair], out: Path) -> None:
-    """`distances.png`: each run's last distance against that of the one that was told."""
+    """`distances.png`: each run's last distance against that of the one that knew the damage."""
     from matplotlib.figure import Figure
 
     groups = by_robot(pairs)
@@ -76,7 +76,7 @@ def draw(pairs: Sequence[Pair], out: Path) -> None:
         for holds, marker, label in ((right, "o", "exact diagnosis"), (~right, "x", "another")):
             axes.plot(np.asarray(x)[holds], np.asarray(y)[holds], marker, color="0.2", markersize=4, label=label)
         axes.set_title(f"{robot} robot (n = {len(mine)})", fontsize=9)
-        axes.set_xlabel("told the damage: trial 4 (m)")
+        axes.set_xlabel("with the true damage: trial 4 (m)")
         axes.set_ylabel("diagnosing it: trial 4 (m)")
         axes.set_aspect("equal")
         axes.spines[["top", "right"]].set_visible(False)

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from experiments.harness.figures import write_figure
 from experiments.harness.statistics import interval, signed_rank
-from experiments.harness.tables import write_figure
 
 Row = dict[str, Any]
 WAYS = {

@@ -25,7 +25,7 @@ DAMAGES = {
 
 
 @dataclass(frozen=True)
-class Tried:
+class RobotCase:
     """One run.
 
     Attributes:
@@ -55,16 +55,16 @@ class Tried:
 @cache
 def _world(model: str, size: Size) -> Simulator:
     enable_compilation_cache()
-    return simulator(Robot.from_xml(model_path(model)), Tried(model, "gravity_tilt angle=0.1", 0, size).settings)
+    return simulator(Robot.from_xml(model_path(model)), RobotCase(model, "gravity_tilt angle=0.1", 0, size).settings)
 
 
-def job(case: Tried) -> Job:
+def job(case: RobotCase) -> Job:
     """What a run works with."""
     world = _world(case.model, case.size)
     return job_of(world.robot, case.settings, world=world)
 
 
-def state_of(case: Tried, store: Path) -> RunState:
+def state_of(case: RobotCase, store: Path) -> RunState:
     """The end of a run: kept from an earlier attempt, or run now, from where it was."""
     path, first = store / f"robots-{case.name}.npz", store / f"robots-first-{case.model}-{case.seed}.npz"
     store.mkdir(parents=True, exist_ok=True)
@@ -79,7 +79,7 @@ def state_of(case: Tried, store: Path) -> RunState:
     return state
 
 
-def outcome(case: Tried, store: Path) -> dict[str, Any]:
+def outcome(case: RobotCase, store: Path) -> dict[str, Any]:
     """A run in a line: distances along x, and what it took for broken."""
     state, made = state_of(case, store), job(case)
     passes = state.passes("x")
@@ -87,7 +87,7 @@ def outcome(case: Tried, store: Path) -> dict[str, Any]:
     before, damaged = state.before.distance("x"), state.trials[0].distance("x")
     found = passes[-1].diagnosis
     right = [same_set(made.planted, each.diagnosis) for each in passes]
-    told = f"{before:.2f} m, damaged {damaged:.2f} m, last trial {passes[-1].hardware:.2f} m; {text(found)}"
+    in_words = f"{before:.2f} m, damaged {damaged:.2f} m, last trial {passes[-1].hardware:.2f} m; {text(found)}"
     return {
         "model": case.model,
         "damage": case.damage,
@@ -100,5 +100,5 @@ def outcome(case: Tried, store: Path) -> dict[str, Any]:
         "error": amount_error(made.simulator.robot, made.planted, found),
         "probability": passes[-1].probability,
         "diagnosis": text(found),
-        "told": told,
+        "in_words": in_words,
     }

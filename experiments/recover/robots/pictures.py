@@ -6,10 +6,10 @@ from pathlib import Path
 
 from estexp_jax.report.gl import NoGlError
 from estexp_jax.report.recover_film import film_of
-from experiments.recover.robots.cases import Tried, job, state_of
+from experiments.recover.robots.cases import RobotCase, job, state_of
 
 
-def show(case: Tried, store: Path, out: Path) -> None:
+def show(case: RobotCase, store: Path, out: Path) -> None:
     """Write the strip of a run, and its film where the extra `video` is there."""
     try:
         film = film_of(job(case), state_of(case, store))

@@ -1,4 +1,4 @@
-"""`estexp experiment walkers`: a library of evolved walkers, for experiments that need many different gaits.
+"""`estexp experiment walkers`: a library of evolved walkers, for studies that need many different gaits.
 
 Each is the best of a short exploration of its own on the healthy quadruped; seeds below 1000.
 """
@@ -19,10 +19,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     import numpy as np
 
     from estexp_jax.runs.files import replacing
-    from experiments.harness.options import parsed, publish
-    from experiments.harness.runs import each
+    from experiments.harness.options import options_of
+    from experiments.harness.recovery_runs import each
+    from experiments.harness.study import Study
 
-    options = parsed("walkers", __doc__, seeds=100, quick_seeds=3, arguments=arguments)
+    study = Study.of(__file__, __doc__)
+    options = options_of(study, arguments, seeds=100, quick_seeds=3)
     options.store.mkdir(parents=True, exist_ok=True)
     found = each("walkers", [(walker, seed, options.store) for seed in range(options.n)], options)
     weights = np.stack([w for w, _ in found])
@@ -30,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with replacing(options.out / "walkers.npz") as stream:
         np.savez_compressed(stream, percent=np.round(100 * weights).astype(np.int8), distance=distances)
     print(f"{options.n} walkers, distance in {SHORT['steps']} steps: median {np.median(distances):.2f} m")
-    publish(options, __file__)
+    study.publish(options.out, options.publish)
     return 0
 
 
@@ -59,6 +61,6 @@ def _explored(states):
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))

@@ -1,4 +1,4 @@
-"""`estexp experiment crash_recovery`: kill commands at random moments; what they find in the end is what they would have found.
+"""`estexp experiment crash_recovery`: kill commands at random moments and go on; the results are the same.
 
 estexp experiment crash_recovery --quick          one run of each command, killed twice
 estexp experiment crash_recovery                  six runs of each, killed three times
@@ -8,22 +8,25 @@ python experiments/robustness/crash_recovery/run.py --only recover --runs 20
 from __future__ import annotations
 
 import argparse
+import json
 import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """References, trials, summary; what is there already is kept."""
     from estexp_jax.runs import write_json
+    from experiments.harness.study import Study
     from experiments.robustness.crash_recovery.subjects import COMMANDS, prepare
 
-    options = _parsed(arguments)
-    out = (options.out or ROOT / "out" / "crash_recovery" / ("quick" if options.quick else "full")).resolve()
+    study = Study.of(__file__, __doc__)
+    options = _parsed(study, arguments)
+    out = study.results(options.out, *([] if options.out else ["quick" if options.quick else "full"]))
     runs, kills = (1, 2) if options.quick else (options.runs, options.kills)
     prepare(out / "inputs")
     for number in range(runs):
@@ -33,42 +36,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
     found = summary(out)
     write_json(out / "summary.json", found)
     for name, entry in found["commands"].items():
-        told = ", ".join(f"{key} {value}" for key, value in entry.items())
-        print(f"{name}: {told}")
-    if options.publish:
-        shutil.copy(out / "summary.json", Path(__file__).with_name("summary.json"))
+        print(f"{name}: " + ", ".join(f"{key} {value}" for key, value in entry.items()))
+    study.publish(out, options.publish)
     return int(any(entry["differ"] or entry["half_files"] or entry["failed"] for entry in found["commands"].values()))
 
 
-def _parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog="crash_recovery", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--quick", action="store_true", help="one run of each command, killed twice")
-    parser.add_argument("--resume", action="store_true", help="finished runs are always kept, so this changes nothing")
-    parser.add_argument("--workers", type=int, help="one run at a time: ignored")
-    parser.add_argument("--out", type=Path, default=None, help="default: out/crash_recovery")
+def _parsed(study: Any, arguments: Sequence[str] | None) -> argparse.Namespace:
+    from experiments.harness.study import words
+
+    parser = study.parser(quick="one run of each command, killed twice")
     parser.add_argument("--runs", type=int, default=6, help="of each command")
     parser.add_argument("--kills", type=int, default=3, help="of each run")
     parser.add_argument("--only", nargs="+", choices=("recover", "explain", "experiment"), help="commands")
-    parser.add_argument("--publish", action="store_true", help="copy the summary beside the README")
-    return parser.parse_args(arguments)
+    return parser.parse_args(words(arguments))
 
 
 def _reference(out: Path, command: str) -> tuple[Path, float]:
     """The results of a run that nobody kills, made twice and compared; and its processor time, s."""
-    import json
-
     from estexp_jax.runs import write_json
     from experiments.robustness.crash_recovery.subjects import differences
     from experiments.robustness.crash_recovery.trial import whole
 
     first, second = (out / "reference" / f"{command}-{n}" for n in (1, 2))
-    told = out / "reference" / f"{command}.json"
-    if not told.is_file():
+    kept = out / "reference" / f"{command}.json"
+    if not kept.is_file():
         each = [whole(command, out / "inputs", folder) for folder in (first, second)]
-        write_json(told, {"runs": each, "differs": differences(first, second)})
-    return first, json.loads(told.read_text())["runs"][1]["cpu_s"]  # of the second: the first may have compiled
+        write_json(kept, {"runs": each, "differs": differences(first, second)})
+    return first, json.loads(kept.read_text())["runs"][1]["cpu_s"]  # of the second: the first may have compiled
 
 
 def _trial(out: Path, command: str, seed: list[int], kills: int) -> None:
@@ -77,17 +71,17 @@ def _trial(out: Path, command: str, seed: list[int], kills: int) -> None:
     from estexp_jax.runs import write_json
     from experiments.robustness.crash_recovery.trial import killed
 
-    told = out / "trials" / f"{command}-{seed[1]}.json"
-    if told.is_file():
+    kept = out / "trials" / f"{command}-{seed[1]}.json"
+    if kept.is_file():
         return
-    told.parent.mkdir(parents=True, exist_ok=True)
+    kept.parent.mkdir(parents=True, exist_ok=True)
     reference, cpu = _reference(out, command)
     run = out / "runs" / f"{command}-{seed[1]}"
     found = killed(command, out / "inputs", reference, run, cpu, kills, np.random.default_rng(seed))
-    write_json(told, {"command": command, "seed": seed, "cpu_s": cpu, **found})
+    write_json(kept, {"command": command, "seed": seed, "cpu_s": cpu, **found})
     if not found["differs"] and found["code"] == 0:
         shutil.rmtree(run)
-    print(f"{told.stem}: {sum(k['came'] for k in found['kills'])} kills, exit code {found['code']}, ", end="")
+    print(f"{kept.stem}: {sum(k['came'] for k in found['kills'])} kills, exit code {found['code']}, ", end="")
     print(f"differs in {found['differs'] or 'nothing'}", flush=True)
 
 
@@ -99,8 +93,6 @@ def _new_drafts(trial: dict) -> int:
 
 def summary(out: Path) -> dict:
     """Numbers of all trials that are finished."""
-    import json
-
     from estexp_jax.runs import versions
     from experiments.robustness.crash_recovery.subjects import COMMANDS
 
@@ -126,6 +118,6 @@ def summary(out: Path) -> dict:
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))

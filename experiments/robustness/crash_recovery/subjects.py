@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pyarrow import parquet
 
 HERE = Path(__file__).parent
 ESTEXP = (sys.executable, "-m", "estexp_jax.cli.main")
@@ -22,7 +23,7 @@ COMMANDS = ("recover", "explain", "experiment")
 _RECOVER = "--situation 3 --seed 1 --population 8 --generations 3 --steps 30 --settle-steps 10 --passes 2".split()
 _EXPLAIN = "--most 1 --effects coulomb_friction viscous_friction command_delay --window 1".split()
 _COSTS = ("cost", "wall_s", "taken_up")
-"""Fields that tell what a result cost: they differ from run to run."""
+"""Fields that say what a result cost: they differ from run to run."""
 
 
 def prepare(inputs: Path) -> None:
@@ -75,6 +76,9 @@ def _content(path: Path) -> Any:
     if path.suffix == ".json":
         found = json.loads(path.read_text(encoding="utf-8"))
         return {k: v for k, v in found.items() if k not in _COSTS} if isinstance(found, dict) else found
+    if path.suffix == ".parquet":
+        rows = parquet.read_table(path)
+        return rows.drop_columns([name for name in _COSTS if name in rows.column_names]).to_pylist()
     if path.suffix == ".csv":
         rows = csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"), newline=""))
         return [{k: v for k, v in row.items() if k not in _COSTS} for row in rows]
@@ -107,8 +111,6 @@ def _read_html(path: Path) -> None:
 
 
 def _read_parquet(path: Path) -> None:
-    from pyarrow import parquet
-
     parquet.read_table(path)
 
 

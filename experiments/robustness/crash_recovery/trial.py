@@ -45,17 +45,17 @@ def killed(
         random: draws the moments; every second kill waits for the next write to be under way.
     """
     shutil.rmtree(out, ignore_errors=True)
-    told = []
+    found = []
     for number in range(kills):
         at, write = float(random.uniform(0.0, cpu)), number % 2 == 1
         left = set(drafts(out))  # by the kill before
         came = _kill_at(_start(command, inputs, out), out, at, write, left)
-        told.append({"at_cpu_s": at, "in_a_write": write, "came": came, **_found(out)})
+        found.append({"at_cpu_s": at, "in_a_write": write, "came": came, **_found(out)})
     process = _start(command, inputs, out)
     code = process.wait()
     error = process.stderr.read().decode() if process.stderr is not None else ""
     end = {"code": code, "traceback": "Traceback" in error, "drafts_left": drafts(out)}
-    return {"kills": told, **end, "differs": differences(reference, out), "unreadable": unreadable(out)}
+    return {"kills": found, **end, "differs": differences(reference, out), "unreadable": unreadable(out)}
 
 
 def _found(out: Path) -> dict[str, Any]:

@@ -40,7 +40,7 @@ def main() -> None:
     def one(data: bytes) -> None:
         outcome = attempt(make, Bytes(data))
         if outcome.result == "defect":
-            raise RuntimeError(outcome.told)
+            raise RuntimeError(outcome.message)
         tried[outcome.result].add(outcome.digest)
         if sum(map(len, tried.values())) % 500 == 0:
             print({name: len(some) for name, some in tried.items()}, file=sys.__stderr__, flush=True)

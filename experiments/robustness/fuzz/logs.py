@@ -216,11 +216,11 @@ def _mcap(messages: list[tuple[str, int, bytes]]) -> bytes:
 @lru_cache(maxsize=1)
 def good_mcap() -> bytes:
     """The good log as MCAP."""
-    told = []
+    messages = []
     for time, goal, position in zip(*columns().values(), strict=True):
         for topic, number in (("/goal", goal), ("/joint_states", position)):
-            told.append((topic, 10**18 + round(1e9 * time), json.dumps({"position": [float(number)]}).encode()))
-    return _mcap(told)
+            messages.append((topic, 10**18 + round(1e9 * time), json.dumps({"position": [float(number)]}).encode()))
+    return _mcap(messages)
 
 
 def _checked(folder: Path, name: str, content: bytes, mapping: tuple[str, ...] = MAP) -> list[str]:

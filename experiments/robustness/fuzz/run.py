@@ -6,7 +6,6 @@ python experiments/robustness/fuzz/run.py --count 1000 --publish
 
 from __future__ import annotations
 
-import argparse
 import json
 import multiprocessing
 import os
@@ -18,8 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 _FORK = multiprocessing.get_context("fork")
 MEMORY = 2 * 2**30
@@ -43,7 +41,7 @@ class Tally:
     start_mb: float = 0.0
 
     def row(self) -> dict[str, Any]:
-        """As in `results.json`."""
+        """As in `summary.json`."""
         return {
             "tried": len(self.tried),
             "refused": len(self.refused),
@@ -57,34 +55,31 @@ class Tally:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """All kinds, one after another."""
+    from experiments.harness.study import Study, words
     from experiments.robustness.fuzz.trial import KINDS
 
-    parser = argparse.ArgumentParser(prog="fuzz", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="20 bad inputs a kind")
-    parser.add_argument("--resume", action="store_true", help="begins anew all the same")
+    study = Study.of(__file__, __doc__)
+    parser = study.parser(quick="20 bad inputs a kind")
     parser.add_argument("--count", type=int, default=1000, help="distinct bad inputs a kind that have to be refused")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=ROOT / "out" / "experiments" / "fuzz")
-    parser.add_argument("--publish", action="store_true", help="write results.json beside the README")
-    given = parser.parse_args(arguments)
-    given.out.mkdir(parents=True, exist_ok=True)
-    results = given.out / "results.json"
-    told = json.loads(results.read_text()) if results.exists() else {}
+    given = parser.parse_args(words(arguments))
+    out = study.results(given.out)
+    summary = out / "summary.json"
+    rows = json.loads(summary.read_text()) if summary.exists() else {}
     if "run_folder" in given.kinds:
-        prepare = _FORK.Process(target=good_results, args=(given.out / "good",))  # JAX begins there, and not here
+        prepare = _FORK.Process(target=good_results, args=(out / "good",))  # JAX begins there, and not here
         prepare.start()
         prepare.join()
     import estexp_jax.api.inputs  # noqa: F401 (once for all processes)
     import estexp_jax.cli.check  # noqa: F401
 
     for kind in given.kinds:
-        told[kind] = campaign(kind, given.seed, 20 if given.quick else given.count, given.out).row()
-        print(f"{kind}: " + ", ".join(f"{k} {v}" for k, v in told[kind].items() if k != "defects"), flush=True)
-        results.write_text(json.dumps(told, indent=1) + "\n")
-    if given.publish:
-        (Path(__file__).parent / "results.json").write_text(json.dumps(told, indent=1) + "\n")
-    return int(any(row["crashes"] for row in told.values()))
+        rows[kind] = campaign(kind, given.seed, 20 if given.quick else given.count, out).row()
+        print(f"{kind}: " + ", ".join(f"{k} {v}" for k, v in rows[kind].items() if k != "defects"), flush=True)
+        summary.write_text(json.dumps(rows, indent=1) + "\n")
+    study.publish(out, given.publish)
+    return int(any(row["crashes"] for row in rows.values()))
 
 
 def campaign(kind: str, seed: int, count: int, out: Path) -> Tally:
@@ -111,8 +106,8 @@ def _note(tally: Tally, answer: dict[str, Any]) -> None:
     elif answer["result"] == "accepted":
         tally.accepted += 1
     else:
-        tally.defects.append({"index": answer["index"], "told": answer["told"]})
-        print(f"  input {answer['index']}: {answer['told'][:400]}", flush=True)
+        tally.defects.append({"index": answer["index"], "message": answer["message"]})
+        print(f"  input {answer['index']}: {answer['message'][:400]}", flush=True)
 
 
 def _answers(kind: str, seed: int, index: int, out: Path) -> Iterator[dict[str, Any]]:
@@ -124,17 +119,17 @@ def _answers(kind: str, seed: int, index: int, out: Path) -> Iterator[dict[str, 
     wait = _ARM_S
     try:
         while True:
-            heard = ours.poll(wait)
+            answered = ours.poll(wait)
             try:
-                answer = ours.recv() if heard else None
+                answer = ours.recv() if answered else None
             except EOFError:
                 answer = None
             if answer is None and wait == _ARM_S:
                 raise RuntimeError("the process that tries inputs does not begin")
             if answer is None:
                 process.join(1.0)
-                ended = f"the process ended with {process.exitcode}" if heard else "it hangs in C"
-                yield {"index": index, "digest": f"{kind}-{index}", "result": "defect", "told": ended} | _UNKNOWN
+                ended = f"the process ended with {process.exitcode}" if answered else "it hangs in C"
+                yield {"index": index, "digest": f"{kind}-{index}", "result": "defect", "message": ended} | _UNKNOWN
                 return
             yield answer
             wait, index = _PATIENCE_S, answer.get("index", index - 1) + 1
@@ -188,4 +183,6 @@ def good_results(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from experiments.harness.study import exit_code
+
+    sys.exit(exit_code(main))

@@ -30,7 +30,7 @@ class Outcome(NamedTuple):
 
     digest: str  #: of what was written and of the command
     result: str  #: refused, accepted, or defect
-    told: str  #: the message, or what is wrong
+    message: str  #: the message, or what is wrong
 
 
 class Accepted(BaseException):
@@ -62,10 +62,10 @@ def attempt(make: Maker, source: random.Random) -> Outcome:
         (folder / "canary").write_text("alive")
         argv = make(source, inner)
         digest = _digest(inner, argv)
-        result, told = _run(argv, inner, short=isinstance(make, folders.RunFolders))
+        result, message = _run(argv, inner, short=isinstance(make, folders.RunFolders))
         if (folder / "canary").read_text() != "alive":
-            result, told = "defect", "a file outside was changed"
-        return Outcome(digest, result, told.replace(str(folder), ""))
+            result, message = "defect", "a file outside was changed"
+        return Outcome(digest, result, message.replace(str(folder), ""))
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -128,14 +128,14 @@ def _command(argv: list[str]) -> int:
     return 0
 
 
-def _judged(code: int, told: str) -> tuple[str, str]:
-    lines = told.strip().splitlines()
+def _judged(code: int, message: str) -> tuple[str, str]:
+    lines = message.strip().splitlines()
     if code == 0:
         return "accepted", ""
     if code != 2:
-        return "defect", f"exit code {code}: {told[-300:]}"
+        return "defect", f"exit code {code}: {message[-300:]}"
     if len(lines) != 1 or not lines[0].startswith("estexp: error: "):
-        return "defect", f"not one message: {told[-300:]}"
+        return "defect", f"not one message: {message[-300:]}"
     return "refused", lines[0][:300]
 
 
@@ -153,12 +153,12 @@ def _caught() -> Any:
         copy = stack.enter_context(os.fdopen(os.dup(2), "w", errors="replace"))
         stack.enter_context(patch.object(sys, "stderr", copy))
 
-        def told() -> str:
+        def message() -> str:
             return content
 
         content = ""
         try:
-            yield told
+            yield message
         finally:
             sys.stderr.flush()
             stderr.seek(0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from experiments.benchmark.baselines import oracle, sparse
-from experiments.benchmark.baselines.all import rivals_of
+from experiments.benchmark.baselines.all import baselines_of
 from experiments.benchmark.baselines.logs import floor, gain, nrmse, read_case, windows
 from experiments.benchmark.generator.answers import answer
 from experiments.benchmark.generator.case import Plan, Planted, make
@@ -33,9 +33,9 @@ def test_the_oracle_comes_near_the_floor_and_the_nominal_model_does_not(visible)
     assert found is not None and found > 0.9
 
 
-def test_a_rival_tells_errors_gain_and_terms(visible):
+def test_a_baseline_reports_errors_gain_and_terms(visible):
     folder, told = visible
-    found = rivals_of(folder, {k: v for k, v in told.items() if k != "plan"})
+    found = baselines_of(folder, {k: v for k, v in told.items() if k != "plan"})
     assert found["nominal"]["gain"] == 0.0 and found["nominal"]["floor"] < found["nominal"]["test"]
     assert set(found["sparse"]["terms"]) == {"shoulder", "elbow"} and np.isfinite(found["sparse"]["test"])
 

@@ -8,8 +8,10 @@ import pytest
 
 from estexp_jax.errors import InputError
 from experiments.benchmark import outside_catalogue, sealed
+from experiments.benchmark.on_disk import FULL
 from experiments.benchmark.scoring.judge import Row
 from experiments.benchmark.sets import frozen_commit, seed_of
+from experiments.harness.rows import write_rows
 
 _EFFECT = {"effect": "armature", "law": None, "name": "knee"}
 
@@ -31,16 +33,16 @@ def _entry(case: str, **what) -> dict:
     )
     refit = {"train": 1.0, "test": 9.0}
     answer = {"effects": [_EFFECT], "visibility": {"refit": refit}}
-    return asdict(row) | {"commit": "c0", "answer": answer, "rivals": None}
+    return asdict(row) | {"commit": "c0", "answer": answer, "baselines": None}
 
 
 def test_results_may_grow_while_everything_else_is_frozen(repository, monkeypatch):
-    published = repository / "sealed.json"
+    published = repository / "sealed.parquet"
     commit = frozen_commit(repository)
-    published.write_text(json.dumps({"seed": seed_of(commit), "rows": [{"commit": commit}]}), encoding="utf-8")
+    write_rows(published, [{"commit": commit}], seed=seed_of(commit))
     monkeypatch.setattr(sealed, "ROOT", repository)
     assert sealed.sealed_seed(published) == seed_of(commit)
-    published.write_text(json.dumps({"seed": 1, "rows": [{"commit": "abc"}]}), encoding="utf-8")
+    write_rows(published, [{"commit": "abc"}], seed=1)
     with pytest.raises(InputError, match="sealed at abc"):
         sealed.sealed_seed(published)
     (repository / "code.py").write_text("x = 2\n", encoding="utf-8")
@@ -51,10 +53,10 @@ def test_results_may_grow_while_everything_else_is_frozen(repository, monkeypatc
 def test_a_set_is_opened_only_when_it_is_whole(tmp_path):
     log = tmp_path / "openings.jsonl"
     found = _entry("c000", verdict="missing_physics", claimed=("armature@knee",), detected=True, place_first=True)
-    rivals = {"oracle": {"gain": 0.9}, "sysid": {"gain": 0.1, "noticed": False}}
-    found |= {"gain": 0.8, "errors": {"nominal": 1.0, "explained": 0.2}, "floor": 0.01, "rivals": rivals}
+    baselines = {"oracle": {"gain": 0.9}, "sysid": {"gain": 0.1, "noticed": False}}
+    found |= {"gain": 0.8, "errors": {"nominal": 1.0, "explained": 0.2}, "floor": 0.01, "baselines": baselines}
     failed = _entry("c001", verdict="none")
-    del failed["answer"], failed["rivals"]
+    del failed["answer"], failed["baselines"]
     with pytest.raises(InputError, match="1 of 2 cases"):
         sealed.opened(log, tmp_path, [found], 2)
     with pytest.raises(InputError, match="2 commits"):
@@ -67,20 +69,20 @@ def test_a_set_is_opened_only_when_it_is_whole(tmp_path):
     assert json.loads(log.read_text(encoding="utf-8"))["commit"] == "c0"
 
 
-def test_rivals_get_a_hundred_cases_that_the_seed_draws():
-    one, other = sealed.rivalled(5), sealed.rivalled(6)
+def test_baselines_get_a_hundred_cases_that_the_seed_draws():
+    one, other = sealed.with_baselines(5), sealed.with_baselines(6)
     assert len(one) == len(other) == 100 and one != other
-    assert one <= {f"c{i:03d}" for i in range(sealed.CASES)}
+    assert one <= {f"c{i:03d}" for i in range(FULL)}
     groups = [plan.group for plan in sealed.planned(5, "all")]
     assert len(groups) >= 400 and sum(g in ("null", "parameters") for g in groups) >= 150
 
 
-def test_odd_laws_are_drawn_as_in_a_set_of_all_groups_and_scored_without_rivals(tmp_path):
+def test_laws_outside_the_catalogue_are_drawn_as_in_a_set_of_all_groups_and_scored_without_baselines(tmp_path):
     drawn = outside_catalogue.planned(5, "all")
     assert {plan.group for plan in drawn} == {"unknown", "relative"} and len(drawn) >= 80
-    told = {"group": "unknown", "truth": "eddy", "errors": {"nominal": 1.0, "explained": 0.2}, "floor": 0.01}
-    rows = [_entry("c000", verdict="unexplained", detected=True, place_first=True, wrong_name=False, **told)]
-    rows += [_entry("c001", verdict="missing_physics", claimed=("armature@knee",), wrong_name=True, gain=0.8, **told)]
+    shared = {"group": "unknown", "truth": "eddy", "errors": {"nominal": 1.0, "explained": 0.2}, "floor": 0.01}
+    rows = [_entry("c000", verdict="unexplained", detected=True, place_first=True, wrong_name=False, **shared)]
+    rows += [_entry("c001", verdict="missing_physics", claimed=("armature@knee",), wrong_name=True, gain=0.8, **shared)]
     log = tmp_path / "openings.jsonl"
     page = sealed.opened(log, tmp_path, rows, 2).read_text(encoding="utf-8")
     assert "| laws in no catalogue: wrong name | 50.0 %" in page and (tmp_path / "scored" / "scores.png").is_file()

@@ -92,12 +92,12 @@ def test_scores_count_what_they_say(tmp_path) -> None:
         "errors": {"nominal": 0.1, "explained": 0.2},
     }  # fmt: skip
     lost = wrong | {"case": "c002", "errors": {"nominal": 0.1}}
-    told = {what: found for what, _, found in measured([entry, wrong])}
-    assert told["a wrong name given"].startswith("1 of 2 ")
-    assert told["gain inside the range, of the true law's, median (static)"] == "90 % (2)"
-    assert told["gain overall, of the true law's, median (static)"] == "70 % (2)"
-    assert told["error of the force, median"] == "8 % (1)"
-    assert told["predicts the tests worse than the nominal simulator"] == "1 of 2"
+    table = {what: found for what, _, found in measured([entry, wrong])}
+    assert table["a wrong name given"].startswith("1 of 2 ")
+    assert table["gain inside the range, of the true law's, median (static)"] == "90 % (2)"
+    assert table["gain overall, of the true law's, median (static)"] == "70 % (2)"
+    assert table["error of the force, median"] == "8 % (1)"
+    assert table["predicts the tests worse than the nominal simulator"] == "1 of 2"
     ran_away = {what: found for what, _, found in measured([entry, lost])}
     assert ran_away["predicts the tests worse than the nominal simulator"] == "1 of 2"
     page = write_scores(tmp_path, json.loads(json.dumps([entry, wrong])), 285)

@@ -14,7 +14,7 @@ from experiments.benchmark.scoring.judge import Row, Size
 from experiments.explain.planted import run as front
 from experiments.explain.planted.plans import PARTS, planned
 from experiments.explain.planted.scores import measured, write_scores
-from experiments.explain.planted.study import PLANTED
+from experiments.explain.planted.study import planted
 from experiments.harness import explain_runner
 from experiments.harness.explain_study import row_of
 
@@ -55,14 +55,14 @@ def test_scores_count_what_they_say() -> None:
         _row("parameters", verdict="parameters", visible=False),
         _row("single", verdict="missing_physics", robot="quadruped", place_first=False, name_equivalent=False),
     ]
-    told = {what: found for what, _, found in measured(rows)}
-    assert told["effects too weak to be seen"] == "1 of 3"
-    assert told["right place first"].startswith("2 of 2 ")
-    assert told["right name first, or one that says the same"].startswith("1 of 2 ")
-    assert told["error of parameters, median and 90 %"].startswith("4.0 %, 4 %")
-    assert told["held-out excess error removed, median"].startswith("50 %")
-    assert told["alarms where nothing is missing"].startswith("1 of 2 ")
-    assert told["quadruped: right place first"].startswith("0 of 1 ")
+    table = {what: found for what, _, found in measured(rows)}
+    assert table["effects too weak to be seen"] == "1 of 3"
+    assert table["right place first"].startswith("2 of 2 ")
+    assert table["right name first, or one that says the same"].startswith("1 of 2 ")
+    assert table["error of parameters, median and 90 %"].startswith("4.0 %, 4 %")
+    assert table["held-out excess error removed, median"].startswith("50 %")
+    assert table["alarms where nothing is missing"].startswith("1 of 2 ")
+    assert table["quadruped: right place first"].startswith("0 of 1 ")
 
 
 def test_a_folder_with_results_is_not_written_over(tmp_path) -> None:
@@ -72,7 +72,8 @@ def test_a_folder_with_results_is_not_written_over(tmp_path) -> None:
 
 
 def test_a_part_keeps_the_ids_of_the_whole() -> None:
-    whole, two = PLANTED.numbered(9, "all"), PLANTED.numbered(9, "two")
+    study = planted(front.__file__, None)
+    whole, two = study.planned(9, "all"), study.planned(9, "two")
     assert len(two) == 20 and all(whole[case] == plan for case, plan in two.items())
 
 
@@ -106,13 +107,14 @@ FINDINGS = {
 
 def test_a_case_becomes_a_row_and_what_is_published_is_not_done_again(tmp_path, monkeypatch) -> None:
     command = (sys.executable, "-c", EXPLAIN.replace("FINDINGS", repr(FINDINGS)))
-    monkeypatch.setattr(
-        explain_runner, "_die_with_worker", None
-    )  # it forks, which JAX, if another test loaded it, warns of
-    some = replace(PLANTED, seed=4, published=tmp_path / "rows.json", command=lambda _: command)
+    monkeypatch.setattr(explain_runner, "_die_with_worker", None)  # it forks, of which JAX, where it is loaded, warns
+    some = replace(
+        planted(front.__file__, None), seed=4, published=tmp_path / "rows.parquet", command=lambda _: command
+    )
     plan = planned(4, "nothing")[0]
     for case in ("c000", "c001"):
         (tmp_path / "cases" / case).mkdir(parents=True)
+        (tmp_path / "cases" / case / "recordings.toml").touch()  # drawn already
         (tmp_path / "drawn").mkdir(exist_ok=True)
         (tmp_path / "drawn" / f"{case}.json").write_text(json.dumps(ANSWER))
         some.explained(tmp_path, case, plan, 60.0)
@@ -120,10 +122,10 @@ def test_a_case_becomes_a_row_and_what_is_published_is_not_done_again(tmp_path, 
     entries = some.entries(tmp_path, 4)
     rows = [row_of(entry) for entry in entries.values()]
     assert [r.verdict for r in rows] == ["parameters", "none"] and rows[0].robot_steps == 7
-    assert some.main(None, ["run", "--most", "0", "--publish", "--resume", "--out", str(tmp_path)]) == 0
+    assert some.main(["run", "--most", "0", "--publish", "--resume", "--out", str(tmp_path)]) == 0
     with pytest.raises(SystemExit):
-        some.main(None, ["score", "--publish", "--seed", "5", "--out", str(tmp_path)])
+        some.main(["score", "--publish", "--seed", "5", "--out", str(tmp_path)])
     elsewhere = some.entries(tmp_path / "elsewhere", 4)
     assert elsewhere == entries and some.entries(tmp_path / "elsewhere", 5) == {}
-    page = write_scores(tmp_path, rows, 490).read_text()
+    page = write_scores(tmp_path, list(entries.values()), 490).read_text()
     assert page.startswith("2 of 490 cases") and "0 of 2" in page

@@ -1,6 +1,5 @@
 """Two Ray nodes on this machine, one of them killed in the middle: the tables are those of a serial run."""
 
-import csv
 import json
 import os
 import secrets
@@ -11,8 +10,11 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from experiments.harness.rows import read_rows
 
 pytestmark = pytest.mark.slow
 OWN = ("--num-cpus=1", "--object-store-memory=100000000", "--block")
@@ -36,16 +38,16 @@ class Cluster:
     def begin(self) -> None:
         port = self.address.rpartition(":")[2]
         self._start("--head", f"--port={port}", "--include-dashboard=false", f"--temp-dir={self.folder / 'r'}")
-        self._until_told(0, "Ray runtime started")
+        self._until_printed(0, "Ray runtime started")
         self._start(f"--address={self.address}")
-        self._until_told(1, "Ray runtime started")
+        self._until_printed(1, "Ray runtime started")
 
     def _start(self, *options: str) -> None:
         command = [str(Path(sys.executable).with_name("ray")), "start", *options, *OWN]
         with (self.folder / f"{len(self.nodes)}.log").open("wb") as log:
             self.nodes.append(subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, env=self.environment))
 
-    def _until_told(self, node: int, words: str) -> None:
+    def _until_printed(self, node: int, words: str) -> None:
         log, end = self.folder / f"{node}.log", time.monotonic() + 60
         while words not in log.read_text(errors="replace"):
             assert self.nodes[node].poll() is None and time.monotonic() < end, log.read_text(errors="replace")
@@ -87,9 +89,9 @@ def _runs(out: Path) -> dict[str, dict]:
     return {n: {k: v for k, v in run.items() if k not in ("wall_s", "taken_up")} for n, run in found.items()}
 
 
-def _table(out: Path) -> list[dict[str, str]]:
-    with (out / "quick" / "figure6" / "runs.csv").open(newline="") as stream:
-        return [{k: v for k, v in row.items() if k != "wall_s"} for row in csv.DictReader(stream)]
+def _table(out: Path) -> list[dict[str, Any]]:
+    rows = read_rows(out / "quick" / "figure6" / "rows.parquet")
+    return [{k: v for k, v in row.items() if k != "wall_s"} for row in rows]
 
 
 def _on_node(under_way: Path, node: int, cluster: Cluster) -> bool:
@@ -114,9 +116,9 @@ def test_a_node_killed_in_the_middle_changes_nothing(cluster: Cluster, root: Pat
             assert process.poll() is None and time.monotonic() < end, "no run came to the second node"
             time.sleep(0.1)
         cluster.kill(1)
-        told, _ = process.communicate(timeout=600)
-    assert process.returncode == 0, told
-    assert "Ray on 2 machines" in told
+        printed, _ = process.communicate(timeout=600)
+    assert process.returncode == 0, printed
+    assert "Ray on 2 machines" in printed
     serial = [*EXPERIMENT, "--out", str(tmp_path / "serial")]
     subprocess.run(serial, cwd=root, env={**os.environ, "PYTHONPATH": str(root)}, check=True, capture_output=True)
     assert len(_runs(tmp_path / "serial")) == 3

@@ -28,12 +28,12 @@ def test_bad_input_is_refused_with_one_message(kind, tmp_path):
     @given(st.randoms(use_true_random=False))
     def tried(source):
         found.append(trial.attempt(make, source))
-        assert found[-1].result in ("refused", "accepted"), found[-1].told
+        assert found[-1].result in ("refused", "accepted"), found[-1].message
 
     tried()
     for number in range(SOME):
         found.append(trial.attempt(make, random.Random(f"{kind} {number}")))
-        assert found[-1].result in ("refused", "accepted"), found[-1].told
+        assert found[-1].result in ("refused", "accepted"), found[-1].message
     assert len({outcome.digest for outcome in found}) > SOME
     assert Counter(outcome.result for outcome in found)["refused"] > SOME / 2
 
@@ -47,7 +47,7 @@ def test_models_without_end_cost_neither_time_nor_memory(place, tmp_path):
 
     before = trial.peak_mb()
     outcome = trial.attempt(make, random.Random(0))
-    assert outcome.result in ("refused", "accepted"), outcome.told
+    assert outcome.result in ("refused", "accepted"), outcome.message
     assert trial.peak_mb() - before < 300.0
 
 
@@ -59,15 +59,15 @@ def test_damaged_results_are_refused_with_one_message(tmp_path):
     make = folders.RunFolders(tmp_path)
     trial.warm(make)
     found = [trial.attempt(make, random.Random(f"run_folder {k}")) for k in range(MANY)]
-    assert [outcome.told for outcome in found if outcome.result == "defect"] == []
+    assert [outcome.message for outcome in found if outcome.result == "defect"] == []
     assert sum(outcome.result == "refused" for outcome in found) > MANY / 2
 
 
 def test_the_judge_tells_what_is_no_single_message():
     assert trial._judged(2, "estexp: error: a.csv: no\n")[0] == "refused"
     assert trial._judged(0, "")[0] == "accepted"
-    for code, told in ((1, "estexp: error: x"), (2, "Traceback\nestexp: error: x"), (2, ""), (3, "")):
-        assert trial._judged(code, told)[0] == "defect"
+    for code, message in ((1, "estexp: error: x"), (2, "Traceback\nestexp: error: x"), (2, ""), (3, "")):
+        assert trial._judged(code, message)[0] == "defect"
 
 
 def test_a_defect_a_hang_and_a_change_outside_are_seen(monkeypatch):
@@ -77,12 +77,12 @@ def test_a_defect_a_hang_and_a_change_outside_are_seen(monkeypatch):
     with pytest.raises(AssertionError):
         trial.attempt(raising, random.Random(0))
     monkeypatch.setattr(trial, "_command", lambda argv: 1 // 0)
-    assert "ZeroDivisionError" in trial.attempt(logs.csv, random.Random(0)).told
+    assert "ZeroDivisionError" in trial.attempt(logs.csv, random.Random(0)).message
     monkeypatch.setattr(trial, "LONGEST_S", 0.2)
     monkeypatch.setattr(trial, "_command", lambda argv: [None for _ in iter(int, 1)])
-    assert "hang" in trial.attempt(logs.csv, random.Random(0)).told
+    assert "hang" in trial.attempt(logs.csv, random.Random(0)).message
     monkeypatch.setattr(trial, "_command", lambda argv: (open("../canary", "w").close(), 0)[1])
-    assert trial.attempt(logs.csv, random.Random(0)).told == "a file outside was changed"
+    assert trial.attempt(logs.csv, random.Random(0)).message == "a file outside was changed"
 
 
 def test_bytes_decide_and_run_out():
@@ -92,7 +92,7 @@ def test_bytes_decide_and_run_out():
 
 
 def test_the_tally_counts_distinct_inputs():
-    tally, seen = Tally(), {"seconds": 0.1, "peak_mb": 5.0, "told": ""}
+    tally, seen = Tally(), {"seconds": 0.1, "peak_mb": 5.0, "message": ""}
     for index, (digest, result) in enumerate([("a", "refused"), ("a", "refused"), ("b", "accepted"), ("c", "defect")]):
         _note(tally, {"index": index, "digest": digest, "result": result, **seen})
     row = tally.row()
@@ -101,7 +101,7 @@ def test_the_tally_counts_distinct_inputs():
 
 def test_the_published_table_is_that_of_the_results():
     folder = ROOT / "experiments" / "fuzz"
-    told, text = json.loads((folder / "results.json").read_text()), (folder / "README.md").read_text()
-    assert set(told) == set(trial.KINDS)
-    for kind, row in told.items():
+    message, text = json.loads((folder / "results.json").read_text()), (folder / "README.md").read_text()
+    assert set(message) == set(trial.KINDS)
+    for kind, row in message.items():
         assert f"| {kind} | {row['tried']} | {row['refused']} | {row['accepted']} | {row['crashes']} |" in text

@@ -1,4 +1,4 @@
-"""The smallest experiment: three tiny runs and their table. It is there to be killed and to be spread over machines."""
+"""The smallest study: three tiny runs and their table. It is there to be killed and to be spread over machines."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[4]))
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The runs and their table; whatever size is asked for, it is tiny."""
-    from experiments.harness.options import parsed
-    from experiments.harness.recovery_case import Case, seeds
-    from experiments.harness.runs import run_all
-    from experiments.harness.tables import row, write_rows, write_summary
+    from experiments.harness.options import options_of
+    from experiments.harness.recovery_case import RecoveryCase, seeds
+    from experiments.harness.recovery_rows import row, write_summary
+    from experiments.harness.recovery_runs import run_all
+    from experiments.harness.rows import write_rows
+    from experiments.harness.study import Study, words
 
-    given = list(sys.argv[1:] if arguments is None else arguments)
-    tiny = [*(word for word in given if word != "--quick"), "--size", "tiny"]
-    options = parsed("subject", __doc__, seeds=1, quick_seeds=1, arguments=tiny)
-    cases = [Case(situation, seeds(1)[0], options.size, "set") for situation in (1, 3, 5)]
+    tiny = [*(word for word in words(arguments) if word != "--quick"), "--size", "tiny"]
+    options = options_of(Study.of(__file__, __doc__), tiny, seeds=1, quick_seeds=1)
+    cases = [RecoveryCase(situation, seeds(1)[0], options.size, "set") for situation in (1, 3, 5)]
     run_all(cases, options)
-    write_rows(options.out / "runs.csv", [row(case, options.store) for case in cases])
+    write_rows(options.out / "rows.parquet", [row(case, options.store) for case in cases])
     write_summary(options.out / "summary.json", {}, seed=seeds(1)[0], size=options.size)
     return 0
 
 
 if __name__ == "__main__":
-    from experiments.harness.options import exit_code
+    from experiments.harness.study import exit_code
 
     sys.exit(exit_code(main))
