@@ -34,7 +34,7 @@ def write_rows(path: Path, rows: Iterable[Mapping[str, Any]], **about: Any) -> N
     metadata = {_ABOUT: json.dumps(about), _AS_JSON: json.dumps(as_json)}
     table = pa.table(dict(zip(names, arrays, strict=True))).replace_schema_metadata(metadata)
     with replacing(path) as stream:
-        parquet.write_table(table, stream, compression="zstd", compression_level=19)
+        parquet.write_table(table, stream, compression="zstd", compression_level=19, use_dictionary=False)
 
 
 def read_rows(path: Path) -> Rows:
