@@ -9,8 +9,10 @@ import mujoco
 import numpy as np
 
 from experiments.benchmark.baselines.logs import Log, windows
-from experiments.benchmark.generator.case import Case, Plan, Planted, make, reading
+from experiments.benchmark.generator.case import Case, Plan, Planted
+from experiments.benchmark.generator.making import make
 from experiments.benchmark.generator.plant import Plant
+from experiments.benchmark.generator.readings import reading
 from experiments.benchmark.generator.robots import ROBOTS, layout
 from experiments.benchmark.generator.sensing import channels
 
@@ -42,11 +44,11 @@ def errors(answer: Mapping[str, Any], model: mujoco.MjModel, logs: list[Log]) ->
         starts = {float(log.time[w.rows[0]]): (w.qpos, w.qvel) for w in windows(model, log)}
         rows, steps = plant.replay(recorded.rows, starts)
         again = recorded.__class__(recorded.name, rows, steps)
-        seen = [
+        true_readings = [
             reading(c, again, rows.time, case.effects, case.plan.planted, robot.name)
             for c in channels(robot.model, place)
         ]
-        truth = np.stack(seen, axis=1)
+        truth = np.stack(true_readings, axis=1)
         at = np.abs(log.time[:, None] - rows.time[None, :]).argmin(axis=1)
         kept = np.concatenate([w.rows[1:] for w in windows(model, log)])
         off = (truth[at] - log.sensor)[kept]

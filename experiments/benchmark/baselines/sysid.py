@@ -38,8 +38,8 @@ def fit(folder: Path, model: mujoco.MjModel, logs: list[Log]) -> tuple[mujoco.Mj
     parameters = _parameters(spec, model)
     counted = [0]
     sequences = [_sequence(spec, model, log, i) for i, log in enumerate(logs) if log.role == "train"]
-    seen = [(s.name, sysid.SignalType.MjSensor) for s in spec.sensors if s.type == mujoco.mjtSensor.mjSENS_JOINTPOS]
-    residual = sysid.build_residual_fn(models_sequences=sequences, n_threads=1, enabled_observations=seen)
+    observed = [(s.name, sysid.SignalType.MjSensor) for s in spec.sensors if s.type == mujoco.mjtSensor.mjSENS_JOINTPOS]
+    residual = sysid.build_residual_fn(models_sequences=sequences, n_threads=1, enabled_observations=observed)
     length = sum(len(t.control.times) for s in sequences for t in s.measured_rollout)
 
     def counting(x: np.ndarray, p: Any, **more: Any) -> Any:

@@ -19,7 +19,7 @@ _INNER = ("source", "reference", "axis", "times", "ratio")
 _SPUN = ("leg", "arm6", "cartpole", "scara")
 """Robots on whose first joint the first link's weight has no lever: all that its mass adds there is inertia."""
 _JAMMED = 0.5
-"""Degree from which on a jam is told from viscous friction."""
+"""Degree from which on a jam is distinguished from viscous friction."""
 
 
 def answer(case: Case) -> dict[str, Any]:

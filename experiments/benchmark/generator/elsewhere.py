@@ -24,7 +24,7 @@ class Bias(Effect):
         return np.interp(at, time, true) + np.where(at < self.start, 0.0, self.bias)
 
 
-class Late(Effect):
+class DelayedReading(Effect):
     """The reading of some time ago."""
 
     def read(self, time: np.ndarray, true: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.benchmark.generator.case import Case, Recorded, is_slide, reading, size_of
+from experiments.benchmark.generator.case import Case, Recorded
+from experiments.benchmark.generator.readings import is_slide, reading, size_of
 from experiments.benchmark.generator.robots import ROBOTS, layout
 from experiments.benchmark.generator.sensing import captured, channels, measured
 

@@ -126,7 +126,7 @@ KNOWN = (
         lambda s, j, z, r: {"bias": sign(r) * 0.6 * s * z.amplitude[j]},
         ("bias",),
     ),
-    Kind("sensor_delay", "sensor", elsewhere.Late, lambda s, j, z, r: {"delay": 0.06 * s}, ("delay",)),
+    Kind("sensor_delay", "sensor", elsewhere.DelayedReading, lambda s, j, z, r: {"delay": 0.06 * s}, ("delay",)),
     Kind(
         "sensor_stuck",
         "sensor",

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from experiments.benchmark.generator.case import Case, Plan, Planted, make, stronger
+from experiments.benchmark.generator.case import Case, Plan, Planted, stronger
 from experiments.benchmark.generator.catalogue import ABSORBABLE, MASKED, RELATIVES, SINGLE, UNKNOWN, places
+from experiments.benchmark.generator.making import make
 from experiments.benchmark.generator.robots import ROBOTS
 
 SHARES = {
@@ -26,7 +27,7 @@ SHARES = {
 """Share of each group in a set."""
 WEAKEST, PLAINEST = 0.03, 0.7
 _HIDEABLE = ("viscous_friction", "quadratic_drag", "joint_limit", "armature", "torque_saturation")
-_LATE = (
+_BEGINNING = (
     "coulomb_friction",
     "viscous_friction",
     "motor_weakness",
@@ -64,7 +65,7 @@ def _group(group: str, count: int, robots: Sequence[str], rng: np.random.Generat
         "relative": [(e,) for e in RELATIVES],
         "unknown": [(e,) for e in UNKNOWN],
         "masked": list(MASKED),
-        "onset": [(e,) for e in _LATE],
+        "onset": [(e,) for e in _BEGINNING],
         "hidden": [(e,) for e in _HIDEABLE],
         "absorbed": [(e,) for e in ABSORBABLE],
     }

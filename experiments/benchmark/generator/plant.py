@@ -18,7 +18,7 @@ from experiments.benchmark.generator.robots import Layout, Robot, layout
 FINER = 10
 """Fine steps in a nominal one."""
 _EARLY = 0.1
-"""So long before the first row it is known what happened, s: sensors that are late show it."""
+"""So long before the first row it is known what happened, s: delayed sensors show it."""
 
 
 @dataclass(frozen=True)
@@ -101,14 +101,14 @@ class Plant:
             is_row = k in due
             before, on_step = command, t >= -_EARLY and (k - first) % FINER == 0
             if is_row or on_step:
-                seen = self._moment(t, 0.0, q, w, command, enable).torque
+                torque = self._moment(t, 0.0, q, w, command, enable).torque
             if is_row or (k < first and (k - first) % warming == 0):
                 command = controller(t, q, w)
             if is_row:
                 enable = 0.0 if off and off[0] <= t < off[1] else 1.0
-                rowed.add(t, q, w, seen, command, before, enable, engine.whole())
+                rowed.add(t, q, w, torque, command, before, enable, engine.whole())
             if on_step:
-                stepped.add(t, q, w, seen, command, before, enable, engine.whole())
+                stepped.add(t, q, w, torque, command, before, enable, engine.whole())
             elif stepped.rows:
                 stepped.average(command)
             if k < steps:
@@ -218,6 +218,6 @@ def clock(seconds: float, rate: float, jitter: float, step: float, rng: np.rando
     """Times of rows (s, from 0) at a rate, each early or late by a share of the period, whole numbers of steps."""
     n = ceil(seconds * rate)
     ideal = np.arange(n) / rate
-    late = np.clip(jitter * rng.standard_normal(n), -0.35, 0.35) / rate
-    ticks = np.round((ideal + late) / step)
+    offset = np.clip(jitter * rng.standard_normal(n), -0.35, 0.35) / rate
+    ticks = np.round((ideal + offset) / step)
     return (ticks - ticks[0]) * step

@@ -138,13 +138,13 @@ def perturb(model: mujoco.MjModel, deviation: float, rng: np.random.Generator) -
 
 def misjudge(model: mujoco.MjModel, most: float, rng: np.random.Generator) -> dict[str, float]:
     """Make some masses, dampings and gains wrong by up to a share, in place; gives the relative errors."""
-    told: dict[str, float] = {}
+    errors: dict[str, float] = {}
 
     def draw(kind: str, names: list[str], apply) -> None:
         for i in rng.permutation(len(names))[: rng.integers(1, 3)]:
             error = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.4, 1.0) * most)
             apply(int(i), 1.0 + error)
-            told[f"{kind}.{names[int(i)]}"] = error
+            errors[f"{kind}.{names[int(i)]}"] = error
 
     def mass(i: int, factor: float) -> None:
         model.body_mass[i + 1] *= factor
@@ -162,4 +162,4 @@ def misjudge(model: mujoco.MjModel, most: float, rng: np.random.Generator) -> di
     draw("mass", [model.body(b).name for b in range(1, model.nbody)], mass)
     draw("damping", [model.joint(int(model.dof_jntid[v])).name for v in moved], damping)
     draw("gain", [model.actuator(a).name for a in range(model.nu)], gain)
-    return told
+    return errors

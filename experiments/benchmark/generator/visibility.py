@@ -45,7 +45,7 @@ class Stretch:
     readings: np.ndarray
 
 
-class Bent:
+class Refit:
     """A model whose masses, dampings, armatures and gains are scaled by a vector of relative errors.
 
     The vector ends with errors of the windows' starts, in spans of the joints that are measured.
@@ -181,15 +181,15 @@ def visibility(
     spans = np.maximum(spans, 5.0 * deviations)
     spans = np.where(spans > 0.0, spans, np.inf)  # a joint that stands still, seen without noise, shows nothing
     floor = float(np.sqrt(np.mean((deviations / spans) ** 2)))
-    bent, roles = Bent(model, layout, channels, spans), tuple(stretches)
-    zero = np.zeros(sum(bent.sizes))
+    refit, roles = Refit(model, layout, channels, spans), tuple(stretches)
+    zero = np.zeros(sum(refit.sizes))
 
     def shifts(x: np.ndarray) -> dict[str, np.ndarray]:
-        return {role: step_error(bent.at(x), bent.begun(x, stretches[role]), layout, channels) for role in roles}
+        return {role: step_error(refit.at(x), refit.begun(x, stretches[role]), layout, channels) for role in roles}
 
     def misfit(x: np.ndarray, role: str, shift: dict[str, np.ndarray]) -> np.ndarray:
-        begun = bent.begun(x, stretches[role])
-        found = predicted(bent.at(x), begun, layout, channels) + shift[role] - begun.readings
+        begun = refit.begun(x, stretches[role])
+        found = predicted(refit.at(x), begun, layout, channels) + shift[role] - begun.readings
         found = np.nan_to_num(found / spans, nan=1e3, posinf=1e3, neginf=-1e3)
         return np.clip(found, -1e3, 1e3).ravel()
 

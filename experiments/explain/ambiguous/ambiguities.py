@@ -1,4 +1,4 @@
-"""Two or three effects that a first motion cannot tell apart, on robots where another motion can."""
+"""Two or three effects that a first motion cannot distinguish, on robots where another motion can."""
 
 from __future__ import annotations
 
@@ -6,15 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import final
 
-import mujoco
 import numpy as np
 
-from estexp_jax.package_data import model_path
-
-Number = Callable[[float], float]
-"""What becomes of a number of the model: itself in the nominal one, a little wrong in the real robot."""
-Motion = Callable[[np.ndarray, np.random.Generator], np.ndarray]
-"""Times (rows,) and a source of chance to commands (rows, actuators)."""
+from experiments.explain.ambiguous.motions import Motion, either_way, one_way, slow
+from experiments.explain.ambiguous.robots import Number, hanging, level, motor, standing, turning
 
 
 @final
@@ -49,122 +44,6 @@ class Ambiguity:
         """Those of the ambiguity that some effects are, or say."""
         meant = {self.equals.get(name, name) for name in effects}
         return tuple(name for name in self.names if name in meant)
-
-
-def motor(n: Number) -> str:
-    """A pendulum that a motor turns by its torque; 0.44 N m hold it level."""
-    return _pendulum("0 1 0", n, '<motor name="motor" joint="hinge" ctrlrange="-1 1"/>')
-
-
-def hanging(n: Number) -> str:
-    """A pendulum that a soft servo turns."""
-    return _pendulum(
-        "0 1 0", n, f'<position name="servo" joint="hinge" kp="{n(4.0):.9g}" kv="0.1" ctrlrange="-1.6 1.6"/>'
-    )
-
-
-def level(n: Number) -> str:
-    """An arm that a servo turns about a vertical axis, where gravity does nothing."""
-    return _pendulum(
-        "0 0 1", n, f'<position name="servo" joint="hinge" kp="{n(4.0):.9g}" kv="0.1" ctrlrange="-1.6 1.6"/>'
-    )
-
-
-def turning(n: Number) -> str:
-    """The pendulum with the soft servo, on a base that turns about a vertical axis."""
-    return f"""
-<mujoco>
-  <option timestep="0.0025" integrator="implicitfast"/>
-  <worldbody><body name="base">
-    <joint name="pan" axis="0 0 1" damping="{n(0.1):.9g}" armature="{n(0.02):.9g}"/>
-    <geom type="cylinder" size="0.05 0.03" mass="{n(0.5):.9g}" contype="0" conaffinity="0"/>
-    {_arm("0 1 0", n)}
-  </body></worldbody>
-  <actuator>
-    <position name="pan_servo" joint="pan" kp="{n(8.0):.9g}" kv="0.5" ctrlrange="-1.6 1.6"/>
-    <position name="servo" joint="hinge" kp="{n(4.0):.9g}" kv="0.1" ctrlrange="-1.6 1.6"/>
-  </actuator>
-  <sensor><jointpos name="pan_angle" joint="pan"/><jointpos name="angle" joint="hinge"/></sensor>
-</mujoco>"""
-
-
-def _pendulum(axis: str, n: Number, actuator: str) -> str:
-    return f"""
-<mujoco>
-  <option timestep="0.0025" integrator="implicitfast"/>
-  <worldbody>{_arm(axis, n)}</worldbody>
-  <actuator>{actuator}</actuator>
-  <sensor><jointpos name="angle" joint="hinge"/></sensor>
-</mujoco>"""
-
-
-def _arm(axis: str, n: Number) -> str:
-    along = "0 0 -0.3" if axis == "0 1 0" else "0.3 0 0"
-    return f"""<body name="arm">
-      <joint name="hinge" axis="{axis}" damping="{n(0.015):.9g}" armature="{n(0.004):.9g}"/>
-      <geom type="capsule" fromto="0 0 0 {along}" size="0.02" mass="{n(0.3):.9g}" contype="0" conaffinity="0"/>
-    </body>"""
-
-
-def standing(n: Number) -> str:
-    """The quadruped of Bongard and Lipson, with angle sensors in all joints and none in its feet."""
-    spec = mujoco.MjSpec.from_file(str(model_path("quadruped")))
-    for geom in spec.geoms:
-        if geom.mass > 0.0:
-            geom.mass = n(geom.mass)
-    for joint in spec.joints:
-        joint.damping, joint.armature = joint.damping * n(1.0), n(joint.armature)
-    for servo in spec.actuators:
-        servo.gainprm[0] = n(servo.gainprm[0])
-        servo.biasprm[1] = -servo.gainprm[0]
-    for sensor in list(spec.sensors):
-        spec.delete(sensor)
-    for joint in spec.joints[1:]:
-        spec.add_sensor(
-            name=f"{joint.name}_angle",
-            type=mujoco.mjtSensor.mjSENS_JOINTPOS,
-            objtype=mujoco.mjtObj.mjOBJ_JOINT,
-            objname=joint.name,
-        )
-    return spec.to_xml()
-
-
-_BEGIN = 2.5
-"""Time in which slow motions begin, s: a jolt would tell more."""
-
-
-def slow(size: float, joints: int = 1, at: int = 0) -> Motion:
-    """Three slow sines at one actuator of several; the others rest."""
-
-    def commands(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        f, p = rng.uniform(0.06, 0.16, 3), rng.uniform(0.0, 2.0 * np.pi, 3)
-        found = np.zeros((len(time), joints))
-        begun = np.clip(time / _BEGIN, 0.0, 1.0)
-        whole = size / 1.8 * np.sin(2.0 * np.pi * f * time[:, None] + p).sum(axis=1)
-        found[:, at] = begun**2 * (3.0 - 2.0 * begun) * whole
-        return found
-
-    return commands
-
-
-def one_way(speed: float) -> Motion:
-    """Away from home at about one speed, this way or that, without turning back."""
-
-    def commands(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        way = speed * rng.uniform(0.9, 1.0) * (1.0 - 2.0 * int(rng.integers(2)))
-        return way * time[:, None]
-
-    return commands
-
-
-def either_way(size: float) -> Motion:
-    """All of a torque, one way or the other, for 0.5 to 1.5 s each."""
-
-    def commands(time: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        turns = np.searchsorted(np.cumsum(rng.uniform(0.5, 1.5, 40)), time)
-        return size * (1.0 - 2.0 * ((turns + int(rng.integers(2))) % 2))[:, None]
-
-    return commands
 
 
 AMBIGUITIES = (

@@ -11,10 +11,10 @@ from experiments.benchmark.generator.case import Plan, Planted
 from experiments.benchmark.generator.catalogue import SINGLE, places
 
 ROBOTS = ("leg", "planar")
-SEEDS, NOTHING, TWO, LATE = 5, 100, 20, 20
+SEEDS, NOTHING, TWO, ONSET = 5, 100, 20, 20
 """Cases of each effect at each robot; with nothing missing; with two effects; with an onset half-way."""
 _WEAKEST, _PLAINEST = 0.1, 0.7
-_LATE = ("coulomb_friction", "viscous_friction", "motor_weakness", "command_delay", "body_mass", "backlash")
+_BEGINNING = ("coulomb_friction", "viscous_friction", "motor_weakness", "command_delay", "body_mass", "backlash")
 _WALKING = {
     "body_mass": None,
     "ground_friction": None,
@@ -31,7 +31,7 @@ def planned(seed: int, part: str = "all") -> list[Plan]:
 
     Args:
         seed: decides everything.
-        part: all, single, nothing, two, late or walking.
+        part: all, single, nothing, two, onset or walking.
     """
     found: list[Plan] = []
     for k, (name, draw) in enumerate(_PARTS.items()):
@@ -63,10 +63,10 @@ def _two(rng: np.random.Generator) -> Iterator[Plan]:
             found += 1
 
 
-def _late(rng: np.random.Generator) -> Iterator[Plan]:
-    for i in range(LATE):
+def _onset(rng: np.random.Generator) -> Iterator[Plan]:
+    for i in range(ONSET):
         robot = ROBOTS[i % 2]
-        yield Plan("onset", robot, (_planted(_LATE[i // 2 % len(_LATE)], robot, rng),), 0)
+        yield Plan("onset", robot, (_planted(_BEGINNING[i // 2 % len(_BEGINNING)], robot, rng),), 0)
 
 
 def _walking(rng: np.random.Generator) -> Iterator[Plan]:
@@ -81,5 +81,5 @@ def _planted(name: str, robot: str, rng: np.random.Generator) -> Planted:
     return Planted(name, int(rng.choice(places(name, robot))), strength)
 
 
-_PARTS = {"single": _single, "nothing": _nothing, "two": _two, "late": _late, "walking": _walking}
+_PARTS = {"single": _single, "nothing": _nothing, "two": _two, "onset": _onset, "walking": _walking}
 PARTS = ("all", *_PARTS)

@@ -38,7 +38,10 @@ def measured(rows: Sequence[Row]) -> list[Line]:
     still = [r for r in rows if r.robot != "quadruped"]
     single = [r for r in still if r.group == "single"]
     visible, walking = _visible(single), _visible([r for r in rows if r.robot == "quadruped" and r.group == "single"])
-    pairs, late = _visible([r for r in still if r.group == "pair"]), _visible([r for r in still if r.group == "onset"])
+    pairs, onsets = (
+        _visible([r for r in still if r.group == "pair"]),
+        _visible([r for r in still if r.group == "onset"]),
+    )
     quiet = [r for r in still if r.group in ("null", "parameters")]
     weak = [r for r in single if not r.visible]
     return [
@@ -56,8 +59,8 @@ def measured(rows: Sequence[Row]) -> list[Line]:
         ("two effects: both named", "60 %", share_text(pairs, lambda r: r.named_all)),
         ("two effects: at least one named", "90 %", share_text(pairs, lambda r: r.wrong_name is False)),
         ("two effects: excess removed, median", "75 %", gain_text(pairs)),
-        ("onset half-way: right name", "", share_text(late, lambda r: r.name_equivalent)),
-        ("onset half-way: its error, median", "2 %", onset_text(late)),
+        ("onset half-way: right name", "", share_text(onsets, lambda r: r.name_equivalent)),
+        ("onset half-way: its error, median", "2 %", onset_text(onsets)),
         ("quadruped: right place first", "90 %", share_text(walking, lambda r: r.place_first)),
         ("quadruped: right name first", "80 %", share_text(walking, lambda r: r.name_equivalent)),
         ("time of a leg or planar arm, median", "", time_text(still)),

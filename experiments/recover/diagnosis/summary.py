@@ -74,8 +74,8 @@ def _quantiles(values: list[float]) -> dict[str, float] | None:
 
 def _bin(rows: list[Row], low: float, high: float) -> dict[str, Any]:
     top = high > 0.99
-    told = [r for r in rows if r["probability"] is not None]
-    inside = [r for r in told if low <= r["probability"] and (r["probability"] < high or top)]
+    stated = [r for r in rows if r["probability"] is not None]
+    inside = [r for r in stated if low <= r["probability"] and (r["probability"] < high or top)]
     return {"from": low, "to": high, "right": _share(r["right"] for r in inside)}
 
 
@@ -110,9 +110,9 @@ def _draw_calibration(groups: list[dict[str, Any]], out: Path) -> None:
     for group in groups:
         bins = [b for b in group["calibration"] if b["right"]]
         if bins:
-            middles, told = [(b["from"] + b["to"]) / 2 for b in bins], [b["right"] for b in bins]
-            shares = np.array([r["share"] for r in told])
-            error = [shares - [r["low"] for r in told], [r["high"] for r in told] - shares]
+            middles, stated = [(b["from"] + b["to"]) / 2 for b in bins], [b["right"] for b in bins]
+            shares = np.array([r["share"] for r in stated])
+            error = [shares - [r["low"] for r in stated], [r["high"] for r in stated] - shares]
             label = f"{group['robot']}, {group['trials']} trials"
             axes.errorbar(middles, shares, np.maximum(error, 0.0), fmt="o-", capsize=3, label=label)
     axes.set_xlabel("probability given")

@@ -91,8 +91,8 @@ def diagnose(task: Task) -> list[dict[str, Any]]:
 
 def _most_informative(job: Job, found: Diagnosis, controllers: np.ndarray) -> int:
     """Index of the controller on which a diagnosis and its rivals disagree most."""
-    told = [(found.items, found.probability or 0.0), *found.rivals]
-    explanations = [(changes_of(job.simulator, items), p) for items, p in told]
+    weighted = [(found.items, found.probability or 0.0), *found.rivals]
+    explanations = [(changes_of(job.simulator, items), p) for items, p in weighted]
     return most_telling(undecided(job.simulator, job.settings, controllers, explanations))
 
 

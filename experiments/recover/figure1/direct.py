@@ -31,11 +31,11 @@ def direct(case: RecoveryCase, store: Path) -> dict[str, Any]:
     if path.is_file():
         return json.loads(path.read_text(encoding="utf-8"))
     work, state, settings = job(case), state_of(case, store), case.settings
-    score, seen = exploration_score(work.simulator, settings, work.planted), []
+    score, walked = exploration_score(work.simulator, settings, work.planted), []
 
     def trial(genomes: np.ndarray) -> np.ndarray:
         values = score(genomes)
-        seen.extend(-values)
+        walked.extend(-values)
         return values
 
     length = work.simulator.n_weights
@@ -44,10 +44,10 @@ def direct(case: RecoveryCase, store: Path) -> dict[str, Any]:
         pass
     assert state.before is not None
     before = state.before.distance(settings.axis)
-    best = np.maximum.accumulate(np.where(np.isfinite(seen), seen, -np.inf))
-    told = {"seed": case.seed, "before": before, "best": best.tolist(), "needed": _needed(best, before)}
-    write_json(path, told)
-    return told
+    best = np.maximum.accumulate(np.where(np.isfinite(walked), walked, -np.inf))
+    found = {"seed": case.seed, "before": before, "best": best.tolist(), "needed": _needed(best, before)}
+    write_json(path, found)
+    return found
 
 
 def compared(cases: Sequence[RecoveryCase], runs: Sequence[dict[str, Any]], store: Path) -> list[dict[str, Any]]:

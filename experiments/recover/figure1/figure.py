@@ -26,8 +26,8 @@ def draw(
     for name, label, colour in (("set_search", "set search", "#7570b3"), ("paper", "the paper's", "#1b9e77")):
         for i, (course, run) in enumerate(zip(walked[name], runs, strict=True)):
             best = np.maximum.accumulate(course) / run["before"]
-            told = None if i else f"full algorithm, {label}"
-            axes.plot(np.arange(1, len(best) + 1), best, "o-", color=colour, markersize=3, linewidth=0.8, label=told)
+            legend = None if i else f"full algorithm, {label}"
+            axes.plot(np.arange(1, len(best) + 1), best, "o-", color=colour, markersize=3, linewidth=0.8, label=legend)
     axes.axhline(RECOVERED, color="0.8", linewidth=1, zorder=0)
     axes.set(
         xscale="log",
@@ -38,10 +38,10 @@ def draw(
     axes.legend(fontsize=7, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
     write_figure(out / "trial_cost.png", figure)
-    return {name: _told([row[name] for row in rows]) for name in ("on_the_robot", "set_search", "paper")}
+    return {name: _needed([row[name] for row in rows]) for name in ("on_the_robot", "set_search", "paper")}
 
 
-def _told(needed: list[int | None]) -> dict[str, Any]:
+def _needed(needed: list[int | None]) -> dict[str, Any]:
     """Median counts runs that never recovered as infinitely long."""
     values = np.array([np.inf if n is None else n for n in needed], float)
     return {"median": float(np.median(values)), "recovered": int(np.sum(np.isfinite(values))), "n": len(values)}

@@ -22,7 +22,7 @@ WINDOWS = (2, 10, "h / 2")
 LOSSES = tuple(np.round(np.arange(0.0, 1.0, 0.1), 1))
 TRUE_LOSS = 0.5
 """The robot in the world has lost so much of one motor; hypotheses have lost `LOSSES` of it."""
-_APART, _OVER = 0.1, 10
+_DIFFERENT, _OVER = 0.1, 10
 """Two robots have parted when their angles, over so many steps and all legs, differ by so much on average (1: 45
 degrees). Touch does not count: a faulty sensor's own reading differs from the start."""
 
@@ -63,8 +63,8 @@ def _parting(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     angles = ~interface_of(quadruped()).is_touch
     difference = np.mean(np.abs(a - b)[..., angles], axis=-1)
     smooth = np.apply_along_axis(lambda d: np.convolve(d, np.ones(_OVER) / _OVER, mode="valid"), 1, difference)
-    apart = smooth > _APART
-    return np.where(apart.any(axis=1), apart.argmax(axis=1), smooth.shape[1])
+    different = smooth > _DIFFERENT
+    return np.where(different.any(axis=1), different.argmax(axis=1), smooth.shape[1])
 
 
 def correlations(found: dict[str, Any], headers: list[int]) -> list[dict[str, Any]]:
@@ -83,8 +83,8 @@ def correlations(found: dict[str, Any], headers: list[int]) -> list[dict[str, An
                 {"metric": "rolling mean", "h": h, "w": str(w), **_mean([_rank(v, away[others]) for v in values])}
             )
     distances = [distance_error(d[true : true + 1], d[3 + others][:, None]) for d in found["distance"]]
-    told = _mean([_rank(v, away[others]) for v in distances])
-    rows.append({"metric": "distance", "h": x.shape[2], "w": "", **told})
+    rank = _mean([_rank(v, away[others]) for v in distances])
+    rows.append({"metric": "distance", "h": x.shape[2], "w": "", **rank})
     return rows
 
 

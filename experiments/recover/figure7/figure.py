@@ -50,11 +50,11 @@ def draw_confusion(tables: dict[str, Any], out: Path) -> None:
     figure = Figure(figsize=(4.4 * len(tables), 5.0), layout="constrained")
     panels = figure.subplots(1, len(tables), squeeze=False)[0]
     planted = sorted({name for table in tables.values() for name in table})
-    told = sorted({k for table in tables.values() for line in table.values() for k in line if k != "runs"})
+    diagnosed = sorted({k for table in tables.values() for line in table.values() for k in line if k != "runs"})
     for axes, (name, table) in zip(panels, tables.items(), strict=True):
-        shares = np.array([[_share(table.get(row, {}), kind) for kind in told] for row in planted])
+        shares = np.array([[_share(table.get(row, {}), kind) for kind in diagnosed] for row in planted])
         axes.imshow(shares, vmin=0.0, vmax=1.0, cmap="Greys", aspect="auto")
-        axes.set_xticks(range(len(told)), [_short(k) for k in told], rotation=90, fontsize=7)
+        axes.set_xticks(range(len(diagnosed)), [_short(k) for k in diagnosed], rotation=90, fontsize=7)
         axes.set_yticks(range(len(planted)), [_short(p) for p in planted] if axes is panels[0] else [], fontsize=7)
         axes.set_title(name, fontsize=9)
         axes.set_xlabel("diagnosed at trial 4")

@@ -29,7 +29,7 @@ def of(rows: Sequence[Row], arm: tuple[str, str], situation: int) -> list[Row]:
 
 def distances(rows: Sequence[Row]) -> dict[str, Any]:
     """Damaged against trial 4 (signed rank, Holm over the situations of an arm), and arms against each other."""
-    told: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for arm in arms(rows):
         groups = {s: of(rows, arm, s) for s in range(1, 14)}
         groups = {s: g for s, g in groups.items() if g}
@@ -37,8 +37,8 @@ def distances(rows: Sequence[Row]) -> dict[str, Any]:
         corrected = holm(p)
         pooled = [r for s in (*range(1, 9), 10) for r in groups.get(s, [])]
         ends, starts = ([r[name] for r in pooled] for name in (f"trial_{LAST}", "damaged"))
-        told[f"{' '.join(arm)}, 1 to 8 and 10 pooled"] = {"n": len(pooled), "p": signed_rank(ends, starts)}
-        told[" ".join(arm)] = {
+        result[f"{' '.join(arm)}, 1 to 8 and 10 pooled"] = {"n": len(pooled), "p": signed_rank(ends, starts)}
+        result[" ".join(arm)] = {
             s: {
                 "n": len(g),
                 **{name: float(np.mean([r[name] for r in g])) for name in ("before", "damaged", f"trial_{LAST}")},
@@ -48,14 +48,14 @@ def distances(rows: Sequence[Row]) -> dict[str, Any]:
             }
             for i, (s, g) in enumerate(groups.items())
         }
-    told["rolling-mean against distance"] = _between(rows, ("paper", "rolling-mean"), ("paper", "distance"))
-    told["set search against the paper's"] = _between(rows, ("set", "rolling-mean"), ("paper", "rolling-mean"))
-    return told
+    result["rolling-mean against distance"] = _between(rows, ("paper", "rolling-mean"), ("paper", "distance"))
+    result["set search against the paper's"] = _between(rows, ("set", "rolling-mean"), ("paper", "rolling-mean"))
+    return result
 
 
 def _between(rows: Sequence[Row], a: tuple[str, str], b: tuple[str, str]) -> dict[str, Any]:
     """Median difference of trial 4, seed by seed, and the signed-rank p that the first arm comes farther."""
-    told: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     groups = [*((str(s), (s,)) for s in range(1, 14)), ("1, 2, 4, 5, 6", PARTIAL), ("all", tuple(range(1, 14)))]
     for name, situations in groups:
         first, second = (
@@ -65,20 +65,20 @@ def _between(rows: Sequence[Row], a: tuple[str, str], b: tuple[str, str]) -> dic
         if both:
             x, y = ([runs[k][f"trial_{LAST}"] for k in both] for runs in (first, second))
             difference = float(np.median(np.subtract(x, y)))
-            told[name] = {"n": len(both), "median_difference": difference, "p": signed_rank(x, y)}
-    return told
+            result[name] = {"n": len(both), "median_difference": difference, "p": signed_rank(x, y)}
+    return result
 
 
 def diagnoses(rows: Sequence[Row]) -> dict[str, Any]:
     """Share of exact sets and median error of the amounts, by arm, situation and pass."""
-    told: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for arm in arms(rows):
-        told[" ".join(arm)] = {
+        result[" ".join(arm)] = {
             s: [_pass(of(rows, arm, s), number) for number in range(1, LAST + 1)]
             for s in range(1, 14)
             if of(rows, arm, s)
         }
-    return told
+    return result
 
 
 def _pass(rows: Sequence[Row], number: int) -> dict[str, Any]:
@@ -91,7 +91,7 @@ def _pass(rows: Sequence[Row], number: int) -> dict[str, Any]:
 
 def confusion(rows: Sequence[Row]) -> dict[str, Any]:
     """How often each kind of change was diagnosed at trial 4 where each was planted: counts of runs, by arm."""
-    told: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for arm in arms(rows):
         table: dict[str, dict[str, int]] = {}
         for r in (r for r in rows if (r["method"], r["metric"]) == arm):
@@ -99,8 +99,8 @@ def confusion(rows: Sequence[Row]) -> dict[str, Any]:
             for kind in _kinds(r[f"diagnosis_{LAST}"]):
                 line[kind] = line.get(kind, 0) + 1
             line["runs"] = line.get("runs", 0) + 1
-        told[" ".join(arm)] = table
-    return told
+        result[" ".join(arm)] = table
+    return result
 
 
 def _kinds(text: str) -> list[str]:
@@ -109,11 +109,11 @@ def _kinds(text: str) -> list[str]:
 
 def environment(rows: Sequence[Row]) -> dict[str, Any]:
     """Whether a slope is diagnosed where there is one, and nowhere else: Fisher's exact p for each arm."""
-    told: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for arm in arms(rows):
         mine = [r for r in rows if (r["method"], r["metric"]) == arm]
         table = np.zeros((2, 2), int)
         for r in mine:
             table[int(r["situation"] != 10), int("gravity_tilt" not in r[f"diagnosis_{LAST}"])] += 1
-        told[" ".join(arm)] = {"table": table.tolist(), "p": float(stats.fisher_exact(table, "greater").pvalue)}  # pyright: ignore
-    return told
+        result[" ".join(arm)] = {"table": table.tolist(), "p": float(stats.fisher_exact(table, "greater").pvalue)}  # pyright: ignore
+    return result

@@ -29,10 +29,10 @@ def _part(rows: Sequence[Row], ways: tuple[str, str]) -> dict[str, Any]:
     needed = {way: trials_needed([r for r in rows if r["next_trial"] == way]) for way in ways}
     both = sorted(set(needed[ways[0]]) & set(needed[ways[1]]))
     pairs = [(needed[ways[0]][key], needed[ways[1]][key]) for key in both]
-    told = {way: _way([r for r in rows if r["next_trial"] == way], needed[way]) for way in ways}
+    by_way = {way: _way([r for r in rows if r["next_trial"] == way], needed[way]) for way in ways}
     fewer = {"pairs": len(pairs), "fewer": sum(a > b for a, b in pairs), "more": sum(a < b for a, b in pairs)}
     p = signed_rank([a for a, _ in pairs], [b for _, b in pairs]) if pairs else None
-    return {**told, "paired": {**fewer, "p": p}}
+    return {**by_way, "paired": {**fewer, "p": p}}
 
 
 def trials_needed(rows: Sequence[Row]) -> dict[tuple[int, int], int]:
@@ -71,13 +71,13 @@ def draw(rows: Sequence[Row], out: Path) -> None:
     if not found:
         return
     figure = Figure(figsize=(4.4 * len(found), 3.6), layout="constrained")
-    for axes, (part, told) in zip(figure.subplots(1, len(found), squeeze=False)[0], found.items(), strict=True):
+    for axes, (part, own) in zip(figure.subplots(1, len(found), squeeze=False)[0], found.items(), strict=True):
         for i, (way, colour) in enumerate(zip(WAYS[part], ("0.55", "tab:blue"), strict=True)):
-            after = told[way]["right_after"]
+            after = own[way]["right_after"]
             x, shares = np.array([int(n) for n in after]), np.array([s["share"] for s in after.values()])
             ends = np.array([[s["low"], s["high"]] for s in after.values()]).reshape(-1, 2)
             error = np.maximum(np.abs(ends.T - shares), 0.0)
-            label = f"{_WORDS[way]} (n = {told[way]['n']})"
+            label = f"{_WORDS[way]} (n = {own[way]['n']})"
             axes.errorbar(x + 0.06 * i, shares, error, fmt="o-", color=colour, capsize=3, markersize=4, label=label)
         axes.set_xticks([1, 2, 3, 4])
         axes.set_ylim(0.0, 1.02)

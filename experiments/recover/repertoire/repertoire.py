@@ -52,13 +52,13 @@ def evolved(simulator: Simulator, settings: Settings, walks: int) -> Iterator[Re
         walks: simulated in all; where the simulator is rough, each is one on several simulators.
     """
     found: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray, float]] = {}
-    sets, heard = _simulators(simulator, settings)
+    sets, readings_noise = _simulators(simulator, settings)
     start, generation = simulator.settled(sets), 0
     while walks > 0:
         random = np.random.default_rng([settings.seed, _TAG, generation])
         n = min(settings.population if generation == 0 else settings.population // 2, walks)
         weights = _children([w for w, _, _ in found.values()], n, simulator.n_weights, settings.mutation, random)
-        walk = simulator.walks(sets, start, weights, settings.steps, heard)
+        walk = simulator.walks(sets, start, weights, settings.steps, readings_noise)
         far = np.mean(distances(walk.position, settings.axis), axis=0)
         down = np.asarray(walk.readings)[..., simulator.walker.interface.is_touch] > 0.0
         duty = np.mean(down, axis=(0, 2))
@@ -74,9 +74,9 @@ def _simulators(simulator: Simulator, settings: Settings) -> tuple[list, Heard |
     """What exploration simulates, too: the nominal robot, or several that differ as much as it may be off."""
     if settings.members == 1:
         return [()], None
-    told = noise(simulator.walker.interface, settings.members, settings.steps)
+    noises = noise(simulator.walker.interface, settings.members, settings.steps)
     members = ensemble(simulator.robot, settings.rough, settings.members)
-    return list(members), Heard(told.factor[:, None], told.added[:, None])
+    return list(members), Heard(noises.factor[:, None], noises.added[:, None])
 
 
 def _children(
@@ -110,18 +110,18 @@ def adapted(repertoire: Repertoire, trial: Callable[[np.ndarray], float], trials
     return tried
 
 
-def believed(prior: np.ndarray, gaits: np.ndarray, seen: list[tuple[int, float]]) -> tuple[np.ndarray, np.ndarray]:
+def believed(prior: np.ndarray, gaits: np.ndarray, trials: list[tuple[int, float]]) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard deviation (gaits,) of a Gaussian process about a prior mean, after some trials.
 
     Args:
         prior: (gaits,) mean.
         gaits: (gaits, dimensions) in [0, 1].
-        seen: indices of gaits that were tried, with what came of them.
+        trials: indices of gaits that were tried, with what came of them.
     """
-    if not seen:
+    if not trials:
         return prior, np.ones(len(prior))
-    at = np.array([i for i, _ in seen])
-    values = np.array([v for _, v in seen])
+    at = np.array([i for i, _ in trials])
+    values = np.array([v for _, v in trials])
     across = _matern(gaits, gaits[at])
     gain = np.linalg.solve(across[at] + _NOISE * np.eye(len(at)), across.T).T
     variance = 1.0 - np.sum(gain * across, axis=1)

@@ -21,7 +21,9 @@ WAYS = {
 
 def summary(rows: Sequence[Row]) -> dict[str, Any]:
     """By robot: median share of the distance before the damage, of the best trial so far; and with equal trials."""
-    return {robot: _told([r for r in rows if r["robot"] == robot]) for robot in dict.fromkeys(r["robot"] for r in rows)}
+    return {
+        robot: _of_robot([r for r in rows if r["robot"] == robot]) for robot in dict.fromkeys(r["robot"] for r in rows)
+    }
 
 
 def recovered(rows: Sequence[Row], way: str) -> np.ndarray:
@@ -32,15 +34,15 @@ def recovered(rows: Sequence[Row], way: str) -> np.ndarray:
     return np.maximum.accumulate(table, axis=1) / np.array([[r["before"]] for r in rows])
 
 
-def _told(rows: Sequence[Row]) -> dict[str, Any]:
+def _of_robot(rows: Sequence[Row]) -> dict[str, Any]:
     shares = {way: recovered(rows, way) for way in WAYS}
-    told: dict[str, Any] = {"n": len(rows)}
-    told["median_share"] = {way: np.median(table, axis=0).round(4).tolist() for way, table in shares.items()}
+    result: dict[str, Any] = {"n": len(rows)}
+    result["median_share"] = {way: np.median(table, axis=0).round(4).tolist() for way, table in shares.items()}
     full = shares.pop("diagnosis")
     for way, table in shares.items():
         last = min(table.shape[1], full.shape[1]) - 1
         a, b = full[:, last].tolist(), table[:, last].tolist()
-        told[way] = {
+        result[way] = {
             "gaits": float(np.median([r[f"gaits_{way}"] for r in rows])),
             "best_undamaged": float(np.median([r[f"best_{way}"] / r["before"] for r in rows])),
             "with_equal_trials": {
@@ -50,7 +52,7 @@ def _told(rows: Sequence[Row]) -> dict[str, Any]:
             },
             "trials_to_equal": _to_equal(float(np.median(a)), np.median(table, axis=0)),
         }
-    return told
+    return result
 
 
 def _to_equal(share: float, medians: np.ndarray) -> int | None:

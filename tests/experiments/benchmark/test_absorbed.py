@@ -44,7 +44,7 @@ def opened(tmp_path, monkeypatch):
     return path
 
 
-def test_recordings_that_were_not_sealed_are_told_and_not_asked_about(opened):
+def test_recordings_that_were_not_sealed_are_reported_and_not_asked_about(opened):
     assert absorbed.main(STUDY, [str(opened)]) == 0
     found = read_rows(opened.with_name("absorbed.parquet"))
     assert [row["case"] for row in found] == ["c000"] and found[0]["same_recordings"] is False
@@ -63,7 +63,7 @@ def test_without_sysid_it_says_what_is_needed(opened, monkeypatch, capsys):
     assert "pip install" in capsys.readouterr().err
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path, capsys):
+def test_a_file_that_is_not_there_is_reported(tmp_path, capsys):
     with pytest.raises(SystemExit, match="2"):
         absorbed.main(STUDY, [str(tmp_path / "none.json")])
     assert "none.json is no file" in capsys.readouterr().err

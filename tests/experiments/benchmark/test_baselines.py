@@ -11,8 +11,9 @@ from experiments.benchmark.baselines import oracle, sparse
 from experiments.benchmark.baselines.all import baselines_of
 from experiments.benchmark.baselines.logs import floor, gain, nrmse, read_case, windows
 from experiments.benchmark.generator.answers import answer
-from experiments.benchmark.generator.case import Plan, Planted, make
+from experiments.benchmark.generator.case import Plan, Planted
 from experiments.benchmark.generator.files import write_case
+from experiments.benchmark.generator.making import make
 
 
 @pytest.fixture(scope="module")
@@ -25,17 +26,17 @@ def visible(tmp_path_factory) -> tuple[Path, dict]:
 
 
 def test_the_oracle_comes_near_the_floor_and_the_nominal_model_does_not(visible):
-    folder, told = visible
+    folder, true = visible
     model, logs = read_case(folder)
     tests = [log for log in logs if log.role == "test"]
-    nominal, best, noise = nrmse(model, tests), oracle.error(told, model, tests), floor(tests)
+    nominal, best, noise = nrmse(model, tests), oracle.error(true, model, tests), floor(tests)
     found = gain(best, nominal, noise)
     assert found is not None and found > 0.9
 
 
 def test_a_baseline_reports_errors_gain_and_terms(visible):
-    folder, told = visible
-    found = baselines_of(folder, {k: v for k, v in told.items() if k != "plan"})
+    folder, true = visible
+    found = baselines_of(folder, {k: v for k, v in true.items() if k != "plan"})
     assert found["nominal"]["gain"] == 0.0 and found["nominal"]["floor"] < found["nominal"]["test"]
     assert set(found["sparse"]["terms"]) == {"shoulder", "elbow"} and np.isfinite(found["sparse"]["test"])
 

@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 
 from experiments.benchmark.generator.answers import answer
-from experiments.benchmark.generator.case import Plan, Planted, build, make, reading
+from experiments.benchmark.generator.case import Plan, Planted
 from experiments.benchmark.generator.catalogue import CATALOGUE, RELATIVES, UNKNOWN, parameters, places
 from experiments.benchmark.generator.effect import Moment, Queue, bristle
 from experiments.benchmark.generator.equations import by_hand
 from experiments.benchmark.generator.excitation import controller, motion
 from experiments.benchmark.generator.files import write_case
 from experiments.benchmark.generator.joints import Gap, Swirl
+from experiments.benchmark.generator.making import build, make
 from experiments.benchmark.generator.motors import Motors
 from experiments.benchmark.generator.plans import SHARES, counts, plans
 from experiments.benchmark.generator.plant import Plant, clock
+from experiments.benchmark.generator.readings import reading
 from experiments.benchmark.generator.robots import ROBOTS, layout
 from experiments.benchmark.generator.scales import scales
 from experiments.benchmark.generator.sensing import channels
@@ -191,9 +193,9 @@ def test_equal_plans_give_equal_files_without_a_label(tmp_path):
         text = (tmp_path / "a" / name).read_text()
         assert text == (tmp_path / "b" / name).read_text()
         assert not [w for w in words if w in text]
-    told = answer(case)
-    assert told["effects"][0]["effect"] == "coulomb_friction" and told["effects"][0]["name"] == "elbow"
-    assert told["visibility"]["shown"] > 3.0
+    known = answer(case)
+    assert known["effects"][0]["effect"] == "coulomb_friction" and known["effects"][0]["name"] == "elbow"
+    assert known["visibility"]["shown"] > 3.0
 
 
 def test_a_joint_that_stands_still_and_is_seen_without_noise_says_nothing_of_what_is_visible():
@@ -226,9 +228,9 @@ def test_a_stop_leaves_room_on_the_other_side_and_takes_some_where_the_joint_goe
 def test_what_a_walker_leaves_without_the_effect_is_not_the_effects():
     single = make(Plan("single", "quadruped", (Planted("ground_friction", -1, 0.05),), 13), shorter=0.1)
     assert single.twin is not None
-    seen = answer(single)["visibility"]
-    left = {role: np.sqrt(max(seen["refit"][role] ** 2 - seen["twin"][role] ** 2, 0.0)) for role in seen["refit"]}
-    assert min(seen["twin"].values()) > 0.0 and seen["shown"] == pytest.approx(min(left.values()))
+    shown = answer(single)["visibility"]
+    left = {role: np.sqrt(max(shown["refit"][role] ** 2 - shown["twin"][role] ** 2, 0.0)) for role in shown["refit"]}
+    assert min(shown["twin"].values()) > 0.0 and shown["shown"] == pytest.approx(min(left.values()))
 
 
 @pytest.mark.parametrize("robot", ["leg", "planar", "arm6", "cartpole", "scara"])

@@ -33,7 +33,7 @@ def opened(tmp_path):
     return path
 
 
-def test_what_was_lost_and_won_is_told_of_the_same_recordings(opened):
+def test_what_was_lost_and_won_is_reported_of_the_same_recordings(opened):
     now = [_entry("c000", "0", _MISSED), _entry("c001", "1", _RIGHT), _entry("c002", "other", _MISSED)]
     write_rows(opened.with_name("repeated.parquet"), now, seed=5)
     assert repeat.main(STUDY, [str(opened), "score", "--out", str(opened.parent)]) == 0
@@ -61,6 +61,6 @@ def test_a_case_that_fails_now_is_lost(opened):
     assert "| c000 | leg | armature | yes | armature@knee | none | 0.90 | - |" in page
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path):
+def test_a_file_that_is_not_there_is_reported(tmp_path):
     with pytest.raises(InputError, match="none.parquet"):
         repeat.main(STUDY, [str(tmp_path / "none.parquet"), "score"])

@@ -10,7 +10,7 @@ AXES = {"joint knee": "knee", "actuator knee_servo": "knee", "sensor knee_angle"
 
 def answer(*effects, group="single", shown=10.0, equivalents=None):
     """The answer of a case with effects (name, kind, element, parameters)."""
-    told = [
+    row = [
         {
             "effect": name,
             "law": "odd" if name == "unknown_law" else None,
@@ -26,8 +26,8 @@ def answer(*effects, group="single", shown=10.0, equivalents=None):
     return {
         "group": group,
         "robot": "leg",
-        "effects": told,
-        "equivalents": equivalents or [[] for _ in told],
+        "effects": row,
+        "equivalents": equivalents or [[] for _ in row],
         "axes": AXES,
         "onset_s": {"train_0.csv": None},
         "length_s": {"train_0.csv": 8.0},
@@ -79,10 +79,10 @@ def test_the_right_name_at_the_wrong_joint_is_wrong():
     assert row.detected and not row.name_first and row.wrong_name and not row.place_first and row.place_three
 
 
-def test_a_name_that_says_the_same_counts_apart():
+def test_a_name_that_says_the_same_counts_separately():
     claim = ("viscous_friction", "joint", "knee", {})
-    told = answer(("back_emf", "actuator", "knee_servo", {}), equivalents=[["viscous_friction"]])
-    row = judge("c0", told, findings("missing_physics", claim))
+    row = answer(("back_emf", "actuator", "knee_servo", {}), equivalents=[["viscous_friction"]])
+    row = judge("c0", row, findings("missing_physics", claim))
     assert not row.name_first and row.name_equivalent and not row.wrong_name and row.place_first
 
 
@@ -105,10 +105,10 @@ def test_all_motors_are_at_their_only_joint():
 
 
 def test_laws_in_no_catalogue_are_declined_or_named_wrong():
-    told = answer(("unknown_law", "joint", "knee", {}), group="unknown")
+    row = answer(("unknown_law", "joint", "knee", {}), group="unknown")
     declined, wrong = (
-        judge("a", told, findings("unexplained")),
-        judge("b", told, findings("missing_physics", ("armature", "joint", "knee", {}))),
+        judge("a", row, findings("unexplained")),
+        judge("b", row, findings("missing_physics", ("armature", "joint", "knee", {}))),
     )
     assert declined.name_first and not declined.wrong_name and wrong.wrong_name
     scores = board([declined, wrong])
@@ -136,22 +136,22 @@ def test_false_alarms_and_failures_are_counted():
 
 
 def test_hidden_effects_are_best_left_alone():
-    told = answer(COULOMB, group="hidden", shown=0.2)
+    row = answer(COULOMB, group="hidden", shown=0.2)
     scores = board(
-        [judge("a", told, findings("parameters")), judge("b", told, findings("missing_physics", COULOMB[:3] + ({},)))]
+        [judge("a", row, findings("parameters")), judge("b", row, findings("missing_physics", COULOMB[:3] + ({},)))]
     )
     assert scores["abstains_where_it_should"]["share"] == 0.5 and scores["detected"]["n"] == 0
 
 
 def test_the_onset_counts_as_a_share_of_the_recording():
-    told = {**answer(COULOMB, group="onset"), "onset_s": {"train_0.csv": 4.0}}
-    assert judge("a", told, findings("missing_physics", onset=4.4)).onset_error == pytest.approx(0.05)
-    assert judge("a", told, findings("missing_physics")).onset_error == pytest.approx(0.5)
+    row = {**answer(COULOMB, group="onset"), "onset_s": {"train_0.csv": 4.0}}
+    assert judge("a", row, findings("missing_physics", onset=4.4)).onset_error == pytest.approx(0.05)
+    assert judge("a", row, findings("missing_physics")).onset_error == pytest.approx(0.5)
 
 
 def test_two_at_once_need_both():
-    told = answer(COULOMB, ("armature", "joint", "hip", {}), group="pair")
-    one = judge("a", told, findings("missing_physics", ("armature", "joint", "hip", {})))
+    row = answer(COULOMB, ("armature", "joint", "hip", {}), group="pair")
+    one = judge("a", row, findings("missing_physics", ("armature", "joint", "hip", {})))
     assert one.name_first and not one.named_all and board([one])["both_named"]["share"] == 0.0
 
 

@@ -47,7 +47,7 @@ def test_how_many_processes_draw_decides_nothing(drawn, tmp_path):
     assert sets.open_answers(tmp_path / "two") == sets.open_answers(drawn)
 
 
-def test_answers_stand_apart_and_open_when_nothing_was_touched(drawn):
+def test_answers_stand_in_a_file_of_their_own_and_open_when_nothing_was_touched(drawn):
     assert sorted(p.name for p in drawn.iterdir()) == ["answers.json", "cases", "commitment.json"]
     assert not list((drawn / "cases").rglob("*.json"))
     assert sorted(sets.open_answers(drawn)) == ["c000", "c001"]
@@ -108,7 +108,7 @@ def test_the_seed_of_a_sealed_set_comes_from_a_clean_commit(tmp_path):
     assert len(sets.frozen_commit(tmp_path)) == 40
 
 
-def test_cases_are_explained_once_and_what_failed_is_told(copy):
+def test_cases_are_explained_once_and_what_failed_is_reported(copy):
     assert _runner(copy, "sys.exit(0 if 'c001' not in str(out) else 1)").run() == 0
     assert [ending_of(copy, f"c00{i}")["code"] for i in range(2)] == [0, 1]  # pyright: ignore[reportOptionalSubscript]
     seen = json.loads((copy / "explained" / "c000" / "seen.json").read_text())

@@ -69,7 +69,7 @@ def test_a_command_logged_early_is_a_robot_that_obeys_late(data, tmp_path):
     np.testing.assert_allclose(recording.ctrl[middle, 0], np.sin(recording.time[middle] + 0.06), atol=1e-4)
 
 
-def test_the_program_is_told_what_is_not_so(data, tmp_path):
+def test_the_program_is_given_what_is_not_so(data, tmp_path):
     for name in ("xl330-light-load", "xl330-stiff-servo"):
         cases.write(_case(data, name), data, tmp_path / name)
     assert 'mass="0.15"' in (tmp_path / "xl330-light-load" / "nominal.xml").read_text()

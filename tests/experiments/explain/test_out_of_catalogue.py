@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from estexp_jax.physics.registry import effect
-from experiments.benchmark.generator.case import make
 from experiments.benchmark.generator.catalogue import CATALOGUE, OTHERS
+from experiments.benchmark.generator.making import make
 from experiments.explain.out_of_catalogue.figure import explained
 from experiments.explain.out_of_catalogue.forces import FORCES
 from experiments.explain.out_of_catalogue.plans import LEFT, left_out, planned

@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from estexp_jax.errors import InputError
-from experiments.benchmark.generator.case import make
 from experiments.benchmark.generator.catalogue import SINGLE, places
+from experiments.benchmark.generator.making import make
 from experiments.benchmark.scoring.judge import Row, Size
 from experiments.explain.planted import run as front
 from experiments.explain.planted.plans import PARTS, planned

@@ -16,29 +16,29 @@ def _run(root: Path, out: Path, *more: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, *SUBJECT, "--out", out, *more], cwd=root, capture_output=True, text=True)
 
 
-def _told(done: subprocess.CompletedProcess[str]) -> str:
+def _message(done: subprocess.CompletedProcess[str]) -> str:
     assert done.returncode == 2 and "Traceback" not in done.stderr
     [line] = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
     return line
 
 
-def test_a_read_only_folder_is_told(root, read_only):
-    assert "cannot be written" in _told(_run(root, read_only / "out"))
+def test_a_read_only_folder_is_reported(root, read_only):
+    assert "cannot be written" in _message(_run(root, read_only / "out"))
 
 
 def test_a_second_process_is_refused(root, tmp_path):
     folder = tmp_path / "tiny" / "subject"
     folder.mkdir(parents=True)
     with hold(folder):
-        assert "is in use by process" in _told(_run(root, tmp_path))
+        assert "is in use by process" in _message(_run(root, tmp_path))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_a_full_disk_is_told_and_it_goes_on_when_there_is_room(workers, root, small_disk, tmp_path):
+def test_a_full_disk_is_reported_and_it_goes_on_when_there_is_room(workers, root, small_disk, tmp_path):
     filler = small_disk / "filler"
     filler.write_bytes(b"x" * (1_048_576 - 12 * 4096))
-    assert "No space left on device" in _told(_run(root, small_disk, "--workers", workers))
+    assert "No space left on device" in _message(_run(root, small_disk, "--workers", workers))
     assert not list(small_disk.rglob("*.part"))
     filler.unlink()
     assert _run(root, small_disk, "--workers", workers).returncode == 0
