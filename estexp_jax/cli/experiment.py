@@ -37,18 +37,36 @@ def find(name: str, experiments: Path) -> Path:
     """The folder of an experiment.
 
     Args:
-        name: of a folder of `experiments`, or a path.
+        name: of a study's folder in `experiments` or in one of its groups (`planted`), with its group
+            (`explain/planted`), or a path.
         experiments: where they are.
 
     Raises:
-        InputError: neither has a `run.py`.
+        InputError: none has a `run.py`, or several groups have a study of this name; lists what exists.
     """
-    for folder in (experiments / name, Path(name)):
-        if (folder / "run.py").is_file():
-            return folder
-    names = sorted(script.parent.name for script in experiments.glob("*/run.py"))
-    right = f"a path, or a folder of {experiments.resolve()} with a run.py; {known(names)}"
+    there = studies(experiments)
+    named = [there[name]] if name in there else [folder for folder in there.values() if folder.name == name]
+    if len(named) == 1:
+        return named[0]
+    if len(named) > 1:
+        names = [folder.relative_to(experiments).as_posix() for folder in named]
+        raise InputError(f"there are {len(named)} experiments '{name}'", right=f"one of {', '.join(names)}")
+    if (Path(name) / "run.py").is_file():
+        return Path(name)
+    right = f"a path, or a folder of {experiments.resolve()} with a run.py; {known(_short_names(there))}"
     raise InputError(f"there is no experiment '{name}'", right=right)
+
+
+def studies(experiments: Path) -> dict[str, Path]:
+    """Folders with a `run.py`, by their paths in `experiments`; groups are one level deep."""
+    scripts = [*experiments.glob("*/run.py"), *experiments.glob("*/*/run.py")]
+    return {s.parent.relative_to(experiments).as_posix(): s.parent for s in sorted(scripts)}
+
+
+def _short_names(there: dict[str, Path]) -> list[str]:
+    """Names of studies, with their group only where two groups have the same one."""
+    leaves = [folder.name for folder in there.values()]
+    return sorted(f.name if leaves.count(f.name) == 1 else path for path, f in there.items())
 
 
 def _arguments(options: ExperimentOptions) -> list[str]:

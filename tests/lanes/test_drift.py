@@ -1,6 +1,6 @@
 """How far lanes in single precision drift from the C engine over 1000 steps, beside what rounding alone does to C.
 
-Prints the table of experiments/bench/README.md: pytest -m slow -s tests/physics/engines/test_lanes_drift.py
+Prints the table of experiments/speed/README.md: pytest -m slow -s tests/physics/engines/test_lanes_drift.py
 """
 
 import mujoco
