@@ -119,6 +119,7 @@ class JaxRunner(Runner):
         self.walker: ClosedLoopSimulator = closed_loop_simulator(
             field.robot,
             catalogue(EFFECTS),
+            policy=field.policy,
             rows=rows or race.steps,
             control_step=step,
             population=2 * race.population,

@@ -24,6 +24,7 @@ from estexp_jax.physics.engines.closed_loop import (
 )
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.recovery.control.trial import Controller, Trial
 
 FAULTS = ("neuron_fault", "tied_outputs")
@@ -39,11 +40,13 @@ class DamageSimulator:
         walker: the engine.
         settle_steps: control steps with motors at home before each trial.
         control_step: s.
+        gain: of the controllers' neurons.
     """
 
     walker: ClosedLoopSimulator
     settle_steps: int
     control_step: float
+    gain: float
 
     @property
     def robot(self) -> Robot:
@@ -62,7 +65,7 @@ class DamageSimulator:
 
     def controller(self, weights: np.ndarray, steps: int) -> Controller:
         """A controller (n_weights,) as a robot in the world runs it."""
-        return Controller(weights, self.walker.interface, self.walker.gain, self.control_step, steps)
+        return Controller(weights, self.walker.interface, self.gain, self.control_step, steps)
 
     def settled(self, sets: Sequence[Sequence[Change]]) -> BodyState:
         """Where robots with these changes come to rest: what each trial of theirs starts from, (sets, ...)."""
@@ -161,10 +164,10 @@ def damage_simulator(robot: Robot, settings: Settings, planted: Sequence[Change]
     engine = closed_loop_simulator(
         robot,
         catalogue(names),
+        policy=RecurrentPolicy(settings.gain),
         rows=max(settings.steps, settings.settle_steps, settings.samples),
         control_step=settings.control_step,
-        gain=settings.gain,
         population=settings.population,
         engine=settings.engine,
     )
-    return DamageSimulator(engine, settings.settle_steps, settings.control_step)
+    return DamageSimulator(engine, settings.settle_steps, settings.control_step, settings.gain)

@@ -12,6 +12,7 @@ from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, Rollout
 from estexp_jax.physics.model.travel import root_position_map
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from tests.physics.robots import robot
 
 N, STEPS = 32, (1, 10, 100, 1000)
@@ -26,6 +27,7 @@ def walked(name: str) -> tuple[ClosedLoopSimulator, BodyState, Rollout]:
     walks = closed_loop_simulator(
         one,
         catalogue(["body_mass"]),
+        policy=RecurrentPolicy(),
         rows=STEPS[-1] + 1,
         control_step=one.model.opt.timestep,
         population=2 * N,

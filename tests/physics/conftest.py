@@ -25,6 +25,7 @@ from estexp_jax.physics.engines.lanes.model import lanes_model, lanes_refusal
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.terms import MjxStepStart
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from tests.physics.reference import TRAJECTORY, States
 from tests.physics.robots import robot
 
@@ -150,4 +151,6 @@ WALKER_ROWS = 60
 def walkers(request: pytest.FixtureRequest) -> ClosedLoopSimulator:
     """The quadruped in closed loop with all that the paper breaks, in each engine."""
     effects = catalogue([*PAPER, "neuron_fault", "tied_outputs"])
-    return closed_loop_simulator(robot("quadruped"), effects, rows=WALKER_ROWS, control_step=0.01, engine=request.param)
+    return closed_loop_simulator(
+        robot("quadruped"), effects, policy=RecurrentPolicy(), rows=WALKER_ROWS, control_step=0.01, engine=request.param
+    )

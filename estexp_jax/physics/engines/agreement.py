@@ -22,7 +22,6 @@ from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import InitialState, Window
-from estexp_jax.recovery.control.network import HIDDEN
 
 MEDIAN, HIGH = 1e-4, 1e-2
 """Largest errors with which an engine counts as right: the median, and the 95th percentile. Single precision gives
@@ -135,14 +134,10 @@ def engine_speeds(
     walker: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
 ) -> np.ndarray:
     """The same of an engine."""
-    n, face = len(states.qpos), walker.interface
+    n = len(states.qpos)
     values = stack([encode(walker.robot, walker.catalogue, sets[k % len(sets)]) for k in range(n)])
     start = walker.home(values)._replace(qpos=states.qpos, qvel=states.qvel, warmstart=states.warmstart)
-    # Networks that see nothing: only the outputs' biases differ from zero, and give the command that is wanted.
-    hidden = HIDDEN * (face.n_inputs + 1 + HIDDEN)
-    weights = np.zeros((n, hidden + face.n_outputs * (HIDDEN + 1)), np.float32)
-    limit = np.clip(states.outputs.astype(float), -1.0 + 1e-6, 1.0 - 1e-6)
-    weights[:, hidden + HIDDEN :: HIDDEN + 1] = np.arctanh(limit) / walker.gain
+    weights = walker.policy.constant(states.outputs, walker.interface.n_inputs)
     return np.asarray(walker.walk(values, weights, start, 1).final.qvel)
 
 

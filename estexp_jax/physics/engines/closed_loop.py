@@ -1,4 +1,4 @@
-"""Closed loop, whatever the engine: robots with damage, each driven by its own network."""
+"""Closed loop, whatever the engine: robots with damage, each driven by its own controller."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from estexp_jax.physics.engines.batching import EngineChoice
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
+from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.control.network import Network, decode, n_weights
 
 
 class BodyState(NamedTuple):
@@ -81,18 +81,18 @@ class ClosedLoopSimulator(abc.ABC):
     Attributes:
         on_mjx: the robot and its catalogue of effects.
         interface: what controllers see and move.
+        policy: the controllers' equations.
         rows: longest walk, control steps.
         substeps: physics steps a control step.
-        gain: of the neurons' tanh.
         width: robots in a chunk.
         choice: which engine it is, and why.
     """
 
     on_mjx: MjxModel
     interface: Interface
+    policy: Policy
     rows: int
     substeps: int
-    gain: float
     width: int
     choice: EngineChoice
 
@@ -147,7 +147,7 @@ class ClosedLoopSimulator(abc.ABC):
     def walk(
         self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: ReadingOverride | None = None
     ) -> Rollout:
-        """Drive robots by their networks.
+        """Drive robots by their controllers.
 
         Args:
             values: (robots, n_sites, n_parameters) for each effect.
@@ -158,18 +158,18 @@ class ClosedLoopSimulator(abc.ABC):
         """
         return self._walk(values, weights, start, steps, active=True, heard=heard)
 
-    def network(self, lane: RobotInstance) -> Network:
-        """One robot's network, its faults in it."""
-        network = decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
+    def controller(self, lane: RobotInstance) -> Any:
+        """The parameters of one robot's controller, its faults in them."""
+        parameters = self.policy.decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
         for effect in self.catalogue:
             if isinstance(effect, ControllerFault):
-                network = effect.damage(self.robot, network, lane.values[effect.name])
-        return network
+                parameters = effect.damage(self.robot, parameters, lane.values[effect.name])
+        return parameters
 
     @property
     def n_weights(self) -> int:
-        """Length of a controller's genome."""
-        return n_weights(self.interface.n_inputs, self.interface.n_outputs)
+        """Number of weights of one controller."""
+        return self.policy.n_weights(self.interface.n_inputs, self.interface.n_outputs)
 
     def _walk(
         self,

@@ -1,6 +1,7 @@
 """Closed loops of each engine against the same loop in numpy over the C engine; batches, failures, compilations."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import jax
 import numpy as np
@@ -12,6 +13,7 @@ from estexp_jax.physics.effects.changes import Change, Values, encode, neutral, 
 from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, ReadingOverride, replace_readings
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.runs import count_compilations
 from tests.physics.conftest import WALKER_ROWS
 from tests.physics.reference import recompiled
@@ -167,11 +169,17 @@ def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine
     effects = catalogue(["body_mass", "motor_weakness"])
     weights = np.zeros((200, 3 * 3 + 9 + 2 * 4), np.float32)
     closed_loop_simulator(
-        robot("cartpole"), effects, rows=12, control_step=0.01, engine="mjx"
+        robot("cartpole"), effects, policy=RecurrentPolicy(), rows=12, control_step=0.01, engine="mjx"
     )  # compiles what putting a model takes
     with count_compilations() as seen:
         here = closed_loop_simulator(
-            robot("cartpole"), effects, rows=12, control_step=0.01, population=4, engine=engine
+            robot("cartpole"),
+            effects,
+            policy=RecurrentPolicy(),
+            rows=12,
+            control_step=0.01,
+            population=4,
+            engine=engine,
         )
         counts = []
         for n, steps in ((200, 12), (3, 5), (4, 1)):
@@ -188,10 +196,11 @@ def test_what_it_refuses(walkers: ClosedLoopSimulator) -> None:
     for steps in (0, WALKER_ROWS + 1):
         with pytest.raises(ValueError, match=str(WALKER_ROWS)):
             walkers.settle(values, steps)
+    short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     with pytest.raises(ValueError, match="command_delay"):
-        closed_loop_simulator(robot("quadruped"), catalogue([*PAPER, "command_delay"]), rows=5, control_step=0.01)
+        closed_loop_simulator(robot("quadruped"), catalogue([*PAPER, "command_delay"]), **short)
     with pytest.raises(InputError, match=MUTE):
-        closed_loop_simulator(robot(MUTE), catalogue(PAPER), rows=5, control_step=0.01)
+        closed_loop_simulator(robot(MUTE), catalogue(PAPER), **short)
 
 
 def test_networks_that_hear_their_own_readings_walk_as_before(walkers: ClosedLoopSimulator) -> None:

@@ -21,7 +21,6 @@ from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator, ReadingO
 from estexp_jax.physics.engines.devices import accelerated, wide
 from estexp_jax.physics.engines.lanes.control_loop import ROWS, Batch, Block, ControlLoop, NetworkInputs
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
-from estexp_jax.recovery.control.network import HIDDEN
 
 _VECTOR = 8
 """Robots in a chunk are a multiple of this, so that all take the same vector code and none depends on its place."""
@@ -76,7 +75,7 @@ class LanesClosedLoop(ClosedLoopSimulator):
 
     def _chunk(self, lanes: RobotInstance, heard: ReadingOverride | None, steps: int, active: bool) -> Rollout:
         prepare, advance = self._compiled(lanes)
-        batch, neurons, rows = prepare(lanes), np.zeros((HIDDEN, self.width), np.float32), []
+        batch, neurons, rows = prepare(lanes), np.zeros((self.policy.n_hidden, self.width), np.float32), []
         for done in range(0, steps, ROWS):
             inputs = NetworkInputs(*self._heard(heard, done), np.bool_(active))
             block = advance(batch, neurons, np.int32(min(ROWS, steps - done)), inputs)
@@ -102,7 +101,7 @@ class LanesClosedLoop(ClosedLoopSimulator):
         with self._lock:
             if not self._programs:
                 prepare = lower(jax.vmap(self._prepared, out_axes=-1), lanes)
-                neurons = np.zeros((HIDDEN, self.width), np.float32)
+                neurons = np.zeros((self.policy.n_hidden, self.width), np.float32)
                 told = NetworkInputs(*self._heard(None, 0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
@@ -113,13 +112,12 @@ class LanesClosedLoop(ClosedLoopSimulator):
 
     def _prepared(self, lane: RobotInstance) -> Batch:
         """What does not change in a rollout, for one robot."""
-        network = self.network(lane)
-        network = network._replace(w_output=network.w_output[network.output_of])
+        controller = self.policy.prepare_lanes(self.controller(lane))
         lost = jnp.zeros(self.interface.n_inputs, bool)
         if "part_lost" in lane.values:
             lost = lane.values["part_lost"][:, 0] @ jnp.asarray(self.interface.lost, jnp.float32) > 0.5
         fields = self.lanes.fields(self.on_mjx.model, lane.values)
-        return Batch(fields, lane.values, network, lost, *self._faults(lane.values), lane.start)
+        return Batch(fields, lane.values, controller, lost, *self._faults(lane.values), lane.start)
 
     def _faults(self, values: Values) -> tuple[jax.Array, jax.Array]:
         """What sensors' faults make of a reading x: scale x + shift, (n_inputs,) each; all are of this kind."""

@@ -1,4 +1,4 @@
-"""The closed loop in lanes: sensors, network, motors, physics, over and over."""
+"""The closed loop in lanes: sensors, controller, motors, physics, over and over."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from estexp_jax.physics.engines.lanes.model import LanesModel
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.model.travel import root_position_map
-from estexp_jax.recovery.control.network import HIDDEN, Network
 
 ROWS = 25
 """Control steps in a call: XLA copies the rows of a call at each of its steps, so they are few."""
@@ -32,7 +31,7 @@ class Batch(NamedTuple):
 
     fields: dict[str, Any]  #: numbers that differ from robot to robot
     values: Values
-    network: Network
+    controller: Any  #: parameters, as `Policy.prepare_lanes` gives them
     lost: Any  #: (n_inputs, N) bool: sensors of lost parts
     scale: Any  #: (n_inputs, N) by what faulty sensors multiply
     shift: Any  #: (n_inputs, N) what they add
@@ -51,7 +50,7 @@ class Block(NamedTuple):
     """What a call gives, robots last."""
 
     final: BodyState
-    neurons: Any  #: (HIDDEN, N)
+    neurons: Any  #: (n_hidden, N)
     rows: Any  #: (ROWS, n_inputs + n_outputs + 3, N): readings, commands, position; only the steps taken are filled
 
 
@@ -65,7 +64,7 @@ class _Carry(NamedTuple):
 
 @final
 class ControlLoop:
-    """Robots of one chunk, each driven by its own network."""
+    """Robots of one chunk, each driven by its own controller."""
 
     def __init__(self, walker: ClosedLoopSimulator, lanes: LanesModel, batch: Batch) -> None:
         """For a batch; made while a walk is traced."""
@@ -83,7 +82,7 @@ class ControlLoop:
         """The robots some control steps later.
 
         Args:
-            neurons: (HIDDEN, N) their last outputs.
+            neurons: (n_hidden, N) the controllers' hidden states.
             steps: at most `ROWS`.
             told: what the networks are told.
         """
@@ -93,7 +92,7 @@ class ControlLoop:
             to_lanes(self._plan, start.qpos, start.qvel, start.warmstart),
             tuple(start.sensordata[c] for c in columns),
             start.hidden,
-            tuple(neurons[i] for i in range(HIDDEN)),
+            tuple(neurons[i] for i in range(self._walker.policy.n_hidden)),
             jnp.zeros((ROWS, face.n_inputs + face.n_outputs + 3, self._n), self._dtype),
         )
         carry = jax.lax.fori_loop(0, steps, lambda row, c: self._control_step(row, c, told), carry)
@@ -107,7 +106,7 @@ class ControlLoop:
         qpos = configuration_of(self._plan, carry.state)
         readings = self._readings(qpos, carry.felt)
         seen = [override_reading(told.factor[row, i], told.added[row, i], r) for i, r in enumerate(readings)]
-        neurons, outputs = _respond(self._batch.network, carry.neurons, self._inputs(seen), self._walker.gain)
+        neurons, outputs = self._walker.policy.respond_lanes(self._batch.controller, carry.neurons, self._inputs(seen))
         commands = [self._command(i, u, told.active) for i, u in enumerate(outputs)]
         table = jnp.stack(commands)
         inner = (carry.state, carry.felt, carry.hidden)
@@ -173,20 +172,3 @@ class ControlLoop:
             add(total(float(m) * q for m, q in zip(row, qpos, strict=True) if m), float(o)) + zero
             for row, o in zip(matrix, offset, strict=True)
         ]
-
-
-def _respond(network: Network, hidden: tuple[Any, ...], inputs: list[Any], gain: float) -> tuple[list[Any], list[Any]]:
-    """As `controllers.respond`, each neuron one array (N,); motors that repeat others have those's weights."""
-
-    def weighed(weights: Any, xs: Any) -> Any:
-        return sum(weights[i] * x for i, x in enumerate(xs))
-
-    drives = [
-        network.w_hidden[h, len(inputs)]
-        + weighed(network.w_hidden[h], inputs)
-        + weighed(network.w_recurrent[h], hidden)
-        for h in range(HIDDEN)
-    ]
-    neurons = [jnp.tanh(gain * d) * network.hidden_gain[h] for h, d in enumerate(drives)]
-    outputs = [jnp.tanh(gain * (w[HIDDEN] + weighed(w, neurons))) for w in network.w_output]
-    return neurons, outputs

@@ -26,7 +26,6 @@ from estexp_jax.physics.engines.closed_loop import (
 from estexp_jax.physics.engines.devices import accelerated, wide
 from estexp_jax.physics.engines.mjx.terms import MjxStepStart
 from estexp_jax.physics.model.travel import root_position
-from estexp_jax.recovery.control.network import HIDDEN, respond
 
 _WIDTHS = (16, 56)
 """Narrowest and widest chunk: below, a chunk's fixed costs dominate; above, nothing is gained."""
@@ -90,7 +89,7 @@ def _walk_batch(self: MjxClosedLoop, lanes: RobotInstance, told: ReadingOverride
 def _walk_one(self: MjxClosedLoop, lane: RobotInstance, told: ReadingOverride, steps: int, active: bool) -> Rollout:
     """One robot's walk; what is not the lane's is traced, so that every trial and settling share one executable."""
     model = self.on_mjx.edited(self.on_mjx.model, lane.values)
-    network = self.network(lane)
+    controller = self.controller(lane)
     travel = root_position(self.robot)
     rows, face = self.rows, self.interface
     walk = Rollout(
@@ -106,7 +105,7 @@ def _walk_one(self: MjxClosedLoop, lane: RobotInstance, told: ReadingOverride, s
         body = walk.final
         readings = _readings(self, lane.values, body)
         seen = override_reading(told.factor[row], told.added[row], readings)
-        hidden, outputs = respond(network, hidden, face.inputs(seen), self.gain)
+        hidden, outputs = self.policy.respond(controller, hidden, face.inputs(seen))
         ctrl = jnp.where(active, face.commands(outputs), face.ctrl_centre)
         walk = walk._replace(
             readings=walk.readings.at[row].set(readings),
@@ -118,7 +117,7 @@ def _walk_one(self: MjxClosedLoop, lane: RobotInstance, told: ReadingOverride, s
         )
         return walk, hidden
 
-    walk, _ = jax.lax.fori_loop(0, steps, control_step, (walk, jnp.zeros(HIDDEN)))
+    walk, _ = jax.lax.fori_loop(0, steps, control_step, (walk, jnp.zeros(self.policy.n_hidden)))
     return walk._replace(failed=~(_sound(walk.final.qpos) & _sound(walk.final.qvel)))
 
 
