@@ -95,7 +95,7 @@ class DamageSimulator:
         s, c = len(sets), len(weights)
         starts, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, self._values(sets)))
         many = jax.tree.map(lambda x: np.broadcast_to(x, (s, c, *x.shape[2:])).reshape(s * c, *x.shape[2:]), heard)
-        walk = self.walker.walk(values, np.tile(weights, (s, 1)), starts, steps, many)
+        walk = self.walker.rollout(values, np.tile(weights, (s, 1)), starts, steps, many)
         return jax.tree.map(lambda x: x.reshape(s, c, *x.shape[1:]), walk)
 
     def trials(
@@ -116,7 +116,7 @@ class DamageSimulator:
             weights: (len(sets), n_weights).
             steps: control steps.
         """
-        return self.walker.walk(self._values(sets), weights, self.settled(sets), steps)
+        return self.walker.rollout(self._values(sets), weights, self.settled(sets), steps)
 
     def motions(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, rows: Sequence[int]) -> np.ndarray:
         """How many damaged robots move, each under its own controller.
@@ -133,7 +133,7 @@ class DamageSimulator:
             Configurations (sets, rows, nq).
         """
         values, start = self._values(sets), self.settled(sets)
-        ends = (self.walker.walk(values, weights, start, row).final if row else start for row in rows)
+        ends = (self.walker.rollout(values, weights, start, row).final if row else start for row in rows)
         return np.stack([np.asarray(end.qpos) for end in ends], axis=1)
 
     def trial(self, changes: Sequence[Change], weights: np.ndarray, steps: int) -> Trial:

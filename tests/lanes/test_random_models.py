@@ -29,8 +29,8 @@ _GEOMS = {
     "capsule": 'type="capsule" size="0.03 0.08"',
     "box": 'type="box" size="0.06 0.04 0.05"',
 }
-numbers = st.floats(-1.0, 1.0).map(lambda x: round(x, 3))
-vectors = st.tuples(numbers, numbers, numbers)
+params = st.floats(-1.0, 1.0).map(lambda x: round(x, 3))
+vectors = st.tuples(params, params, params)
 
 
 @st.composite

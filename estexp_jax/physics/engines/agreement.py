@@ -131,14 +131,14 @@ def _stepped(models: Sequence[mujoco.MjModel], states: SampledStates, commands: 
 
 
 def engine_speeds(
-    walker: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
+    simulator: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
 ) -> np.ndarray:
     """The same of an engine."""
     n = len(states.qpos)
-    values = stack([encode(walker.robot, walker.catalogue, sets[k % len(sets)]) for k in range(n)])
-    start = walker.home(values)._replace(qpos=states.qpos, qvel=states.qvel, warmstart=states.warmstart)
-    weights = walker.policy.constant(states.outputs, walker.interface.n_inputs)
-    return np.asarray(walker.walk(values, weights, start, 1).final.qvel)
+    values = stack([encode(simulator.robot, simulator.catalogue, sets[k % len(sets)]) for k in range(n)])
+    start = simulator.home(values)._replace(qpos=states.qpos, qvel=states.qvel, warmstart=states.warmstart)
+    weights = simulator.policy.constant(states.outputs, simulator.interface.n_inputs)
+    return np.asarray(simulator.rollout(values, weights, start, 1).final.qvel)
 
 
 def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> Agreement:
@@ -151,25 +151,25 @@ def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> 
 
 
 def closed_loop_agreement(
-    walker: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
+    simulator: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
 ) -> Agreement:
-    """How far an engine is from the referee, with one executable: that of its walks.
+    """How far an engine is from the referee, with the one executable of its rollouts.
 
     Args:
-        walker: the engine.
+        simulator: the engine.
         states: where to start, as `sample_states` gives them.
-        sets: changes of robots, taken in turns by the states; from the walker's catalogue.
+        sets: changes of robots, taken in turns by the states; from the simulator's catalogue.
     """
-    expected = converged_speeds(walker.robot, walker.interface, states, walker.substeps, sets)
-    return engine_agreement(engine_speeds(walker, states, sets), expected, walker.substeps)
+    expected = converged_speeds(simulator.robot, simulator.interface, states, simulator.substeps, sets)
+    return engine_agreement(engine_speeds(simulator, states, sets), expected, simulator.substeps)
 
 
-def open_loop_agreement(replayer: OpenLoopSimulator, robot: Robot, n: int) -> Agreement:
-    """How far a replayer is from the referee after one physics step, with each of the executables of its replays.
+def open_loop_agreement(simulator: OpenLoopSimulator, robot: Robot, n: int) -> Agreement:
+    """How far an open-loop simulator is from the referee after one physics step, with each of its executables.
 
     Args:
-        replayer: the engine.
-        robot: as it was in the first of the replayer's recordings.
+        simulator: the engine.
+        robot: as it was in the first of the simulator's recordings.
         n: states to start from.
     """
     low, high = np.where(robot.model.actuator_ctrllimited[:, None], robot.model.actuator_ctrlrange, (-1.0, 1.0)).T
@@ -178,7 +178,7 @@ def open_loop_agreement(replayer: OpenLoopSimulator, robot: Robot, n: int) -> Ag
         return low + (high - low) * (outputs + 1.0) / 2.0
 
     states = _wandered(robot, commands, n, seed=0)
-    told, step = commands(states.outputs.astype(float)), float(robot.model.opt.timestep)
+    ctrls, step = commands(states.outputs.astype(float)), float(robot.model.opt.timestep)
     time, on = np.array([0.0, step]), np.ones((2, robot.model.nu))
     parts = [
         Window(
@@ -190,11 +190,11 @@ def open_loop_agreement(replayer: OpenLoopSimulator, robot: Robot, n: int) -> Ag
             on,
             InitialState(qpos, qvel),
         )
-        for ctrl, qpos, qvel in zip(told, states.qpos, states.qvel, strict=True)
+        for ctrl, qpos, qvel in zip(ctrls, states.qpos, states.qvel, strict=True)
     ]
-    values = stack([encode(replayer.robot, replayer.catalogue, ())] * n)
-    expected = _stepped([_changed(robot, ())], states, told, 1)
-    return engine_agreement(replayer.replay(values, parts, np.arange(n)).qvel[:, 1], expected, 1)
+    values = stack([encode(simulator.robot, simulator.catalogue, ())] * n)
+    expected = _stepped([_changed(robot, ())], states, ctrls, 1)
+    return engine_agreement(simulator.replay(values, parts, np.arange(n)).qvel[:, 1], expected, 1)
 
 
 def _changed(robot: Robot, changes: Sequence[Change]) -> mujoco.MjModel:

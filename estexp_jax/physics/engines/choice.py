@@ -72,7 +72,7 @@ def closed_loop_simulator(
         robot: the nominal robot.
         catalogue: effects that may be planted; none of them a `CommandShift`, `ReadingShift` or `ReadingDrift`.
         policy: the controllers' equations.
-        rows: longest walk, control steps.
+        rows: longest rollout, control steps.
         control_step: s; rounded to whole physics steps.
         population: robots that will be simulated at once, or twice as many as are new each time.
         engine: auto, lanes or mjx.
@@ -105,7 +105,7 @@ def open_loop_simulator(
     width: int | None = None,
     block: int | None = None,
 ) -> OpenLoopSimulator:
-    """A replayer for recordings of a robot.
+    """An open-loop simulator for recordings of a robot.
 
     Args:
         robot: the nominal robot.
@@ -131,7 +131,7 @@ def open_loop_simulator(
 
 
 def _distrusted(engine: str, found: Agreement, robot: Robot) -> EngineChoice:
-    """MJX instead of lanes that do not move a robot as they should: the engine depends on how XLA compiles it."""
+    """MJX where lanes fail the comparison with the C engine, which may depend on how XLA compiled them."""
     what = f"the lanes engine, as compiled here, {found.sentence()}"
     if engine == "lanes":
         raise InputError(what, where=robot.source, right="use --engine mjx")

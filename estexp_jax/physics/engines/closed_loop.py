@@ -82,7 +82,7 @@ class ClosedLoopSimulator(abc.ABC):
         on_mjx: the robot and its catalogue of effects.
         interface: what controllers see and move.
         policy: the controllers' equations.
-        rows: longest walk, control steps.
+        rows: longest rollout, control steps.
         substeps: physics steps a control step.
         width: robots in a chunk.
         choice: which engine it is, and why.
@@ -97,14 +97,14 @@ class ClosedLoopSimulator(abc.ABC):
     choice: EngineChoice
 
     @abc.abstractmethod
-    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, heard: ReadingOverride | None) -> Rollout:
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, override: ReadingOverride | None) -> Rollout:
         """Simulate lanes for some control steps.
 
         Args:
             lanes: the robots.
             steps: control steps.
             active: false: all motors at home.
-            heard: what networks get; None: the robots' own readings.
+            override: what networks get; None: the robots' own readings.
         """
 
     @property
@@ -142,10 +142,10 @@ class ClosedLoopSimulator(abc.ABC):
             steps: control steps.
         """
         weights = np.zeros((_size(values), self.n_weights), np.float32)
-        return self._walk(values, weights, self.home(values), steps, active=False).final
+        return self._rollout(values, weights, self.home(values), steps, active=False).final
 
-    def walk(
-        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: ReadingOverride | None = None
+    def rollout(
+        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, override: ReadingOverride | None = None
     ) -> Rollout:
         """Drive robots by their controllers.
 
@@ -154,9 +154,9 @@ class ClosedLoopSimulator(abc.ABC):
             weights: (robots, n_weights).
             start: batched states, as `settle` gives them.
             steps: control steps, at most `rows`.
-            heard: what the networks get; None: the robots' own readings.
+            override: what the networks get; None: the robots' own readings.
         """
-        return self._walk(values, weights, start, steps, active=True, heard=heard)
+        return self._rollout(values, weights, start, steps, active=True, override=override)
 
     def controller(self, lane: RobotInstance) -> Any:
         """The parameters of one robot's controller, its faults in them."""
@@ -171,7 +171,7 @@ class ClosedLoopSimulator(abc.ABC):
         """Number of weights of one controller."""
         return self.policy.n_weights(self.interface.n_inputs, self.interface.n_outputs)
 
-    def _walk(
+    def _rollout(
         self,
         values: Values,
         weights: np.ndarray,
@@ -179,14 +179,16 @@ class ClosedLoopSimulator(abc.ABC):
         steps: int,
         *,
         active: bool,
-        heard: ReadingOverride | None = None,
+        override: ReadingOverride | None = None,
     ) -> Rollout:
         if not 0 < steps <= self.rows:
             raise ValueError(f"{steps} steps do not fit into 1..{self.rows}")
         lanes = RobotInstance(values, np.asarray(weights, np.float32), start)
-        heard = None if heard is None else ReadingOverride(*(np.asarray(x, np.float32)[:, :steps] for x in heard))
-        walk = self._run(lanes, steps, active=active, heard=heard)
-        return walk._replace(**{k: getattr(walk, k)[:, :steps] for k in ("readings", "commands", "position")})
+        override = (
+            None if override is None else ReadingOverride(*(np.asarray(x, np.float32)[:, :steps] for x in override))
+        )
+        rollout = self._run(lanes, steps, active=active, override=override)
+        return rollout._replace(**{k: getattr(rollout, k)[:, :steps] for k in ("readings", "commands", "position")})
 
 
 def _size(values: Values) -> int:

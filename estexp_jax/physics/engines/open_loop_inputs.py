@@ -48,23 +48,23 @@ def command_steps(
     gives sensors of forces what they show in that row.
     """
     shifts, sources = command_routes(robot, catalogue, values)
-    nu, punctual = robot.model.nu, _punctual(shifts, sources)
+    nu, undelayed = robot.model.nu, _undelayed(shifts, sources)
     length = np.zeros((n_steps, len(segments)), np.float32)
     ctrl, enable = (np.empty((n_steps, nu, len(segments)), np.float32) for _ in range(2))
-    for i, there in equal_commands(segments, punctual):
+    for i, there in equal_commands(segments, undelayed):
         s, k = segments[i], segments[i].steps.n_steps + 1
         length[1:k, there] = s.steps.length[:, None]
-        commands = s.logged if punctual[i] else s.commands(shifts[i], sources[i])
+        commands = s.logged if undelayed[i] else s.commands(shifts[i], sources[i])
         for whole, own in ((ctrl, commands), (enable, s.switched_on)):
             whole[:k, :, there], whole[k:, :, there] = own[..., None], own[-1][:, None]
     return CommandSteps(length, ctrl, enable)
 
 
-def equal_commands(segments: Sequence[Window], punctual: np.ndarray) -> Iterator[tuple[int, slice]]:
+def equal_commands(segments: Sequence[Window], undelayed: np.ndarray) -> Iterator[tuple[int, slice]]:
     """Neighbouring lanes that get the same commands: the first one, and all of them."""
     first = 0
     for i, s in enumerate(segments):
-        if i + 1 == len(segments) or segments[i + 1] is not s or not (punctual[i] and punctual[i + 1]):
+        if i + 1 == len(segments) or segments[i + 1] is not s or not (undelayed[i] and undelayed[i + 1]):
             yield first, slice(first, i + 1)
             first = i + 1
 
@@ -76,15 +76,15 @@ def initial_states(
     qpos = np.array([s.start.qpos for s in segments], np.float32)
     qvel = np.array([s.start.qvel for s in segments], np.float32)
     faults = [e for e in catalogue if isinstance(e, Distortion)]
-    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     drift = _drifts(robot, catalogue, values)
-    doubted = late.any(axis=1) | drift.any(axis=1) | instances_with(robot, faults, values)
+    faulty = delay.any(axis=1) | drift.any(axis=1) | instances_with(robot, faults, values)
     for i, s in enumerate(segments):
-        if not (doubted[i] and s.start.sensed):
+        if not (faulty[i] and s.start.sensed):
             continue
         for column, place, speed in s.start.sensed:
-            if late[i, column] > 0.0 and s.path is not None:  # true now is what is read later
-                now, then = s.steps.start[0], s.steps.start[0] + late[i, column]
+            if delay[i, column] > 0.0 and s.path is not None:  # true now is what is read later
+                now, then = s.steps.start[0], s.steps.start[0] + delay[i, column]
                 qpos[i, place] += s.path.at(then, s.path.qpos, place) - s.path.at(now, s.path.qpos, place)
                 qvel[i, speed] += s.path.at(then, s.path.qvel, speed) - s.path.at(now, s.path.qvel, speed)
         columns, places, speeds = map(list, zip(*s.start.sensed, strict=True))
@@ -95,7 +95,7 @@ def initial_states(
         for effect in reversed(faults):
             now = effect.restore(robot, now, values[effect.name][i])
         blind = np.isnan(now[0, columns])
-        guess, fast = _commanded(robot, s) if blind.any() else (robot.home(), np.zeros(robot.model.nv))
+        guess, fast = _commanded_state(robot, s) if blind.any() else (robot.home(), np.zeros(robot.model.nv))
         shift = s.start.qpos - s.path.qpos[s.first] if s.path is not None else np.zeros(robot.model.nq)
         pushed = s.start.qvel - s.path.qvel[s.first] if s.path is not None else np.zeros(robot.model.nv)
         qpos[i, places] = np.where(blind, (guess + shift)[places], now[0, columns])
@@ -103,10 +103,10 @@ def initial_states(
     return qpos, qvel
 
 
-def _commanded(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
-    """Where servos were told to be at a segment's start, (nq,) and (nv,); home and at rest what has none.
+def _commanded_state(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (nq,) and speeds (nv,) that servos were commanded at a window's start; home, at rest, without servo.
 
-    The best guess of a joint that nothing was read of.
+    The best guess for a joint without readings.
     """
     model, qpos, qvel = robot.model, robot.home().copy(), np.zeros(robot.model.nv)
     begin = s.steps.start[0] - np.array([3.0, 1.0]) * _LAG / 2.0
@@ -123,14 +123,14 @@ def _commanded(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
 def rolled_rows(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window], n_rows: int) -> RolledRows:
     """Rows before each segment (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
     shifts, sources = command_routes(robot, catalogue, values)
-    punctual, n = _punctual(shifts, sources), n_rows + 1
+    undelayed, n = _undelayed(shifts, sources), n_rows + 1
     model, length = robot.model, np.zeros((n, len(segments)), np.float32)
     qpos, qvel, ctrl, enable = (
         np.empty((n, width, len(segments)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
     )
     found = RolledRows(qpos, qvel, ctrl, enable, length)
-    for i, there in equal_commands(segments, punctual):
-        past = segments[i].logged_past if punctual[i] else segments[i].past(n, shifts[i], sources[i])
+    for i, there in equal_commands(segments, undelayed):
+        past = segments[i].logged_past if undelayed[i] else segments[i].past(n, shifts[i], sources[i])
         k = min(n, len(past.length))
         for whole, own in zip(found[:-1], past[:-1], strict=True):
             whole[n - k :, :, there], whole[: n - k, :, there] = own[-k:, :, None], own[-k][:, None]
@@ -152,7 +152,7 @@ def command_routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[
     return _shifts(robot, catalogue, values, CommandShift, robot.model.nu), _sources(robot, catalogue, values)
 
 
-def _punctual(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
+def _undelayed(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
     """Which lanes (lanes,) get their commands as they were logged."""
     return ~shifts.any(axis=1) & (sources == np.arange(sources.shape[1])).all(axis=1)
 
@@ -164,14 +164,14 @@ def delay_readings(
 
     What a late sensor shows at first was true before the start; there it counts as it was recorded.
     """
-    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
-    for i, column in np.argwhere(late > 0.0).tolist():
+    delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    for i, column in np.argwhere(delay > 0.0).tolist():
         s, n = segments[i], segments[i].steps.n_steps
         time = np.append(s.steps.start, s.steps.start[-1] + s.steps.length[-1])
-        read = np.interp(time - late[i, column], time, sensors[: n + 1, column, i])
+        read = np.interp(time - delay[i, column], time, sensors[: n + 1, column, i])
         for sensed, place, _ in s.start.sensed:
             if sensed == column and s.path is not None:
-                before = time - late[i, column] < time[0]
+                before = time - delay[i, column] < time[0]
                 read[before] = s.path.at(time[before], s.path.qpos, place)
         sensors[: n + 1, column, i] = read
 

@@ -138,11 +138,11 @@ class HostNetworks(HostPolicy):
         # One product gives both: inputs and the neurons' last outputs side by side.
         self._first, self._bias = np.concatenate([first[..., :-1], again], axis=-1), first[..., -1]
         self._last, self._last_bias = last[..., :-1].copy(), last[..., -1].copy()
-        self._seen = np.zeros((*head, i + HIDDEN))
-        self.inputs = self._seen[..., :i]
+        self._columns = np.zeros((*head, i + HIDDEN))
+        self.inputs = self._columns[..., :i]
 
     def respond(self) -> np.ndarray:
         """See `HostPolicy`."""
-        hidden = np.tanh(np.matvec(self._first, self._seen) + self._bias)
-        self._seen[..., -HIDDEN:] = hidden
+        hidden = np.tanh(np.matvec(self._first, self._columns) + self._bias)
+        self._columns[..., -HIDDEN:] = hidden
         return np.tanh(np.matvec(self._last, hidden) + self._last_bias)

@@ -81,10 +81,10 @@ def test_any_policy_drives_robots_alike_in_every_engine(engine: str) -> None:
     assert simulator.n_weights == 3 * one.model.nu
     weights = rng.uniform(-0.3, 0.3, (3, simulator.n_weights)).astype(np.float32)
     values = stack([encode(one, simulator.catalogue, ())] * 3)
-    final = simulator.walk(values, weights, simulator.home(values), steps).final
+    final = simulator.rollout(values, weights, simulator.home(values), steps).final
     start = StartState(*(np.asarray(x[0], float) for x in simulator.home(values)[:4]))
     course = CRollouts(one.model, simulator.interface, Averaging(), start, weights, simulator.substeps)
-    expected = PooledSimulator(course).walk(3, steps)
+    expected = PooledSimulator(course).rollout(3, steps)
     assert np.ptp(expected, axis=0).max() > 1e-4
     np.testing.assert_allclose(final.qpos, expected, atol=1e-5)
 

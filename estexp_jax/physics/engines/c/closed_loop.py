@@ -80,7 +80,7 @@ class CSimulator(abc.ABC):
     """A way to simulate robots with the C engine."""
 
     @abc.abstractmethod
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """Simulate the first robots for some control steps.
 
         Returns:
@@ -123,7 +123,7 @@ class SerialSimulator(CSimulator):
     course: CRollouts
     recorded: np.ndarray | None = None
 
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """See `CSimulator`."""
         data = mujoco.MjData(self.course.model)
         one = self._driven if self.recorded is None else self._replayed
@@ -132,16 +132,16 @@ class SerialSimulator(CSimulator):
     def _driven(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
         course = self.course
         course.start.into(data)
-        model, n, ctrl, qpos, felt = course.model, course.substeps, data.ctrl, data.qpos, data.sensordata
-        brain = BatchedControllers(course.policy, course.weights[robot], course.face)
+        model, n, ctrl, qpos, sensordata = course.model, course.substeps, data.ctrl, data.qpos, data.sensordata
+        controller = BatchedControllers(course.policy, course.weights[robot], course.face)
         for _ in range(steps):
-            ctrl[:] = brain.commands(qpos, felt)
+            ctrl[:] = controller.commands(qpos, sensordata)
             mujoco.mj_step(model, data, n)
         return qpos.copy()
 
     def _replayed(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
         course, rows = self.course, self.recorded
-        assert rows is not None  # chosen by `walk`
+        assert rows is not None  # chosen by `rollout`
         course.start.into(data)
         model, n, ctrl = course.model, course.substeps, data.ctrl
         for row in rows[robot, :steps]:
@@ -158,17 +158,17 @@ class PooledSimulator(CSimulator):
     course: CRollouts
     _batches: dict[int, Any] = field(default_factory=dict, init=False)
 
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """See `CSimulator`."""
-        return self._walk(robots, steps, None)
+        return self._rollout(robots, steps, None)
 
     def record(self, robots: int, steps: int) -> np.ndarray:
         """The commands (robots, steps, nu) that the controllers give."""
         rows = np.zeros((robots, steps, self.course.model.nu))
-        self._walk(robots, steps, rows)
+        self._rollout(robots, steps, rows)
         return rows
 
-    def _walk(self, robots: int, steps: int, rows: np.ndarray | None) -> np.ndarray:
+    def _rollout(self, robots: int, steps: int, rows: np.ndarray | None) -> np.ndarray:
         course, start = self.course, self.course.start
         if robots not in self._batches:
             self._batches.clear()
@@ -176,15 +176,15 @@ class PooledSimulator(CSimulator):
         batch = self._batches[robots]
         state = {name: batch.bind(name) for name in ("qpos", "qvel", "qacc_warmstart", "ctrl", "sensordata")}
         state["qpos"][:], state["qvel"][:], state["qacc_warmstart"][:] = start.qpos, start.qvel, start.warmstart
-        felt = np.broadcast_to(start.sensordata, (robots, len(start.sensordata)))
-        brains = BatchedControllers(course.policy, course.weights[:robots], course.face)
+        sensordata = np.broadcast_to(start.sensordata, (robots, len(start.sensordata)))
+        controllers = BatchedControllers(course.policy, course.weights[:robots], course.face)
         for row in range(steps):
-            ctrl = brains.commands(state["qpos"], felt)
+            ctrl = controllers.commands(state["qpos"], sensordata)
             state["ctrl"][:] = ctrl
             if rows is not None:
                 rows[:, row] = ctrl
             batch.step(nstep=course.substeps)
-            felt = state["sensordata"]
+            sensordata = state["sensordata"]
         return state["qpos"].copy()
 
 
@@ -202,7 +202,7 @@ class OpenLoopPool(CSimulator):
     recorded: np.ndarray
     _pool: Any = field(default_factory=lambda: mujoco.rollout.Rollout(nthread=cores()), init=False)
 
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """See `CSimulator`; in pieces, so that what it must record (every state) stays in a small buffer."""
         course, model, full = self.course, self.course.model, mujoco.mjtState.mjSTATE_FULLPHYSICS
         size = partial(mujoco.mj_stateSize, model)

@@ -28,7 +28,7 @@ from estexp_jax.physics.model.robot import Robot
 
 NEWTON_ITERATIONS = 8
 """With 4 line-search steps: velocities of one step of the quadruped agree with the converged C engine to 1.1e-4 m/s
-(99th percentile over 251 states of random walks, with falls) in float32; a single iteration is wrong by 14 m/s."""
+(99th percentile over 251 states under random commands, with falls), in float32; one iteration is wrong by 14 m/s."""
 LINE_SEARCH_ITERATIONS = 4
 _ARMED = 1e-9
 """A friction loss without effect, that makes MJX keep a row for it."""

@@ -33,11 +33,11 @@ def test_every_way_ends_at_the_same_place(course: CRollouts) -> None:
     pool = PooledSimulator(course)
     recorded = pool.record(ROBOTS, STEPS)
     assert recorded.shape == (ROBOTS, STEPS, course.model.nu)
-    ends = SerialSimulator(course).walk(ROBOTS, STEPS)
+    ends = SerialSimulator(course).rollout(ROBOTS, STEPS)
     assert np.ptp(ends, axis=0).max() > 1e-3
     for other in (pool, SerialSimulator(course, recorded), OpenLoopPool(course, recorded)):
-        np.testing.assert_allclose(other.walk(ROBOTS, STEPS), ends, rtol=0.0, atol=1e-12)
-        np.testing.assert_allclose(other.walk(2, STEPS), ends[:2], rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(other.rollout(ROBOTS, STEPS), ends, rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(other.rollout(2, STEPS), ends[:2], rtol=0.0, atol=1e-12)
 
 
 def test_networks_are_the_controllers(course: CRollouts) -> None:
