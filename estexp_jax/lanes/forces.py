@@ -58,6 +58,12 @@ class MotorCommands:
     share: dict[tuple[int, ...], Scalar] | None = None
 
 
+def motor_commands(layout: Layout, ctrl: Sequence[Scalar]) -> MotorCommands:
+    """Commands of all motors, all of them on, from one array (N,) for each of the model's `nu` actuators."""
+    slots = [motor.ids for joint in layout.joints for motor in joint.motors]
+    return MotorCommands({ids: ctrl[ids[0]] if len(ids) == 1 else jnp.stack([ctrl[i] for i in ids]) for ids in slots})
+
+
 def joint_forces(
     layout: Layout,
     params: ModelParameters,
@@ -72,7 +78,7 @@ def joint_forces(
         params: of the robots.
         positions: per joint.
         speed: per degree of freedom.
-        commands: what the motors are told.
+        commands: of the motors.
     """
     n = len(layout.dofs)
     found = JointForces([0] * n, [0] * n, [0] * n, [0] * n)

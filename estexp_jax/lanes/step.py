@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, final
 
-import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
@@ -32,6 +31,7 @@ from estexp_jax.lanes.algebra import (
 from estexp_jax.lanes.contacts import Contact, contacts
 from estexp_jax.lanes.dynamics import Inertias, mass_and_bias
 from estexp_jax.lanes.forces import JointForces, MotorCommands, joint_forces
+from estexp_jax.lanes.integration import moved, speed_since_start
 from estexp_jax.lanes.joint_constraints import friction_loss_rows, limit_rows
 from estexp_jax.lanes.kinematics import BodyMotion, body_motion
 from estexp_jax.lanes.layout import Layout
@@ -134,7 +134,7 @@ class Stepper:
         now, matrix = self._instant(state, commands, dt, added)
         rate = self._implicit(now, matrix, dt)
         speed = tuple(v + dt * a for v, a in zip(state.qvel, rate, strict=True))
-        return LaneState(self._moved(state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
+        return LaneState(moved(self.layout, state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
 
     def _instant(
         self, state: LaneState, commands: MotorCommands, dt: Scalar, added: AddedForces
@@ -196,12 +196,6 @@ class Stepper:
             turned[first + 3 : first + 6] = apply(transposed(rotation), rate[first + 3 : first + 6])
         return turned
 
-    def _moved(self, qpos: Any, speed: Sequence[Scalar], dt: Scalar) -> tuple[tuple[Any, ...], ...]:
-        return tuple(
-            _floated(q, speed[j.dofs[0] : j.dofs[0] + 6], dt) if j.free else (q[0] + dt * speed[j.dofs[0]],)
-            for j, q in zip(self.layout.joints, qpos, strict=True)
-        )
-
     def _runge_kutta(
         self, state: LaneState, commands: MotorCommands, dt: Scalar, added: AddedForces
     ) -> tuple[LaneState, StepState]:
@@ -214,9 +208,9 @@ class Stepper:
         warm = tuple(first.solution.acceleration)
         for share in (0.5, 0.5, 1.0):
             there = tuple(v + share * dt * a for v, a in zip(state.qvel, rates[-1], strict=True))
-            stage = LaneState(self._moved(state.qpos, speeds[-1], share * dt), there, warm)
+            stage = LaneState(moved(self.layout, state.qpos, speeds[-1], share * dt), there, warm)
             now, _ = self._instant(stage, commands, dt, added)
-            speeds.append(self._seen_from_start(speeds[-1], there, share * dt))
+            speeds.append(speed_since_start(self.layout, speeds[-1], there, share * dt))
             rates.append(tuple(self._own_axes(now.solution.acceleration, now.moving)))
             warm = tuple(now.solution.acceleration)
         mean = [
@@ -224,44 +218,4 @@ class Stepper:
             for stages in (speeds, rates)
         ]
         speed = tuple(v + dt * a for v, a in zip(state.qvel, mean[1], strict=True))
-        return LaneState(self._moved(state.qpos, mean[0], dt), speed, warm), first
-
-    def _seen_from_start(self, turning: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
-        """Speeds with a floating base's spin as the rate at which the turn since the step began changes.
-
-        Args:
-            turning: speeds that, for `dt`, make up that turn.
-            speed: where it has led.
-            dt: s.
-        """
-        found = list(speed)
-        for joint in self.layout.joints:
-            if joint.free:
-                spin = slice(joint.dofs[0] + 3, joint.dofs[0] + 6)
-                found[spin] = _rate_of_turn(tuple(dt * v for v in turning[spin]), speed[spin])
-        return tuple(found)
-
-
-def _rate_of_turn(turn: Sequence[Scalar], spin: Sequence[Scalar]) -> list[Scalar]:
-    """How a turn (rotation vector, own axes) changes under a spin: the inverse derivative of the exponential."""
-    once = cross(turn, spin)
-    twice, square = cross(turn, once), dot(turn, turn)
-    third = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
-    return [a + 0.5 * b + third * c for a, b, c in zip(spin, once, twice, strict=True)]
-
-
-def _floated(q: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
-    """A floating base after `dt` at this speed, its spin in its own axes."""
-    w, x, y, z = q[3:]
-    spin = jnp.sqrt(dot(speed[3:], speed[3:]) + 1e-30)
-    half = 0.5 * dt * spin
-    c, s = jnp.cos(half), jnp.sin(half) / spin
-    a, b, d = (s * v for v in speed[3:])
-    turned = (
-        w * c - x * a - y * b - z * d,
-        w * a + x * c + y * d - z * b,
-        w * b - x * d + y * c + z * a,
-        w * d + x * b - y * a + z * c,
-    )
-    size = jax.lax.rsqrt(dot(turned, turned))
-    return tuple(p + dt * v for p, v in zip(q[:3], speed[:3], strict=True)) + tuple(t * size for t in turned)
+        return LaneState(moved(self.layout, state.qpos, mean[0], dt), speed, warm), first

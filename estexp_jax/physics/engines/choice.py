@@ -21,7 +21,8 @@ from estexp_jax.physics.engines.lanes.open_loop import LANES_REPLAY, LanesOpenLo
 from estexp_jax.physics.engines.mjx.closed_loop import MjxClosedLoop, mjx_width
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.open_loop import MJX_REPLAY, MjxOpenLoop
-from estexp_jax.physics.engines.open_loop import OpenLoopSimulator, per_recording_model
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
+from estexp_jax.physics.engines.per_recording_model import per_recording_model
 from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
 

@@ -1,6 +1,6 @@
 """What a replay feeds an engine, lane by lane, in arrays of numpy: commands, start states, rows before the start.
 
-A lane is one hypothesis on one segment of a recording.
+A lane is one hypothesis on one window of a recording.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ class RolledRows(NamedTuple):
 
 
 def command_steps(
-    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window], n_steps: int
+    robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window], n_steps: int
 ) -> CommandSteps:
-    """Steps of lanes, each with its own commands; beyond a segment's end the last ones are held.
+    """Steps of lanes, each with its own commands; beyond a window's end the last ones are held.
 
-    The first step has no length: it leaves the robot as it is, under the command before the segment's first row, and so
+    The first step has no length: it leaves the robot as it is, under the command before the window's first row, and so
     gives sensors of forces what they show in that row.
     """
     shifts, sources = command_routes(robot, catalogue, values)
     nu, undelayed = robot.model.nu, _undelayed(shifts, sources)
-    length = np.zeros((n_steps, len(segments)), np.float32)
-    ctrl, enable = (np.empty((n_steps, nu, len(segments)), np.float32) for _ in range(2))
-    for i, there in equal_commands(segments, undelayed):
-        s, k = segments[i], segments[i].steps.n_steps + 1
+    length = np.zeros((n_steps, len(windows)), np.float32)
+    ctrl, enable = (np.empty((n_steps, nu, len(windows)), np.float32) for _ in range(2))
+    for i, there in equal_commands(windows, undelayed):
+        s, k = windows[i], windows[i].steps.n_steps + 1
         length[1:k, there] = s.steps.length[:, None]
         commands = s.logged if undelayed[i] else s.commands(shifts[i], sources[i])
         for whole, own in ((ctrl, commands), (enable, s.switched_on)):
@@ -60,26 +60,26 @@ def command_steps(
     return CommandSteps(length, ctrl, enable)
 
 
-def equal_commands(segments: Sequence[Window], undelayed: np.ndarray) -> Iterator[tuple[int, slice]]:
+def equal_commands(windows: Sequence[Window], undelayed: np.ndarray) -> Iterator[tuple[int, slice]]:
     """Neighbouring lanes that get the same commands: the first one, and all of them."""
     first = 0
-    for i, s in enumerate(segments):
-        if i + 1 == len(segments) or segments[i + 1] is not s or not (undelayed[i] and undelayed[i + 1]):
+    for i, s in enumerate(windows):
+        if i + 1 == len(windows) or windows[i + 1] is not s or not (undelayed[i] and undelayed[i + 1]):
             yield first, slice(first, i + 1)
             first = i + 1
 
 
 def initial_states(
-    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window]
+    robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
-    qpos = np.array([s.start.qpos for s in segments], np.float32)
-    qvel = np.array([s.start.qvel for s in segments], np.float32)
+    qpos = np.array([s.start.qpos for s in windows], np.float32)
+    qvel = np.array([s.start.qvel for s in windows], np.float32)
     faults = [e for e in catalogue if isinstance(e, Distortion)]
     delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     drift = _drifts(robot, catalogue, values)
     faulty = delay.any(axis=1) | drift.any(axis=1) | instances_with(robot, faults, values)
-    for i, s in enumerate(segments):
+    for i, s in enumerate(windows):
         if not (faulty[i] and s.start.sensed):
             continue
         for column, place, speed in s.start.sensed:
@@ -120,17 +120,17 @@ def _commanded_state(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
     return qpos, qvel
 
 
-def rolled_rows(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window], n_rows: int) -> RolledRows:
-    """Rows before each segment (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
+def rolled_rows(robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window], n_rows: int) -> RolledRows:
+    """Rows before each window (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
     shifts, sources = command_routes(robot, catalogue, values)
     undelayed, n = _undelayed(shifts, sources), n_rows + 1
-    model, length = robot.model, np.zeros((n, len(segments)), np.float32)
+    model, length = robot.model, np.zeros((n, len(windows)), np.float32)
     qpos, qvel, ctrl, enable = (
-        np.empty((n, width, len(segments)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
+        np.empty((n, width, len(windows)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
     )
     found = RolledRows(qpos, qvel, ctrl, enable, length)
-    for i, there in equal_commands(segments, undelayed):
-        past = segments[i].logged_past if undelayed[i] else segments[i].past(n, shifts[i], sources[i])
+    for i, there in equal_commands(windows, undelayed):
+        past = windows[i].logged_past if undelayed[i] else windows[i].past(n, shifts[i], sources[i])
         k = min(n, len(past.length))
         for whole, own in zip(found[:-1], past[:-1], strict=True):
             whole[n - k :, :, there], whole[: n - k, :, there] = own[-k:, :, None], own[-k][:, None]
@@ -158,7 +158,7 @@ def _undelayed(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
 
 
 def delay_readings(
-    robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Window]
+    robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, windows: list[Window]
 ) -> None:
     """Replace, in place, the readings (steps, nsensordata, lanes) of sensors that are late by older ones.
 
@@ -166,7 +166,7 @@ def delay_readings(
     """
     delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     for i, column in np.argwhere(delay > 0.0).tolist():
-        s, n = segments[i], segments[i].steps.n_steps
+        s, n = windows[i], windows[i].steps.n_steps
         time = np.append(s.steps.start, s.steps.start[-1] + s.steps.length[-1])
         read = np.interp(time - delay[i, column], time, sensors[: n + 1, column, i])
         for sensed, place, _ in s.start.sensed:
@@ -176,12 +176,12 @@ def delay_readings(
         sensors[: n + 1, column, i] = read
 
 
-def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Window]) -> None:
+def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, windows: list[Window]) -> None:
     """Add, in place, to the readings (steps, nsensordata, lanes) what they gained since the recordings began."""
     drift = _drifts(robot, catalogue, values)
     for i in np.flatnonzero(drift.any(axis=1)).tolist():
-        steps = segments[i].steps
-        age = np.append(steps.start, steps.start[-1] + steps.length[-1]) - segments[i].history.time[0]
+        steps = windows[i].steps
+        age = np.append(steps.start, steps.start[-1] + steps.length[-1]) - windows[i].history.time[0]
         sensors[: len(age), :, i] += age[:, None] * drift[i]
 
 

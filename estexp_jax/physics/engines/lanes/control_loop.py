@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.lanes.algebra import add, total
-from estexp_jax.lanes.forces import MotorCommands
+from estexp_jax.lanes.forces import MotorCommands, motor_commands
 from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.sensors import SensorReader
 from estexp_jax.lanes.states import configuration_of, from_lanes, to_lanes
@@ -112,7 +112,7 @@ class ControlLoop:
         commands = [self._command(i, u, inputs.active) for i, u in enumerate(outputs)]
         table = jnp.stack(commands)
         inner = (carry.state, carry.felt, carry.hidden)
-        drive, on = self._drive(commands), jnp.ones_like(table)
+        drive, on = motor_commands(self._layout, commands), jnp.ones_like(table)
         state, felt, hidden = jax.lax.fori_loop(
             0, self._simulator.substeps, lambda _, x: self._physics_step(x, drive, table, on), inner
         )
@@ -131,12 +131,6 @@ class ControlLoop:
             drive, added, hidden = self._acting.act(state, commands, on, dt, hidden)
         state, now = self._stepper.step(state, drive, dt, added)
         return state, tuple(self._reader.read(now, self._touches).values()), hidden
-
-    def _drive(self, commands: list[Any]) -> MotorCommands:
-        motors = [m.ids for joint in self._layout.joints for m in joint.motors]
-        return MotorCommands(
-            {ids: commands[ids[0]] if len(ids) == 1 else jnp.stack([commands[i] for i in ids]) for ids in motors}
-        )
 
     def _command(self, i: int, output: Any, active: Any) -> Any:
         """As `Interface.commands`; home where the networks are not active."""

@@ -23,8 +23,9 @@ from estexp_jax.physics.engines.lanes.model import LanesModel, field_of, lanes_m
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.engines.motor_readings import motor_readings
-from estexp_jax.physics.engines.open_loop import LaneBatchState, OpenLoopSimulator, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
 
 LANES_REPLAY = 72, 64
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""

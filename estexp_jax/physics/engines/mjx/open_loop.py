@@ -16,8 +16,9 @@ from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.mjx.model import with_motors_switched, with_timestep
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.engines.motor_readings import motor_readings
-from estexp_jax.physics.engines.open_loop import LaneBatchState, OpenLoopSimulator, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
 
 MJX_REPLAY = 64, 256
 """Lanes in a chunk, and physics steps in a call."""
