@@ -1,4 +1,4 @@
-"""How bodies are turned, as quaternions: multiplied from the root on, so that their sign is MuJoCo's."""
+"""Orientations of bodies as quaternions, multiplied from the root on so that their sign is MuJoCo's."""
 
 from __future__ import annotations
 

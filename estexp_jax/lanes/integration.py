@@ -50,7 +50,7 @@ def speed_since_start(
 
 
 def _rate_of_turn(turn: Sequence[Scalar], spin: Sequence[Scalar]) -> list[Scalar]:
-    """How a turn (rotation vector, own axes) changes under a spin: the inverse derivative of the exponential."""
+    """Rate of a turn (rotation vector, own axes) under a spin: the inverse derivative of the exponential."""
     once = cross(turn, spin)
     twice, square = cross(turn, once), dot(turn, turn)
     third = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))

@@ -1,4 +1,4 @@
-"""Where bodies are and how they move without forces: one pass from the roots to the leaves.
+"""Poses, velocities and force-free accelerations of bodies: one pass from the roots to the leaves.
 
 Everything is in world axes about the origin of the tree: the floating base, or the world where the base is fixed. The
 accelerations are those of zero joint accelerations, with gravity as an acceleration of the base (Featherstone 2008,
@@ -57,7 +57,7 @@ class Pose:
 @final
 @dataclass
 class BodyMotion:
-    """What the pass from the roots found.
+    """Results of the pass from the roots.
 
     Attributes:
         poses: of each group.

@@ -168,7 +168,7 @@ class _LayoutBuilder:
         return list(range(first, first + int(self._model.body_jntnum[body])))
 
     def _signature(self, body: int) -> Any:
-        """What alike subtrees share."""
+        """Properties that alike subtrees share."""
         if body not in self._signatures:
             self._signatures[body] = (
                 tuple(self._joint_signature(j) for j in self._joints(body)),

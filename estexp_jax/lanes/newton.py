@@ -148,7 +148,7 @@ def solve(
 def _searched(
     derivatives: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scalar, begin: Scalar, found: Any
 ) -> Scalar:
-    """Where along the way the cost is least: Newton's method on its slope, which never falls, between two bounds.
+    """Step length of least cost along a direction: Newton's method on the slope, which never falls, between bounds.
 
     Friction losses bend the cost so sharply that without bounds the method would jump to and fro over the bend.
     """

@@ -1,4 +1,4 @@
-"""Where sensors sit, and how that moves: on sites, geoms and bodies."""
+"""Poses and velocities of the frames that sensors are attached to: sites, geoms and bodies."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from estexp_jax.lanes.step import StepState
 
 _OBJECT = mujoco.mjtObj
 FRAMES = (_OBJECT.mjOBJ_SITE, _OBJECT.mjOBJ_GEOM, _OBJECT.mjOBJ_BODY, _OBJECT.mjOBJ_XBODY)
-"""What sensors of motion may be on."""
+"""Objects that motion sensors may be attached to."""
 
 
 @final

@@ -1,4 +1,4 @@
-"""What sensors read of a state, as MuJoCo defines them; each reading is one array (N,).
+"""Sensor readings of a state, as MuJoCo defines them; each reading is one array (N,).
 
 Source: MuJoCo documentation, "XML reference": "sensor"; `engine_sensor.c`.
 """

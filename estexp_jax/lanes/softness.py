@@ -1,4 +1,4 @@
-"""How soft a constraint is: its impedance, spring and damper by solref and solimp, and the stiffness of its rows.
+"""Softness of a constraint: its impedance, spring and damper by solref and solimp, and the stiffness of its rows.
 
 Source: MuJoCo documentation, "Computation": "Constraint model", "Parameters".
 """

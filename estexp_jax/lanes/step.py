@@ -65,7 +65,7 @@ class LaneState(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False)
 class AddedForces:
-    """What effects add during one step; numbers 0 where nothing is added.
+    """Additions of effects during one step; the number 0 where nothing is added.
 
     Attributes:
         force: per degree of freedom, N m or N.

@@ -46,7 +46,7 @@ class SampledStates(NamedTuple):
 @final
 @dataclass(frozen=True)
 class Agreement:
-    """How far an engine is from the converged C engine.
+    """Distance of an engine from the converged C engine.
 
     Errors are those of the velocities after one control step: per state the largest over the degrees of freedom, in
     m/s or rad/s, relative to the robot's largest velocity where that is more than 1.
@@ -142,7 +142,7 @@ def engine_speeds(
 
 
 def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> Agreement:
-    """How far velocities (n, nv) of an engine are from those of the referee."""
+    """Distance of an engine's velocities (n, nv) from those of the referee."""
     scale = np.maximum(1.0, np.abs(expected).max(axis=1))
     error = np.abs(found - expected).max(axis=1) / scale
     error = np.sort(np.where(np.isfinite(error), error, np.inf))
@@ -153,7 +153,7 @@ def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> 
 def closed_loop_agreement(
     simulator: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
 ) -> Agreement:
-    """How far an engine is from the referee, with the one executable of its rollouts.
+    """Distance of a closed-loop engine from the referee, with the one executable of its rollouts.
 
     Args:
         simulator: the engine.
@@ -165,7 +165,7 @@ def closed_loop_agreement(
 
 
 def open_loop_agreement(simulator: OpenLoopSimulator, robot: Robot, n: int) -> Agreement:
-    """How far an open-loop simulator is from the referee after one physics step, with each of its executables.
+    """Distance of an open-loop simulator from the referee after one physics step, with each of its executables.
 
     Args:
         simulator: the engine.

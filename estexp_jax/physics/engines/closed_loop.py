@@ -23,7 +23,7 @@ from estexp_jax.physics.model.robot import Robot
 
 
 class BodyState(NamedTuple):
-    """Where one robot is; batched, every array has a leading axis."""
+    """State of one robot; batched, every array has a leading axis."""
 
     qpos: Any  #: (nq,)
     qvel: Any  #: (nv,)
@@ -33,7 +33,7 @@ class BodyState(NamedTuple):
 
 
 class Rollout(NamedTuple):
-    """What robots did; every array has the robots as first axis.
+    """A rollout of robots; every array has the robots as first axis.
 
     Rows are control steps; only the first `steps` of them are filled.
     """
@@ -46,7 +46,7 @@ class Rollout(NamedTuple):
 
 
 class ReadingOverride(NamedTuple):
-    """What networks get: `factor` times the robot's own reading, touch as +1/-1, and `added` to it.
+    """Readings that controllers get: `factor` times the robot's own, touch as +1/-1, plus `added`.
 
     Both (robots, steps, n_inputs), raw. Factor 0 replays what was recorded; noise is added, and turns touch readings
     round.
@@ -62,7 +62,7 @@ def replace_readings(readings: np.ndarray) -> ReadingOverride:
 
 
 def override_reading(factor: Any, added: Any, reading: Any) -> Any:
-    """As in `ReadingOverride`; what does not count does no harm, even where it is no number."""
+    """As in `ReadingOverride`; at factor 0 the own reading has no influence, even if it is NaN."""
     return jnp.where(factor == 0.0, added, factor * reading + added)
 
 
@@ -80,7 +80,7 @@ class ClosedLoopSimulator(abc.ABC):
 
     Attributes:
         on_mjx: the robot and its catalogue of effects.
-        interface: what controllers see and move.
+        interface: inputs and outputs of controllers.
         policy: the controllers' equations.
         rows: longest rollout, control steps.
         substeps: physics steps a control step.
@@ -104,7 +104,7 @@ class ClosedLoopSimulator(abc.ABC):
             lanes: the robots.
             steps: control steps.
             active: false: all motors at home.
-            override: what networks get; None: the robots' own readings.
+            override: readings that controllers get; None: the robots' own.
         """
 
     @property
@@ -154,7 +154,7 @@ class ClosedLoopSimulator(abc.ABC):
             weights: (robots, n_weights).
             start: batched states, as `settle` gives them.
             steps: control steps, at most `rows`.
-            override: what the networks get; None: the robots' own readings.
+            override: readings that controllers get; None: the robots' own.
         """
         return self._rollout(values, weights, start, steps, active=True, override=override)
 

@@ -79,7 +79,7 @@ class OpenLoopSimulator(abc.ABC):
 
     @abc.abstractmethod
     def _prepared(self, values: Values, overrides: tuple) -> Any:
-        """What does not change from block to block; `overrides` are the lanes' `per_recording_model`."""
+        """Constants of all blocks; `overrides` are the lanes' `per_recording_model`."""
 
     @abc.abstractmethod
     def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
@@ -188,7 +188,7 @@ class OpenLoopSimulator(abc.ABC):
         return self._at_rows(whole, values, [played], 1), commands
 
     def _started(self, values: Values, windows: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
-        """What does not change from block to block, and the state that lanes start from."""
+        """Constants of all blocks, and the initial state of lanes."""
         model, template = self.robot.model, self.on_mjx.data
         recording = [s.recording for s in windows]
         prepared = self._prepared(values, tuple(o[recording] for o in self.differing.values))

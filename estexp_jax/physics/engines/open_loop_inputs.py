@@ -1,4 +1,4 @@
-"""What a replay feeds an engine, lane by lane, in arrays of numpy: commands, start states, rows before the start.
+"""Inputs of an open-loop rollout, lane by lane, in numpy: commands, initial states, rows before the start.
 
 A lane is one hypothesis on one window of a recording.
 """
@@ -18,7 +18,7 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
 
 _LAG = 0.04
-"""Commands of this time tell where a servo is, s: it follows a little late."""
+"""Time over which commands are averaged to guess a servo's position, s: it follows with a small delay."""
 
 
 class CommandSteps(NamedTuple):
@@ -72,7 +72,7 @@ def equal_commands(windows: Sequence[Window], undelayed: np.ndarray) -> Iterator
 def initial_states(
     robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
+    """Initial states of lanes, (lanes, nq) and (lanes, nv): measured states with each lane's sensor faults undone."""
     qpos = np.array([s.start.qpos for s in windows], np.float32)
     qvel = np.array([s.start.qvel for s in windows], np.float32)
     faults = [e for e in catalogue if isinstance(e, Distortion)]
@@ -148,7 +148,7 @@ def instances_with(robot: Robot, effects: Sequence[Effect], values: Values) -> n
 
 
 def command_routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[np.ndarray, np.ndarray]:
-    """How late each lane's commands arrive (s) and whose commands its motors get, (lanes, nu) each."""
+    """Delay of each lane's commands (s) and the motor whose command each motor gets, (lanes, nu) each."""
     return _shifts(robot, catalogue, values, CommandShift, robot.model.nu), _sources(robot, catalogue, values)
 
 
@@ -160,9 +160,9 @@ def _undelayed(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
 def delay_readings(
     robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, windows: list[Window]
 ) -> None:
-    """Replace, in place, the readings (steps, nsensordata, lanes) of sensors that are late by older ones.
+    """Replace, in place, the readings (steps, nsensordata, lanes) of delayed sensors by older ones.
 
-    What a late sensor shows at first was true before the start; there it counts as it was recorded.
+    A delayed sensor first shows states from before the start; these are taken as recorded.
     """
     delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     for i, column in np.argwhere(delay > 0.0).tolist():
@@ -177,7 +177,7 @@ def delay_readings(
 
 
 def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, windows: list[Window]) -> None:
-    """Add, in place, to the readings (steps, nsensordata, lanes) what they gained since the recordings began."""
+    """Add, in place, to the readings (steps, nsensordata, lanes) their drift since the recordings began."""
     drift = _drifts(robot, catalogue, values)
     for i in np.flatnonzero(drift.any(axis=1)).tolist():
         steps = windows[i].steps
@@ -186,7 +186,7 @@ def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: V
 
 
 def _drifts(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
-    """What each lane's readings gain with each second, (lanes, nsensordata)."""
+    """Drift of each lane's readings per second, (lanes, nsensordata)."""
     total = np.zeros((_lanes(values), robot.model.nsensordata))
     for effect in catalogue:
         if isinstance(effect, ReadingDrift):
@@ -197,7 +197,7 @@ def _drifts(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
 def _shifts(
     robot: Robot, catalogue: Catalogue, values: Values, kind: type[CommandShift] | type[ReadingShift], n: int
 ) -> np.ndarray:
-    """How late each lane's commands or readings arrive, (lanes, n), s."""
+    """Delay of each lane's commands or readings, (lanes, n), s."""
     total = np.zeros((_lanes(values), n))
     for effect in catalogue:
         if isinstance(effect, CommandShift | ReadingShift) and isinstance(effect, kind):
@@ -206,7 +206,7 @@ def _shifts(
 
 
 def _sources(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
-    """Whose command each lane's motors get, (lanes, nu)."""
+    """Index of the motor whose command each motor gets, (lanes, nu)."""
     source = np.tile(np.arange(robot.model.nu), (_lanes(values), 1))
     for effect in catalogue:
         if isinstance(effect, CommandRoute):

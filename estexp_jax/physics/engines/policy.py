@@ -1,4 +1,4 @@
-"""What an engine must know of a family of controllers to drive robots by them.
+"""Controllers as engines use them, whatever their equations.
 
 The engines own the loop of sensors, controller, motors and physics; a `Policy` owns the controller's equations. Its
 parameters are a pytree with the two fields in which faults act, see `effects.controller_fault.FaultyParameters`.

@@ -1,4 +1,4 @@
-"""What may touch by a robot's description, but never comes near in its recordings."""
+"""Pairs of bodies that may touch by a robot's description but never come near in its recordings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ROWS = 300
 
 
 def without_collisions(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) -> list[tuple[int, int]]:
-    """Pairs of bodies whose contacts can be left out: they stayed apart all along.
+    """Pairs of bodies whose contacts can be left out, since they never came near.
 
     Two moving bodies, or one of a robot that is bolted down and one of its surroundings: what floats falls on these.
     Those whose meshes overlap from the start, too.
@@ -55,7 +55,7 @@ def without_collisions(robot: Robot, paths: Sequence[np.ndarray], near: float = 
 
 
 def pairs_that_touch(robot: Robot, paths: Sequence[np.ndarray]) -> bool:
-    """Whether parts that are apart at home, as of `without_collisions`, come together in some motions.
+    """Whether pairs that `without_collisions` leaves out at home come near in some motions.
 
     Args:
         robot: as described.

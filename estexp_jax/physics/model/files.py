@@ -25,7 +25,7 @@ from estexp_jax.physics.model.xml_text import Element, xml_elements
 _MOST_XML, _MOST_BYTES, _MOST_FILES = 16 * 2**20, 256 * 2**20, 1000
 _MOST_PIXELS = 2**26
 _PACKAGE_LEVELS = 3
-"""How far above a model's file its package's `package.xml` is looked for."""
+"""Number of folders above a model's file in which its package's `package.xml` is sought."""
 _OPENED = {"include": "file", "model": "file", "flexcomp": "file"}
 """Elements whose file MuJoCo opens while it reads."""
 _SCHEMES = ("package://", "model://")
@@ -65,7 +65,7 @@ def _folder(path: Path) -> Path:
 
 
 def _assets(spec: mujoco.MjSpec) -> Iterator[tuple[str, Any]]:
-    """What of a description comes from files, with its place."""
+    """Elements of a description that refer to files, with their place."""
     for kind, some in (
         ("mesh", spec.meshes),
         ("hfield", spec.hfields),

@@ -91,7 +91,7 @@ class CSimulator(abc.ABC):
 @final
 @dataclass(frozen=True, eq=False)
 class CRollouts:
-    """What all of them are given.
+    """Inputs that all simulators share.
 
     Attributes:
         model: the nominal robot.
@@ -116,7 +116,7 @@ class SerialSimulator(CSimulator):
     """One robot at a time, `mj_step` from Python.
 
     Attributes:
-        course: what to do.
+        course: the shared inputs.
         recorded: (n, steps, nu) commands to replay; None: the controllers give them.
     """
 
@@ -194,7 +194,7 @@ class OpenLoopPool(CSimulator):
     """All robots on all cores, replaying commands: `mujoco.rollout`.
 
     Attributes:
-        course: what to do.
+        course: the shared inputs.
         recorded: (n, steps, nu) commands.
     """
 

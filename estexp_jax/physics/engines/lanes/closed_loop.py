@@ -88,7 +88,7 @@ class LanesClosedLoop(ClosedLoopSimulator):
         return Rollout(table[..., :i], table[..., i : i + o], table[..., i + o :], final, ~(sound[0] & sound[1]))
 
     def _override(self, override: ReadingOverride | None, done: int) -> ReadingOverride:
-        """What a call's networks get, robots last; new arrays, as the call may still read them later."""
+        """Reading overrides of one call, robots last; new arrays, as the call may still read them later."""
         shape = (ROWS, self.interface.n_inputs, self.width)
         tables = ReadingOverride(np.ones(shape, np.float32), np.zeros(shape, np.float32))
         for table, given in zip(tables, override or (), strict=False):
@@ -111,7 +111,7 @@ class LanesClosedLoop(ClosedLoopSimulator):
         return self._programs["prepare"], self._programs["advance"]
 
     def _prepared(self, lane: RobotInstance) -> Batch:
-        """What does not change in a rollout, for one robot."""
+        """Constants of one robot's rollout."""
         controller = self.policy.prepare_lanes(self.controller(lane))
         lost = jnp.zeros(self.interface.n_inputs, bool)
         if "part_lost" in lane.values:
@@ -120,7 +120,7 @@ class LanesClosedLoop(ClosedLoopSimulator):
         return Batch(fields, lane.values, controller, lost, *self._faults(lane.values), lane.start)
 
     def _faults(self, values: Values) -> tuple[jax.Array, jax.Array]:
-        """What sensors' faults make of a reading x: scale x + shift, (n_inputs,) each; all are of this kind."""
+        """Scale and shift, (n_inputs,) each, that sensor faults apply to readings; all faults are of this kind."""
 
         def distorted(x: float) -> jax.Array:
             readings = jnp.full(self.robot.model.nsensordata, x, jnp.float32)

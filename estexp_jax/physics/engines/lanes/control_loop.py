@@ -27,7 +27,7 @@ ROWS = 25
 
 
 class Batch(NamedTuple):
-    """What a rollout takes, robots last."""
+    """Inputs of a rollout, robots last."""
 
     fields: dict[str, Any]  #: numbers that differ from robot to robot
     values: Values
@@ -47,7 +47,7 @@ class NetworkInputs(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What a call gives, robots last."""
+    """Results of one call, robots last."""
 
     final: BodyState
     neurons: Any  #: (n_hidden, N)
@@ -161,7 +161,7 @@ class ControlLoop:
         ]
 
     def _place(self, qpos: list[Any]) -> list[Any]:
-        """Where the roots are, m."""
+        """Positions of the roots, m."""
         matrix, offset = self._travel
         zero = jnp.zeros(self._n, self._dtype)
         return [

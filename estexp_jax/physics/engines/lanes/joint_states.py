@@ -1,4 +1,4 @@
-"""What a term sees of its joints in one step, in lanes: `JointState` with rows (n_sites, N)."""
+"""Joint states of a term's sites in one step, in lanes: `JointState` with rows (n_sites, N)."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class JointStates:
         return position, speed
 
     def of(self, term: Term, now: StepStart) -> JointState:
-        """What a term sees of its sites' joints."""
+        """Joint states of a term's sites."""
         (position, speed, inputs, dt), dofs, motors = now, term.dofs(self._robot), None
         if term.kind == "actuator":
             motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)

@@ -33,7 +33,7 @@ from estexp_jax.physics.model.robot import Robot
 @final
 @dataclass
 class _Sums:
-    """What the terms so far add: rows (N,) by address, and factors on the motors by their index."""
+    """Sums over the terms so far: rows (N,) by address, and factors on the motors by their index."""
 
     rows: dict[str, dict[int, Scalar]] = field(default_factory=dict)
     share: dict[int, Scalar] = field(default_factory=dict)
@@ -123,7 +123,7 @@ class ActiveEffects:
         return jnp.any(values != jnp.array([p.neutral for p in e.parameters], values.dtype)[:, None])
 
     def _ruled(self, law: CommandLaw, command: Any, idle: Any, dt: Any, before: Arrays) -> tuple[Any, Arrays]:
-        """What a law makes of commands (n_actuators, N), and its hidden variables after the step."""
+        """Commands (n_actuators, N) after a law, and its hidden variables after the step."""
 
         def act() -> tuple[Any, Arrays]:
             return law.act(self._parameters(law.name), command, idle, dt, before)
@@ -131,7 +131,7 @@ class ActiveEffects:
         return jax.lax.cond(self._at_work[law.name], act, lambda: (command, before))
 
     def _acted(self, term: Term, now: StepStart, before: Arrays) -> tuple[JointForce, Arrays]:
-        """What a term does, and its hidden variables after the step."""
+        """Forces of a term, and its hidden variables after the step."""
 
         def act() -> tuple[dict[str, Any], Arrays]:
             does, after = term.act(self._parameters(term.name), self._moments.of(term, now), before)

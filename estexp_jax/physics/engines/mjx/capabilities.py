@@ -1,4 +1,4 @@
-"""What MJX lacks and a robot's motion hardly needs: done without, and said, rather than refused.
+"""Elements that MJX lacks and that hardly affect a robot's motion: left out and reported, not refused.
 
 Solver and integrator make no other robot, only other steps. A contact that MJX has no function for is left out between
 two parts of a robot, and between a robot that is bolted down and what stands around it; what a robot may stand on is
@@ -100,7 +100,7 @@ def _to_joints(model: mujoco.MjModel) -> None:
 
 
 def _passed_over(model: mujoco.MjModel) -> Iterator[str]:
-    """What MJX would pass over in silence; sentences."""
+    """Sentences on what MJX would ignore silently."""
     for field, what in _UNKNOWN.items():
         if np.any(getattr(model, field)):
             yield what

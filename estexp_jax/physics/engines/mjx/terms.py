@@ -1,4 +1,4 @@
-"""Terms, command laws and pulls at work in one step of one robot on MJX.
+"""Terms, command laws and body forces at work in one step of one robot on MJX.
 
 The laws are elementwise over their sites; here is what gathers the sites from a robot's arrays and scatters back.
 """
@@ -43,7 +43,7 @@ class MjxStepStart(NamedTuple):
 
 
 class EffectForces(NamedTuple):
-    """What a step is taken with, and what is carried on."""
+    """Inputs of a physics step, and hidden variables after it."""
 
     model: mjx.Model
     ctrl: jax.Array  #: (nu,)
