@@ -38,7 +38,7 @@ def test_the_policy_gives_each_engine_the_same_network() -> None:
     for _ in range(3):
         inputs = rng.uniform(-1.0, 1.0, (n, N_INPUTS)).astype(np.float32)
         neurons, in_lanes = policy.respond_lanes(last, tuple(hidden.T), tuple(inputs.T))
-        hidden, outputs = jax.vmap(policy.respond)(tied, hidden, inputs)
+        hidden, outputs = jax.vmap(policy.respond)(tied, hidden, jnp.asarray(inputs))
         host.inputs[:] = inputs
         healthy = host.respond()
         np.testing.assert_allclose(np.array(neurons).T, hidden, atol=1e-6)
