@@ -89,14 +89,17 @@ class CRunner(Runner):
 
     def simulate(self, robots: int, steps: int) -> None:
         """See `Runner`."""
-        self._simulator.walk(robots, steps)
+        self._simulator.rollout(robots, steps)
 
     def agreement(self) -> Agreement:
         """The model's own solver settings against the converged ones, if all ways to call the engine do the same."""
         field, race = self._field, self._field.race
         robots, steps = min(8, race.population), min(5, race.steps)
         same = np.allclose(
-            self._simulator.walk(robots, steps), SerialSimulator(field.course).walk(robots, steps), rtol=0.0, atol=1e-9
+            self._simulator.rollout(robots, steps),
+            SerialSimulator(field.course).rollout(robots, steps),
+            rtol=0.0,
+            atol=1e-9,
         )
         expected = converged_speeds(field.robot, field.face, field.states, race.substeps)
         found = _own_speeds(field) if same else np.full_like(expected, np.nan)
@@ -119,6 +122,7 @@ class JaxRunner(Runner):
         self.simulator: ClosedLoopSimulator = closed_loop_simulator(
             field.robot,
             catalogue(EFFECTS),
+            policy=field.policy,
             rows=rows or race.steps,
             control_step=step,
             population=2 * race.population,
@@ -141,7 +145,7 @@ class JaxRunner(Runner):
     def simulate(self, robots: int, steps: int) -> None:
         """See `Runner`."""
         values, start = jax.tree.map(lambda x: x[:robots], self._ready)
-        self.simulator.walk(values, self._field.weights[:robots], start, steps)
+        self.simulator.rollout(values, self._field.weights[:robots], start, steps)
 
     def agreement(self) -> Agreement:
         """The executable that is timed, on robots with edits, against recompiled models."""

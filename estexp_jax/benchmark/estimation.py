@@ -32,11 +32,11 @@ def estimation_time(race: BenchmarkTask, repeats: int) -> dict[str, Any]:
     few = stack([encode(robot, world.closed_loop.catalogue, changes) for changes in sets])
     values = {name: np.repeat(array, _TRIALS, axis=0) for name, array in few.items()}
     many = np.tile(weights, (len(sets), 1))
-    world.closed_loop.walk(values, many, start, _SAMPLES)
+    world.closed_loop.rollout(values, many, start, _SAMPLES)
     rollouts, whole = [], []
     for _ in range(max(repeats, 3)):
         begin = perf_counter()
-        world.closed_loop.walk(values, many, start, _SAMPLES)
+        world.closed_loop.rollout(values, many, start, _SAMPLES)
         between = perf_counter()
         world.trials(sets, weights, _SAMPLES)
         rollouts.append(between - begin)

@@ -12,7 +12,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, Values, encode, stack
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import open_loop_simulator
-from estexp_jax.physics.engines.open_loop import Controller, OpenLoopRollout, OpenLoopSimulator
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator, RowController
 from estexp_jax.physics.model.clearance import ROWS, TOGETHER, without_collisions
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
@@ -73,7 +73,7 @@ class ExplainedSimulator:
         replay = self._simulated(window, lambda player, values: player.replay(values, [window], np.array([0])))
         return Traces(window.history.time, replay.sensors[0], replay.qpos[0], replay.qvel[0])
 
-    def steered(self, controller: Controller, rows: int, *, period: float = 0.01) -> tuple[Traces, np.ndarray]:
+    def steered(self, controller: RowController, rows: int, *, period: float = 0.01) -> tuple[Traces, np.ndarray]:
         """Simulate from home, at rest, with a controller in the loop.
 
         Args:

@@ -7,9 +7,8 @@ import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Parameter
-from estexp_jax.physics.effects.controller_fault import CommandRoute
+from estexp_jax.physics.effects.controller_fault import CommandRoute, Parameters
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.control.network import Network
 
 
 @final
@@ -32,7 +31,7 @@ class TiedOutputs(CommandRoute):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site} repeats the command of motor number {int(values['with'])}"
 
-    def damage(self, robot: Robot, network: Network, values: jax.Array) -> Network:
+    def damage(self, robot: Robot, network: Parameters, values: jax.Array) -> Parameters:
         source = self.route(robot, values)
         return network._replace(output_of=jnp.where(source >= 0, source, network.output_of))
 
