@@ -137,7 +137,7 @@ def search_experiment(
     Raises:
         InputError: there are fewer than two models or no actuators, or no engine simulates the robot.
     """
-    yield Progress("preparing", 0, 1, f"{len(competing.models)} rivals")
+    yield Progress("preparing", 0, 1, f"{len(competing.models)} explanations")
     simulation = _simulation(robot, competing, config)
     speeds = config.speed * np.where((competing.speeds > 0.0) & ~_unlimited(robot, competing), competing.speeds, np.inf)
     limits, time = limits_of(robot, config.margin, competing.commands, speeds), _clock(competing, config)
@@ -188,7 +188,7 @@ def _random(simulation: PredictiveSimulation, limits: Limits, time: np.ndarray, 
 
 def _simulation(robot: Robot, competing: CompetingModels, config: ProposeConfig) -> PredictiveSimulation:
     if len(competing.models) < 2:
-        raise InputError("there are no rivals to tell apart", where=robot.source)
+        raise InputError("there are fewer than two explanations to tell apart", where=robot.source)
     if robot.model.nu == 0:
         raise InputError("the robot has no actuators, so no motion can be proposed", where=robot.source)
     effects = dict.fromkeys(change.effect for model in competing.models for change in model.changes)
@@ -231,4 +231,4 @@ def _cost(predicted: PredictedReadings, simulation: PredictiveSimulation, allowe
 def _note(cost: float) -> str:
     if cost > 0.0:
         return "nothing within limits yet"
-    return f"rivals {np.sqrt(max(cost**2 - 1.0, 0.0)):.3g} deviations apart"
+    return f"separation of {np.sqrt(max(cost**2 - 1.0, 0.0)):.3g} deviations"

@@ -102,7 +102,7 @@ def _readings(
         measured = np.isfinite(values)
         column = f"{where}, column 'sensor.{name}'"
         if not measured.any():
-            right = f"the controller hears {', '.join(face.names)}; where a sensor is gone: what was given for it"
+            right = f"the controller reads {', '.join(face.names)}; for a lost sensor, record the value given for it"
             raise InputError("has no sample", where=column, right=right)
         at, values = time[measured], values[measured]
         edges = np.concatenate([[0.0], at[at <= grid[-1]], [grid[-1]]])

@@ -56,11 +56,11 @@ class RealityGapTarget:
 
     def __call__(self, controller: Controller) -> Trial:
         """See `Target`."""
-        return self._walked(controller)[0]
+        return self._simulate(controller)[0]
 
     def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
         """See `FilmedTarget`."""
-        return self._walked(controller)[1][list(rows)]
+        return self._simulate(controller)[1][list(rows)]
 
     def _simulate(self, controller: Controller) -> tuple[Trial, np.ndarray]:
         """A trial, and its configurations (rows, nq)."""

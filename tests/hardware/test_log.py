@@ -91,7 +91,7 @@ def test_gaps_are_filled_where_nothing_is_compared(quadruped: Robot, trial: Tria
     with pytest.raises(InputError, match=r"'sensor\.angle_f': no sample for 0\.11 s, 0\.09 s after the first row"):
         trial_of_recording(quadruped, log, wanted, "trial_0.csv")
     log.sensor[:, column] = np.nan
-    with pytest.raises(InputError, match="has no sample; the controller hears"):
+    with pytest.raises(InputError, match="has no sample; the controller reads"):
         trial_of_recording(quadruped, log, wanted, "trial_0.csv")
 
 
@@ -103,9 +103,10 @@ def test_a_distance_may_be_measured_by_hand_or_not_at_all(
     found, notes = trial_of_recording(quadruped, log, wanted, "trial_0.csv")
     assert np.isnan(found.distance("x")) and "distance is not known" in notes[0] and "qpos.root.0" in notes[0]
     with pytest.raises(InputError, match=r"--metric distance compares it; .*qpos\.\w+\.0"):
-        trial_of_recording(quadruped, log, replace(wanted, measured=True), "trial_0.csv")
+        trial_of_recording(quadruped, log, replace(wanted, needs_distance=True), "trial_0.csv")
     log.qpos[[0, -1], 0] = 0.0, 0.43
-    assert trial_of_recording(quadruped, log, replace(wanted, measured=True), "trial_0.csv").trial.distance("x") == 0.43
+    found, _ = trial_of_recording(quadruped, log, replace(wanted, needs_distance=True), "trial_0.csv")
+    assert found.distance("x") == 0.43
     log.qpos[30:, 0] = np.nan  # lost on the way
     assert np.isnan(trial_of_recording(quadruped, log, wanted, "trial_0.csv").trial.distance("x"))
 
