@@ -154,7 +154,7 @@ def test_from_a_bad_recording_over_an_interruption_to_the_end(
     [only] = run["passes"]
     assert only["hardware_m"] is None and only["simulated_m"] is not None
     page = (out / "report.html").read_text()
-    assert "How far the robot walks is not known" in page and "really done" not in page and "nan m" not in page
+    assert "How far the robot walks is not known" in page and "true damage" not in page and "nan m" not in page
     with np.load(out / "traces.npz") as traces:
         assert len(traces["trial_1/angle_f"]) == STEPS
 

@@ -23,8 +23,8 @@ def test_it_responds_as_the_controller_does(quadruped: Robot) -> None:
     readings = np.random.default_rng(1).uniform(-1.2, 1.2, (20, len(onboard.inputs)))
     ours, theirs = onboard.hidden(), controller.rest()
     for row in readings:
-        (ours, told), (theirs, asked) = onboard.respond(ours, row), controller.respond(theirs, row)
-        np.testing.assert_array_equal(told, asked)
+        (ours, command), (theirs, expected) = onboard.respond(ours, row), controller.respond(theirs, row)
+        np.testing.assert_array_equal(command, expected)
 
 
 def test_arrays_that_do_not_fit_are_told(quadruped: Robot) -> None:

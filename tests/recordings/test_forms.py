@@ -57,12 +57,12 @@ def test_every_form_gives_the_same_table(manifests, form):
 @pytest.mark.parametrize("form", FORMS[1:])
 def test_every_form_is_judged_alike(manifests, form, tmp_path):
     _needs(form)
-    told = {}
+    checks = {}
     for name in ("csv", form):
         assert main(["check", str(manifests[name]), "--out", str(tmp_path / name)]) == 0
-        told[name] = json.loads((tmp_path / name / "check.json").read_text())
-    assert told["csv"]["advice"] == told[form]["advice"]
-    for one, two in zip(told["csv"]["recordings"], told[form]["recordings"], strict=True):
+        checks[name] = json.loads((tmp_path / name / "check.json").read_text())
+    assert checks["csv"]["advice"] == checks[form]["advice"]
+    for one, two in zip(checks["csv"]["recordings"], checks[form]["recordings"], strict=True):
         for judged in (one, two):
             del judged["file"], judged["notes"]
         assert [(f["kind"], f["name"]) for f in one.pop("faults")] == [
@@ -93,17 +93,17 @@ def test_every_form_is_explained_alike(tmp_path):
     logs = [(np.round(r.time - r.time[0], 9), r.ctrl[:, 0], r.sensor[:, 0]) for r in recorded]
     logs = [(log[0], *(values.astype(np.float32).astype(float) for values in log[1:])) for log in logs]
     roles = tuple(recording.role for recording in recorded)
-    found = {}
+    findings = {}
     for form in FORMS:
         _needs(form)
         manifest = write_form(form, tmp_path / form, logs, tmp_path / "logs" / "nominal.xml", roles)
         out = tmp_path / f"out_{form}"
         few = ("--most", "1", "--effects", "coulomb_friction", "viscous_friction", "command_delay", "--window", "1")
         assert main(["explain", str(manifest), "--out", str(out), *few]) == 0
-        found[form] = json.loads((out / "findings.json").read_text())
-    for findings in found.values():
-        assert findings["verdict"] == "missing_physics"
-        assert [(f["effect"], f["name"]) for f in findings["what"]] == [("coulomb_friction", "elbow")]
-        size = findings["what"][0]["parameters"]["T"]["value"]
-        assert size == pytest.approx(found["csv"]["what"][0]["parameters"]["T"]["value"], rel=2e-3)
-        assert findings["fit"]["gain"]["value"] == pytest.approx(found["csv"]["fit"]["gain"]["value"], abs=1e-3)
+        findings[form] = json.loads((out / "findings.json").read_text())
+    for results in findings.values():
+        assert results["verdict"] == "missing_physics"
+        assert [(f["effect"], f["name"]) for f in results["what"]] == [("coulomb_friction", "elbow")]
+        size = results["what"][0]["parameters"]["T"]["value"]
+        assert size == pytest.approx(findings["csv"]["what"][0]["parameters"]["T"]["value"], rel=2e-3)
+        assert results["fit"]["gain"]["value"] == pytest.approx(findings["csv"]["fit"]["gain"]["value"], abs=1e-3)
