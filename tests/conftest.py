@@ -4,10 +4,17 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
+
+from tests.pendulum import EFFECT, PENDULUM, SMALL, run
+
+if TYPE_CHECKING:
+    from estexp_jax.discovery.diagnosis import Diagnosis
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")  # how long an example takes depends on what else the machine does
@@ -28,6 +35,19 @@ def real_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no real recordings at {folder}; set ESTEXP_DATA to their folder")
     return folder
+
+
+@pytest.fixture(scope="session")
+def diagnosed() -> "Callable[[str], Diagnosis]":
+    """Maps the name of one of `tests.discovery.planted.CASES` to its diagnosis, computed once a session."""
+    from tests.discovery.planted import CASES, case_of, explained
+
+    @cache
+    def diagnose(name: str) -> "Diagnosis":
+        robot, plant, seed = CASES[name]
+        return explained(case_of(robot, plant, seed))
+
+    return diagnose
 
 
 @pytest.fixture(scope="session")
@@ -72,3 +92,22 @@ def read_only(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     folder = tmp_path / "locked"
     folder.mkdir(mode=0o500)
     return folder
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory) -> Path:
+    """Recordings of a pendulum that rubs, as `estexp record` writes them."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "pendulum.xml").write_text(PENDULUM)
+    out = folder / "logs"
+    sizes = ("--duration", "4", "--rate", "100", "--seed", "31")
+    assert run("record", folder / "pendulum.xml", "--effect", EFFECT, "--out", out, *sizes) == 0
+    return out
+
+
+@pytest.fixture(scope="session")
+def explained(recorded, tmp_path_factory) -> Path:
+    """What `estexp explain` leaves of them."""
+    out = tmp_path_factory.mktemp("explained") / "out"
+    assert run("explain", recorded / "recordings.toml", "--out", out, *SMALL) == 0
+    return out

@@ -16,7 +16,7 @@ from estexp_jax.discovery.hypotheses import VARIANTS, Hypothesis, Place, claimin
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.starts import RUNGS
-from estexp_jax.physics.effects.laws.base import UNKNOWN
+from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
@@ -60,7 +60,7 @@ def _likeness(robot: Robot, place: Place) -> tuple[str, str | None, str]:
 
     Damping by the joint and by the motor that drives it are one while motors are on.
     """
-    name = VARIANTS.get(place[0], place[0]) if effect(place[0]).named else UNKNOWN
+    name = VARIANTS.get(place[0], place[0]) if effect(place[0]).named else UNKNOWN_LAW
     while name in RUNGS:
         name = RUNGS[name]
     return (*element(robot, place), "viscous_friction" if name in ("back_emf", "servo_damping") else name)

@@ -139,9 +139,7 @@ def _recording(
     if role not in ROLES:
         raise InputError(f"role is {abbreviated(role)}", where=where, right=known(ROLES))
     settings = _settings(table.get("set", {}), f"{where}, set")
-    apply_settings(
-        robot, settings, where=f"{where}, set"
-    )  # reported now, not in the middle of a fit
+    apply_settings(robot, settings, where=f"{where}, set")  # reported now, not in the middle of a fit
     part = _selection(table, where)
     return read_recording(robot, file, role=role, mapping=columns, settings=settings, selection=part, mend=mend)
 

@@ -15,7 +15,7 @@ from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import Place, change_of, places
+from estexp_jax.recovery.estimation.edits import DamageSite, change_of, damage_sites
 
 TABLE: dict[int, str] = {
     1: "one motor weakens by 50 %",
@@ -32,14 +32,14 @@ TABLE: dict[int, str] = {
     12: "two motor neurons give the same value",
     13: "the mass of one body halves",
 }
-"""The thirteen situations. Where the text says "increases by 200 %", the mass doubles, the most the genome can say."""
+"""The thirteen situations. Where the paper says "increases by 200 %", the mass doubles: the genome's maximum."""
 
 _TAG = 13
 _ANGLE = int(mujoco.mjtSensor.mjSENS_JOINTPOS)
 
 
 def situation(number: int, robot: Robot, seed: int) -> tuple[Change, ...]:
-    """What happens to a robot.
+    """The damage of one situation.
 
     Args:
         number: 1 to 13.
@@ -47,7 +47,7 @@ def situation(number: int, robot: Robot, seed: int) -> tuple[Change, ...]:
         seed: of the draw.
 
     Raises:
-        InputError: there is no such situation, or the robot has no place for it.
+        InputError: the situation does not exist, or the robot has no element for it.
     """
     if number not in TABLE:
         raise InputError(f"there is no situation {number}", right="1 to 13, as in the paper's Table 1")
@@ -56,13 +56,17 @@ def situation(number: int, robot: Robot, seed: int) -> tuple[Change, ...]:
 
 
 class _Draw:
-    """Draws places on one robot for one situation."""
+    """Draws damage sites on one robot for one situation."""
 
     def __init__(self, robot: Robot, number: int, random: np.random.Generator) -> None:
         self.robot, self.number, self.random = robot, number, random
 
     def one(self, choices: Sequence[str], what: str) -> str:
-        """A name, or the user's error that there is none."""
+        """A name drawn among the choices.
+
+        Raises:
+            InputError: there is no choice; `what` says of what.
+        """
         if not choices:
             right = f"choose another situation or --damage: {TABLE[self.number]}"
             raise InputError(
@@ -71,34 +75,34 @@ class _Draw:
         return str(choices[int(self.random.integers(len(choices)))])
 
     def edit(self, name: str, amount: float, what: str, spared: frozenset[int] = frozenset()) -> Change:
-        """One of the paper's modifications at any of its places that is not on a spared body."""
-        choices = [p for p in places(self.robot, name) if not self._body(p) & spared]
+        """One of the paper's modifications at a site that is not on a spared body."""
+        choices = [p for p in damage_sites(self.robot, name) if not self._body(p) & spared]
         chosen = self.one([p.name or "" for p in choices], what)
-        return change_of(self.robot, Place(name, chosen), amount)
+        return change_of(self.robot, DamageSite(name, chosen), amount)
 
     def leg(self) -> Change:
-        """An entire leg: what hangs from the root by a hinge or slide."""
+        """Loss of an entire leg: a part joined to the root by a hinge or slide."""
         robot = self.robot
         lost = [robot.index("body", name) for name in effect("part_lost").sites(robot)]
         legs = [b for b in lost if int(robot.model.body_parentid[b]) not in lost]
         names = [robot.names("body")[b] for b in legs]
-        return change_of(robot, Place("part_lost", self.one(names, "a leg")), 1.0)
+        return change_of(robot, DamageSite("part_lost", self.one(names, "a leg")), 1.0)
 
     def angle(self) -> Change:
-        """An angle sensor at half its value."""
+        """An angle sensor that reads half the angle."""
         robot = self.robot
         names = interface_of(robot).names
         angles = [n for n in names if int(robot.model.sensor_type[robot.index("sensor", n)]) == _ANGLE]
-        return change_of(robot, Place("sensor_gain", self.one(angles, "an angle sensor")), 0.5)
+        return change_of(robot, DamageSite("sensor_gain", self.one(angles, "an angle sensor")), 0.5)
 
     def with_leg(self, *others: tuple[str, str]) -> tuple[Change, ...]:
-        """A leg lost, and other failures by 50 % that are not on it."""
+        """Loss of a leg, and other failures by 50 % that are not on it."""
         leg = self.leg()
         spared = frozenset(self.robot.subtree(self.robot.index("body", leg.name or "")))
         return (leg, *(self.edit(name, 0.5, what, spared) for name, what in others))
 
     def neuron(self) -> Change:
-        """A hidden neuron at half its output."""
+        """A hidden neuron with half its output."""
         return Change("neuron_fault", self.one(effect("neuron_fault").sites(self.robot), "a neuron"), {"gain": 0.5})
 
     def tie(self) -> Change:
@@ -108,7 +112,7 @@ class _Draw:
         second = self.one([m for m in motors if m != first], "a second motor")
         return Change("tied_outputs", first, {"with": 1.0 + motors.index(second)})
 
-    def _body(self, place: Place) -> frozenset[int]:
+    def _body(self, place: DamageSite) -> frozenset[int]:
         robot, name = self.robot, place.name or ""
         match effect(place.effect).kind:
             case "joint":
@@ -124,7 +128,7 @@ _JAM, _SENSOR = ("joint_jam", "a joint"), ("sensor_gain", "a sensor")
 
 
 def _slope(draw: _Draw) -> tuple[Change, ...]:
-    return (change_of(draw.robot, Place("gravity_tilt", None), 1.0),)
+    return (change_of(draw.robot, DamageSite("gravity_tilt", None), 1.0),)
 
 
 _RECIPES: dict[int, Callable[[_Draw], tuple[Change, ...]]] = {

@@ -7,7 +7,7 @@ import pytest
 
 from estexp_jax.cli.main import main
 from estexp_jax.recordings import read_manifest
-from tests.cli.pendulum import PENDULUM
+from tests.pendulum import PENDULUM
 from tests.recordings.readers.forms import FORMS, write_form
 
 

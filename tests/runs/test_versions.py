@@ -13,12 +13,7 @@ def test_versions_are_texts_for_json():
     assert entries["python"] == platform.python_version()
     for name in ("mujoco", "mujoco-mjx", "jax", "jaxlib", "numpy"):
         assert entries[name] == metadata.version(name)
-    assert (
-        int(entries["cores"]) >= 1
-        and entries["cpu"]
-        and entries["platform"]
-        and "estexp_jax" in entries
-    )
+    assert int(entries["cores"]) >= 1 and entries["cpu"] and entries["platform"] and "estexp_jax" in entries
     assert json.loads(json.dumps(entries)) == entries
 
 

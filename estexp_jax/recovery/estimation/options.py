@@ -1,8 +1,8 @@
-"""What the set search chooses from: places of modifications, with the range of their amounts.
+"""The options of the set search: sites of modifications with the ranges of their amounts.
 
-The paper's catalogue is its six modifications, masses growing only. The full one adds what lies outside it: masses
-that shrink, a hidden neuron's fault, motors that repeat another's command, sensors that are off by a constant or stuck,
-a slippery floor. (A joint's friction is there already: a jam is strong damping.)
+The paper's catalogue consists of its six modifications, with masses that increase only. The full catalogue adds
+decreasing masses, faults of a hidden neuron, motors that repeat another's command, biased or stuck sensors, and a
+slippery floor. (A joint's friction is covered by the paper's jam, which is strong damping.)
 """
 
 from __future__ import annotations
@@ -12,10 +12,9 @@ from typing import NamedTuple, final
 from estexp_jax.physics.effects.registry import PAPER
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Catalogue
-from estexp_jax.recovery.estimation.edits import Place, merged, places
-from estexp_jax.recovery.estimation.genome import Items
-from estexp_jax.search.set_moves import Items as Indexed
-from estexp_jax.search.set_moves import Option
+from estexp_jax.recovery.estimation.edits import DamageSite, canonical_damage, damage_sites
+from estexp_jax.recovery.estimation.genome import DamageHypothesis
+from estexp_jax.search.set_moves import Option, OptionSet
 
 EXTENDED = ("neuron_fault", "tied_outputs", "sensor_bias", "sensor_stuck", "ground_friction")
 """What the full catalogue adds to the paper's."""
@@ -34,26 +33,26 @@ _OPTIONS: dict[str, Option] = {
     "sensor_stuck": Option(-1.0, 1.0, (-1.0, -0.6, -0.2, 0.2, 0.6, 1.0)),
     "ground_friction": Option(0.0, 0.95, (0.3, 0.5, 0.7, 0.85)),
 }
-"""Amounts of each modification: lowest, highest, and those tried first."""
+"""Range of each modification's amount, and the amounts tried first."""
 _GROWING = Option(0.0, 1.0, (0.4, 0.7, 1.0))
 
 
 @final
 class DamageOptions(NamedTuple):
-    """A robot's options; a hypothesis of the search counts them."""
+    """A robot's options; the search refers to them by index."""
 
     robot: Robot
-    places: tuple[Place, ...]
+    places: tuple[DamageSite, ...]
     options: tuple[Option, ...]
 
-    def items(self, hypothesis: Indexed) -> Items:
-        """Places and amounts of a hypothesis, in its shortest form."""
-        return merged(self.robot, [(self.places[index], amount) for index, amount in hypothesis])
+    def items(self, hypothesis: OptionSet) -> DamageHypothesis:
+        """The damage that a hypothesis of the search stands for, in its shortest form."""
+        return canonical_damage(self.robot, [(self.places[index], amount) for index, amount in hypothesis])
 
 
 def damage_options(robot: Robot, catalogue: Catalogue) -> DamageOptions:
-    """What may differ from a robot's nominal model."""
+    """The candidate differences from a robot's nominal model."""
     names = PAPER if catalogue == "paper" else (*PAPER, *EXTENDED)
-    found = tuple(place for name in names for place in places(robot, name))
+    found = tuple(place for name in names for place in damage_sites(robot, name))
     options = {**_OPTIONS, "body_mass": _GROWING} if catalogue == "paper" else _OPTIONS
     return DamageOptions(robot, found, tuple(options[place.effect] for place in found))

@@ -34,7 +34,7 @@ def propose_advice(proposed: ProposedExperiment) -> str:
 def _explanations(proposed: ProposedExperiment) -> str:
     lines = [
         f"{n}. `{rival.label}` ({rival_status(rival)}): {rival.sentence}."
-        for n, rival in enumerate(proposed.contest.rivals, start=1)
+        for n, rival in enumerate(proposed.competing_models.models, start=1)
     ]
     return f"## Explanations\n\n{open_summary(proposed)}\n\n" + "\n".join(lines)
 

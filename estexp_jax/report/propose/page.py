@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from estexp_jax.discovery.contest import Rival
+from estexp_jax.discovery.contest import CompetingModel
 from estexp_jax.experiment_design.propose import ProposedExperiment
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.report.pages import capital, format_number, image, render_page
@@ -32,7 +32,7 @@ def propose_page(proposed: ProposedExperiment) -> str:
         headline=propose_headline(proposed),
         verdict=propose_verdict(proposed),
         summary=open_summary(proposed),
-        explanations=[_explanation(n, rival) for n, rival in enumerate(proposed.contest.rivals, start=1)],
+        explanations=[_explanation(n, rival) for n, rival in enumerate(proposed.competing_models.models, start=1)],
         motion=motion_sentence(proposed),
         caution=caution(proposed),
         ranges=command_ranges(proposed),
@@ -58,7 +58,7 @@ def propose_headline(proposed: ProposedExperiment) -> str:
     return "No motion found within the limits tells the explanations plainly apart."
 
 
-def _explanation(place: int, rival: Rival) -> dict[str, Any]:
+def _explanation(place: int, rival: CompetingModel) -> dict[str, Any]:
     return {
         "number": place,
         "label": rival.label,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.discovery.contest import Rival
+from estexp_jax.discovery.contest import CompetingModel
 from estexp_jax.discovery.findings import TOLD
-from estexp_jax.experiment_design.propose import PLAIN, SLACK, ProposedExperiment
+from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, LIMIT_TOLERANCE, ProposedExperiment
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.channels import unit_of
 from estexp_jax.report.html import html_table
@@ -26,21 +26,21 @@ def column_of(robot: Robot, channel: str) -> str:
 
 def propose_rows(proposed: ProposedExperiment) -> list[dict[str, Any]]:
     """One row for each pair of explanations: its separation, and the time and reading of the largest difference."""
-    rows = zip(*np.triu_indices(len(proposed.contest.rivals), 1), strict=True)
+    rows = zip(*np.triu_indices(len(proposed.competing_models.models), 1), strict=True)
     return [_pair_row(proposed, int(i), int(j)) for i, j in rows]
 
 
 def _pair_row(proposed: ProposedExperiment, i: int, j: int) -> dict[str, Any]:
-    channels, predicted = proposed.contest.channels, proposed.shown
+    channels, predicted = proposed.competing_models.channels, proposed.predicted
     difference = predicted.readings[j] - predicted.readings[i]
     share = np.abs(_in_deviations(proposed, difference))
     row, channel = np.unravel_index(int(np.argmax(share)), share.shape)
     return {
         "rival": i + 1,
         "other": j + 1,
-        "separation": float(predicted.apart[i, j]),
-        "random": float(proposed.usual[i, j]),
-        "told_apart": bool(predicted.apart[i, j] >= PLAIN),
+        "separation": float(predicted.separation[i, j]),
+        "random": float(proposed.random_separation[i, j]),
+        "told_apart": bool(predicted.separation[i, j] >= CLEAR_SEPARATION),
         "sensor": channels[channel],
         "time": float(proposed.time[row]),
         "difference": float(difference[row, channel]),
@@ -50,13 +50,13 @@ def _pair_row(proposed: ProposedExperiment, i: int, j: int) -> dict[str, Any]:
 
 
 def _in_deviations(proposed: ProposedExperiment, readings: np.ndarray) -> np.ndarray:
-    deviations = proposed.contest.deviations
+    deviations = proposed.competing_models.deviations
     return readings / np.where(deviations > 0.0, deviations, np.inf)
 
 
 def propose_summary(proposed: ProposedExperiment) -> str:
     """The explanations, and the separation of each pair under the motion; several lines."""
-    explanations = enumerate(proposed.contest.rivals, start=1)
+    explanations = enumerate(proposed.competing_models.models, start=1)
     lines = [open_summary(proposed), *(f"  {n}. {one.label} ({rival_status(one)})" for n, one in explanations)]
     lines += [propose_verdict(proposed)]
     for pair in propose_rows(proposed):
@@ -69,19 +69,19 @@ def deviation_sentence() -> str:
     """What a deviation is, and from how many on a pair is plainly separated."""
     return (
         "One deviation is a reading's noise, or an ordinary error (3 %) of one value of the model, all the time. From"
-        f" {PLAIN:g} on, two explanations are plainly apart."
+        f" {CLEAR_SEPARATION:g} on, two explanations are plainly apart."
     )
 
 
 def open_summary(proposed: ProposedExperiment) -> str:
     """How many explanations remain."""
-    left = sum(rival.open for rival in proposed.contest.rivals[1:])
+    left = sum(rival.open for rival in proposed.competing_models.models[1:])
     if left:
         return f"Besides the chosen explanation (1), {left} {'is' if left == 1 else 'are'} possible:"
     return "The recordings support only the chosen explanation (1): no other has a probability of 1 %. The nearest:"
 
 
-def rival_status(rival: Rival) -> str:
+def rival_status(rival: CompetingModel) -> str:
     """The probability of an explanation, or why it has none."""
     if rival.probability >= TOLD:
         return f"probability {probability(rival.probability)}"
@@ -97,7 +97,7 @@ def propose_verdict(proposed: ProposedExperiment) -> str:
         return f"The proposed motion tells them apart: any two differ by {least:.3g} deviations or more."
     still = _STILL if max(pair["separation"] for pair in faint) >= 1.0 else ""
     if len(faint) == len(pairs):
-        sentence = f"none brings two of them {PLAIN:g} deviations apart"
+        sentence = f"none brings two of them {CLEAR_SEPARATION:g} deviations apart"
         return f"No motion found within the limits tells them plainly apart: {sentence}. {still}{_ELSE}"
     same = ", ".join(f"{pair['rival']} and {pair['other']}" for pair in faint)
     sentence = f"tells {len(pairs) - len(faint)} of {len(pairs)} pairs apart"
@@ -113,7 +113,7 @@ def largest_difference(pair: dict[str, Any]) -> str:
 def propose_table(proposed: ProposedExperiment) -> str:
     """The explanations as a list and the pairs as a table; HTML."""
     rows = propose_rows(proposed)
-    explanations = "".join(f"<li>{escape(r.label)} ({rival_status(r)})</li>" for r in proposed.contest.rivals)
+    explanations = "".join(f"<li>{escape(r.label)} ({rival_status(r)})</li>" for r in proposed.competing_models.models)
     table = html_table(list(rows[0]), [list(row.values()) for row in rows])
     return f"<p><b>{escape(propose_verdict(proposed))}</b></p><ol>{explanations}</ol>{table}"
 
@@ -131,9 +131,9 @@ def motion_sentence(proposed: ProposedExperiment) -> str:
 
 def caution(proposed: ProposedExperiment) -> str:
     """A warning if a limit is exceeded; else empty."""
-    if proposed.shown.excess <= SLACK:
+    if proposed.predicted.excess <= LIMIT_TOLERANCE:
         return ""
-    beyond = f"goes {proposed.shown.excess:.0%} beyond a limit of joint or speed, or brings parts together,"
+    beyond = f"goes {proposed.predicted.excess:.0%} beyond a limit of joint or speed, or brings parts together,"
     sentence = f"{beyond} under at least one explanation"
     return f"no motion found stays within the limits; this one {sentence}."
 
@@ -146,16 +146,16 @@ def command_ranges(proposed: ProposedExperiment) -> list[tuple[str, str, str]]:
 
 def distinguishing_readings(proposed: ProposedExperiment) -> list[dict[str, str]]:
     """For each explanation, the reading and time at which its prediction is farthest from the nearest other one."""
-    return [_distinguishing_reading(proposed, n) for n in range(len(proposed.contest.rivals))]
+    return [_distinguishing_reading(proposed, n) for n in range(len(proposed.competing_models.models))]
 
 
 def _distinguishing_reading(proposed: ProposedExperiment, n: int) -> dict[str, str]:
-    readings, contest = proposed.shown.readings, proposed.contest
+    readings, models = proposed.predicted.readings, proposed.competing_models
     scaled = _in_deviations(proposed, readings)
-    others = np.delete(np.arange(len(contest.rivals)), n)
+    others = np.delete(np.arange(len(models.models)), n)
     nearest = np.abs(scaled[others] - scaled[n]).min(axis=0)
     row, channel = np.unravel_index(int(np.argmax(nearest)), nearest.shape)
-    name, values = contest.channels[channel], readings[others, row, channel]
+    name, values = models.channels[channel], readings[others, row, channel]
     unit, low, high = unit_of(proposed.robot, name), f"{values.min():.3g}", f"{values.max():.3g}"
     span = low if low == high else f"{low} to {high}"
     return {
@@ -164,11 +164,13 @@ def _distinguishing_reading(proposed: ProposedExperiment, n: int) -> dict[str, s
         "sensor": name,
         "own": f"{readings[n, row, channel]:.3g} {unit}".rstrip(),
         "others": f"{span} {unit}".rstrip(),
-        "label": contest.rivals[n].label,
+        "label": models.models[n].label,
     }
 
 
 def next_command(proposed: ProposedExperiment) -> str:
     """The command that explains again with the new recording."""
-    train, test = (" ".join(n for n, r in proposed.contest.recordings if r == role) for role in ("train", "test"))
+    train, test = (
+        " ".join(n for n, r in proposed.competing_models.recordings if r == role) for role in ("train", "test")
+    )
     return f"estexp explain MODEL.xml {train} proposed.csv --test {test} --out out/again"

@@ -96,7 +96,7 @@ def filmed_runs(job: Job, state: RunState) -> list[FilmedRun]:
 
 def _is_slow(job: Job) -> bool:
     """Whether each frame takes long to simulate."""
-    return isinstance(job.target, SameTarget) and job.simulator.walker.choice.engine == "mjx"
+    return isinstance(job.target, SameTarget) and job.simulator.closed_loop.choice.engine == "mjx"
 
 
 def _motions(job: Job, runs: Sequence[FilmedRun], rows: list[int]) -> list[np.ndarray]:

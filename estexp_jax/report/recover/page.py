@@ -61,7 +61,7 @@ def recover_page(
         stands_in=stands_in,
         paths=image(path_figure(state, axis, stands_in=stands_in)) if _path_known(state) else None,
         rows=recover_rows(state, axis),
-        others=[] if last is None else [_alternative(diagnosis, p) for diagnosis, p in last.rivals],
+        others=[] if last is None else [_alternative(diagnosis, p) for diagnosis, p in last.alternatives],
         advice=recover_advice(state, axis),
         strip="" if film is None else source(film.strip, "image/jpeg"),
         video="" if film is None or film.video is None else source(film.video, "video/mp4"),
@@ -109,7 +109,8 @@ def recover_headline(state: RunState, axis: str, stands_in: bool = False) -> str
     text = f"The robot walked {before} before the damage and {damaged} after it"
     if stands_in:
         text = f"The undamaged simulator walked {before}, the damaged robot {damaged}"
-    return f"{text}; its last trial covered {metres(state.trials[-1].distance(axis))}." if state.trials[1:] else f"{text}."
+    last = f"; its last trial covered {metres(state.trials[-1].distance(axis))}" if state.trials[1:] else ""
+    return f"{text}{last}."
 
 
 def recover_rows(state: RunState, axis: str) -> list[dict[str, Any]]:
@@ -143,7 +144,7 @@ def recover_advice(state: RunState, axis: str) -> list[str]:
             f"The last trial missed the predicted distance by {percent(gap, 0)} of the distance before the damage. The "
             "simulator lacks more than the diagnosis; recordings of the robot and `estexp explain` can find it."
         )
-    if last.rivals:
+    if last.alternatives:
         advice.append("More passes (--passes) give the search more trials to exclude the other diagnoses.")
     return advice + _search_advice(last, _recovered_share(state, axis))
 

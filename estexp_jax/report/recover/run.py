@@ -6,13 +6,8 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any, final
 
-from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.config import quick_settings as quick_settings
-from estexp_jax.recovery.cycle import Job, job_of
-from estexp_jax.recovery.cycle import run_cycle as run_cycle
+from estexp_jax.recovery.cycle import Job, run_cycle
 from estexp_jax.recovery.state import Pass, RunState
-from estexp_jax.recovery.target import Target
 from estexp_jax.report.drawing.picture import Picture
 from estexp_jax.report.html import html_table
 from estexp_jax.report.recover.figure import path_figure, progress_figure
@@ -57,12 +52,12 @@ class RecoverRun:
         self.job, self.state = job, RunState()
 
     def __iter__(self) -> Iterator[Pass]:
-        axis, n_passes = self.job.settings.axis, 0
+        axis, yielded = self.job.settings.axis, 0
         for reached in run_cycle(self.job, self.state):
             self.state = reached
             passes = self.state.passes(axis)
-            if len(passes) > n_passes:
-                n_passes = len(passes)
+            if len(passes) > yielded:
+                yielded = len(passes)
                 yield passes[-1]
 
     def finish(self) -> RecoverRun:
@@ -97,22 +92,3 @@ class RecoverRun:
 
     def _repr_html_(self) -> str:
         return self.table()._repr_html_()
-
-
-def recover_run(robot: Robot, /, *, target: Target | None = None, quick: bool = False, **settings: Any) -> RecoverRun:
-    """Prepare a run of the estimation-exploration algorithm.
-
-    Args:
-        robot: the nominal robot.
-        target: the damaged robot, any callable from a `Controller` to a `Trial`; None: a simulated one.
-        quick: start from the small settings of `--quick`.
-        settings: fields of `Settings`: situation, seed, passes, population, generations, steps, ...
-
-    Raises:
-        InputError: the robot, the damage or a setting is not possible.
-    """
-    chosen = Settings(**settings)
-    if quick:
-        given = {name: settings[name] for name in settings}
-        chosen = Settings(**{**quick_settings(Settings()).to_json(), **given})
-    return RecoverRun(job_of(robot, chosen, target))

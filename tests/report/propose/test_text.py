@@ -46,7 +46,7 @@ def test_summary_and_table_list_all_explanations():
     summary, table = propose_summary(p), propose_table(p)
     assert "1 is possible" in summary and "3. sensor_bias@" in summary and table.count("<li>") == 3
     assert "<i>" not in table
-    assert [rival_status(rival) for rival in p.contest.rivals] == [
+    assert [rival_status(rival) for rival in p.competing_models.models] == [
         "probability 60 %",
         "probability 40 %",
         "refuted already",
@@ -55,5 +55,5 @@ def test_summary_and_table_list_all_explanations():
 
 def test_sensors_and_joints_have_their_columns():
     p = proposal()
-    assert column_of(p.robot, p.contest.channels[0]) == f"sensor.{p.contest.channels[0]}"
+    assert column_of(p.robot, p.competing_models.channels[0]) == f"sensor.{p.competing_models.channels[0]}"
     assert column_of(p.robot, "qpos.knee") == "qpos.knee"

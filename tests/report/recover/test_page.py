@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.cycle import job_of
 from estexp_jax.recovery.state import RunState
 from estexp_jax.report.recover.files import run_record
 from estexp_jax.report.recover.page import recover_advice, recover_headline, recover_page, recover_verdict
@@ -37,7 +38,7 @@ def test_the_verdict_is_what_the_last_trial_won_back(state: RunState) -> None:
 
 def test_advice_follows_from_alarm_alternatives_and_predictions(state: RunState) -> None:
     assert recover_advice(state, "x") == []
-    doubtful = replace(state, alarms=(True,), rivals=((((LOST,), 0.2),),), simulated=(2.0, 0.6))
+    doubtful = replace(state, alarms=(True,), alternatives=((((LOST,), 0.2),),), simulated=(2.0, 0.6))
     told = " ".join(recover_advice(doubtful, "x"))
     assert "--model-error" in told and "55 %" in told and "--passes" in told
     html = recover_page("run", [LOST], doubtful, "x", {})

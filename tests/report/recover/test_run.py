@@ -2,7 +2,9 @@
 
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.report.recover.run import RecoverTable, recover_run
+from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.cycle import job_of
+from estexp_jax.report.recover.run import RecoverRun, RecoverTable
 
 
 def test_table_prints_itself() -> None:
@@ -12,6 +14,6 @@ def test_table_prints_itself() -> None:
 
 
 def test_a_run_can_be_looked_at_before_it_has_begun() -> None:
-    run = recover_run(Robot.from_xml(model_path("quadruped")), quick=True, situation=5, seed=2, passes=2)
-    assert run.job.settings.population == 64 and run.job.settings.passes == 2
+    settings = Settings(situation=5, seed=2, passes=1, population=8, generations=1, steps=30, settle_steps=10)
+    run = RecoverRun(job_of(Robot.from_xml(model_path("quadruped")), settings))
     assert "not been damaged" in run._repr_html_()
