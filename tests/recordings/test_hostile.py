@@ -46,7 +46,7 @@ def _header(shape, kind="<f8"):
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         (_header((10**15,)), r"claims to hold 1,000,000,000,000,000 numbers"),
         (_header((10**6, 10**9)), r"claims to hold"),
@@ -93,7 +93,7 @@ def test_columns_without_number(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("file", "told"),
+    ("file", "message"),
     [
         ("../" * 40 + "etc/passwd", "unknown kind of recording|no such recording"),
         ("/dev/zero", "no such recording"),

@@ -14,7 +14,7 @@ from estexp_jax.physics.model.portable import portable
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.report.drawing.gl import NoGlError
 from estexp_jax.report.explain.ghosts import ghosts_of
-from estexp_jax.report.explain.marked import guilty, marked_of
+from estexp_jax.report.explain.marked import claimed_places, marked_of
 from estexp_jax.report.explain.page import explain_page
 from estexp_jax.runs import RunFolder, write_json, write_text
 from estexp_jax.runs.model_files import write_model
@@ -42,7 +42,7 @@ def write_explanation(
     ghosts, marked, missing = None, None, ""
     try:
         if pictures:
-            marked = marked_of(diagnosis.case.robot, guilty(findings))
+            marked = marked_of(diagnosis.case.robot, claimed_places(findings))
             ghosts = ghosts_of(diagnosis)
     except NoGlError as error:
         missing = str(error)

@@ -21,7 +21,7 @@ _AWAY = 1.2
 """Factor of the camera's distance, so that nothing is cut off."""
 
 
-def guilty(findings: Mapping[str, Any]) -> list[tuple[str, str]]:
+def claimed_places(findings: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Kind and name of each place in the claims, or of the most likely one without claims; not the environment."""
     if findings["verdict"] == "consistent":
         return []

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-from estexp_jax.report.html import html_table
+from estexp_jax.report.tables import html_table
 
 VERDICTS = {
     "consistent": "The simulator agrees with the recordings, up to noise.",

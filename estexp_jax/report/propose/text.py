@@ -12,8 +12,8 @@ from estexp_jax.discovery.findings import TOLD
 from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, LIMIT_TOLERANCE, ProposedExperiment
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.channels import unit_of
-from estexp_jax.report.html import html_table
 from estexp_jax.report.pages import probability
+from estexp_jax.report.tables import html_table
 
 _ELSE = "Wider limits (--speed, --margin), a motor switched off, a known load or another sensor may help."
 _STILL = "Still record it: small differences add up over a recording. "

@@ -109,7 +109,8 @@ def recover_headline(state: RunState, axis: str, stands_in: bool = False) -> str
     text = f"The robot walked {before} before the damage and {damaged} after it"
     if stands_in:
         text = f"The undamaged simulator walked {before}, the damaged robot {damaged}"
-    return f"{text}; its last trial came {metres(state.trials[-1].distance(axis))}." if state.trials[1:] else f"{text}."
+    last = f"; its last trial covered {metres(state.trials[-1].distance(axis))}" if state.trials[1:] else ""
+    return f"{text}{last}."
 
 
 def recover_rows(state: RunState, axis: str) -> list[dict[str, Any]]:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from html import escape
 from typing import Any, final
 
 from estexp_jax.recovery.cycle import Job, run_cycle
 from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.report.drawing.picture import Picture
-from estexp_jax.report.html import html_table
 from estexp_jax.report.recover.figure import path_figure, progress_figure
 from estexp_jax.report.recover.film import Film, film_of
 from estexp_jax.report.recover.page import recover_headline, recover_rows
+from estexp_jax.report.tables import TextTable
 
 _HEADS = ("pass", "diagnosis", "probability", "predicted (m)", "trial (m)")
 
@@ -23,15 +22,13 @@ class RecoverTable:
 
     def __init__(self, title: str, rows: list[dict[str, Any]]) -> None:
         self.title, self.rows = title, rows
+        self._table = TextTable(title, _HEADS, [_cells(row) for row in rows])
 
     def __str__(self) -> str:
-        cells = [_HEADS, *map(_cells, self.rows)]
-        widths = [max(len(row[i]) for row in cells) for i in range(len(_HEADS))]
-        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in cells]
-        return "\n".join([self.title, *(line.rstrip() for line in lines)])
+        return self._table.text()
 
     def _repr_html_(self) -> str:
-        return f"<p>{escape(self.title)}</p>{html_table(_HEADS, map(_cells, self.rows))}"
+        return self._table.html()
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:

@@ -5,20 +5,20 @@ import io
 import numpy as np
 from PIL import Image
 
-from estexp_jax.report.explain.marked import guilty, marked_of
+from estexp_jax.report.explain.marked import claimed_places, marked_of
 
 
 def test_places_to_be_marked_are_those_named_or_else_the_likeliest() -> None:
     knee, tilt = {"kind": "joint", "name": "knee"}, {"kind": "environment", "name": None}
     motors, hip = {"kind": "actuator", "name": "*"}, {"kind": "joint", "name": "hip"}
     named = {"verdict": "missing_physics", "what": [knee, tilt, motors, dict(knee)], "where": [hip]}
-    assert guilty(named) == [("joint", "knee")]
-    assert guilty({"verdict": "unexplained", "what": [], "where": [hip, knee]}) == [("joint", "hip")]
-    assert guilty({"verdict": "unexplained", "what": [], "where": []}) == []
-    assert guilty({"verdict": "consistent", "what": [], "where": [hip]}) == []
+    assert claimed_places(named) == [("joint", "knee")]
+    assert claimed_places({"verdict": "unexplained", "what": [], "where": [hip, knee]}) == [("joint", "hip")]
+    assert claimed_places({"verdict": "unexplained", "what": [], "where": []}) == []
+    assert claimed_places({"verdict": "consistent", "what": [], "where": [hip]}) == []
 
 
-def test_the_guilty_part_is_marked(arm_diagnosis, renderer: None) -> None:
+def test_the_claimed_part_is_marked(arm_diagnosis, renderer: None) -> None:
     arm = arm_diagnosis.case.robot
     shares = []
     for places in ([("joint", "b")], [("joint", "a"), ("sensor", "angle"), ("joint", "b")]):
