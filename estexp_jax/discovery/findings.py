@@ -12,7 +12,6 @@ from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.estimation.channels import channel_ranges
 from estexp_jax.physics.effects import units
-from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN
 from estexp_jax.physics.effects.registry import effect
@@ -133,17 +132,7 @@ def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[
 
 def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recording], shares: np.ndarray) -> list[str]:
     """What to record next to settle what is open."""
-    lines = []
-    claimed: list[Effect] = [effect(c.effect) for c in changes]
-    friction = any(
-        e.name in ("viscous_friction", "coulomb_friction", "load_dependent_friction", "back_emf") for e in claimed
-    )
-    if friction and all(np.all(r.enable > 0.0) for r in recordings):
-        lines.append("Record a motion with the motor off: friction stays, back-EMF and load-dependent losses vanish.")
-    if friction:
-        lines.append(
-            "Record slow and fast motions of the same path: viscous losses grow with speed, Coulomb friction does not."
-        )
+    lines = list(dict.fromkeys(line for c in changes for line in effect(c.effect).advice(recordings)))
     if shares.size and shares.max() < 0.8 and verdict == "missing_physics":
         lines.append(
             "Several explanations predict held-out data about equally well: `estexp propose` finds what to record next."

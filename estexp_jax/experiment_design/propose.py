@@ -11,7 +11,7 @@ import numpy as np
 
 from estexp_jax.discovery.contest import Contest
 from estexp_jax.discovery.fitting import Progress
-from estexp_jax.discovery.hypotheses import BENT
+from estexp_jax.discovery.hypotheses import model_values
 from estexp_jax.errors import InputError
 from estexp_jax.experiment_design.predictive_simulation import (
     PredictedReadings,
@@ -186,7 +186,8 @@ def _rehearsal(robot: Robot, contest: Contest, config: ProposeConfig) -> Predict
     if robot.model.nu == 0:
         raise InputError("the robot has no actuators, so no motion can be proposed", where=robot.source)
     effects = dict.fromkeys(change.effect for rival in contest.rivals for change in rival.changes)
-    every, apart = catalogue(dict.fromkeys((*effects, *BENT))), without_collisions(robot, [robot.home()[None]])
+    every = catalogue(dict.fromkeys((*effects, *model_values())))
+    apart = without_collisions(robot, [robot.home()[None]])
     free = robot.without_contacts(apart)
     return predictive_simulation_of(
         open_loop_simulator(free, every, [free], engine=config.engine), contest, robot, apart

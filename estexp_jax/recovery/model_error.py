@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.damage import ModelError
+from estexp_jax.physics.effects.registry import every
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.engines.closed_loop import ReadingOverride
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.model.robot import Robot
 
+_KINDS = ("body", "actuator", "joint", "environment", "sensor", "controller")
+"""Kinds of elements in the order in which their errors are drawn."""
 _TAG, _NOISE_TAG = 41, 43
 NOISE, FLIPS = 0.005, 0.02
 """Noise of an angle, rad, and share of the touch readings that are wrong."""
@@ -37,28 +39,13 @@ def sensor_noise(face: Interface, members: int, steps: int, draw: int = 0) -> Re
     return ReadingOverride(np.where(face.is_touch & flips, -1.0, 1.0), np.where(face.is_touch, 0.0, angles))
 
 
+def model_errors() -> tuple[ModelError, ...]:
+    """The effects that change what simulators are a little wrong in, in the order in which errors are drawn."""
+    found = [e for e in every() if isinstance(e, ModelError)]
+    return tuple(sorted(found, key=lambda e: _KINDS.index(e.kind)))
+
+
 def _perturbed(robot: Robot, error: float, random: np.random.Generator) -> tuple[Change, ...]:
-    model = robot.model
-    masses = {body: float(model.body_mass[robot.index("body", body)]) for body in _sites(robot, "body_mass")}
-    joints = _sites(robot, "viscous_friction")
-    damping = {j: float(model.dof_damping[model.jnt_dofadr[robot.index("joint", j)]]) for j in joints}
+    places = [(e, site) for e in model_errors() for site in e.sites(robot) if site != ALL_ALIKE]
     off = random.standard_normal
-    return (
-        *(Change("body_mass", body, {"dm": error * off() * mass}) for body, mass in masses.items()),
-        *(Change("motor_weakness", motor, {"loss": error * off()}) for motor in _sites(robot, "motor_weakness")),
-        *(Change("viscous_friction", joint, {"c": error * off() * c}) for joint, c in damping.items()),
-        *(
-            Change("ground_friction", None, {"mu": _grip(robot, error * off())})
-            for _ in _sites(robot, "ground_friction")
-        ),
-    )
-
-
-def _grip(robot: Robot, error: float) -> float:
-    """Of two surfaces the rougher one counts, so an error of the floor's grip only adds to it."""
-    return float(robot.model.geom_friction[:, 0].max()) * (1.0 + abs(error))
-
-
-def _sites(robot: Robot, name: str) -> tuple[str, ...]:
-    e: Effect = effect(name)
-    return tuple(site for site in e.sites(robot) if site != ALL_ALIKE)
+    return tuple(Change(e.name, site or None, e.off_by(robot, site, error * off())) for e, site in places)

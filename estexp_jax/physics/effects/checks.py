@@ -25,7 +25,7 @@ from estexp_jax.physics.effects.base import (
     Term,
     neutral_values,
 )
-from estexp_jax.physics.effects.changes import Change, encode, neutral, parse_change
+from estexp_jax.physics.effects.changes import Change, encode, fixed_values, neutral, parse_change
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
@@ -122,7 +122,7 @@ def _sentences(e: Effect, robot: Robot) -> Iterator[str]:
         said = e.sentence(site, middle_values(e, robot, site))
         if site not in said:
             yield f"says nothing of '{site}' in its sentence there"
-        if not any(c.isdigit() for c in said.replace(site, "")) and e.name != "part_lost":
+        if not any(c.isdigit() for c in said.replace(site, "")) and not fixed_values(e, robot, site):
             yield "says no number in its sentence"
         if "\n" in said or said.endswith("."):
             yield "says more than one clause: no line break, no full stop at the end"

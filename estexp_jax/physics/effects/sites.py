@@ -102,6 +102,17 @@ def scalar_sensor_columns(robot: Robot) -> np.ndarray:
     return robot.model.sensor_adr[robot.model.sensor_dim == 1]
 
 
+def is_touch_sensor(robot: Robot, sensor: str) -> bool:
+    """Whether a sensor is MuJoCo's touch sensor."""
+    return int(robot.model.sensor_type[robot.index("sensor", sensor)]) == int(mujoco.mjtSensor.mjSENS_TOUCH)
+
+
+def smallest_of_joints(robot: Robot, values: np.ndarray, site: str) -> float:
+    """The smallest of values (nv,) at the joints that a site stands for."""
+    joints = [robot.index("joint", one) for one in joints_at(robot, site)]
+    return float(values[robot.model.jnt_dofadr[joints]].min())
+
+
 def lost_bodies(robot: Robot) -> tuple[str, ...]:
     """Names of the bodies that can come off: those on hinges or slides, unless nothing that moves would be left."""
     model, names = robot.model, robot.names("body")

@@ -13,20 +13,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import final
 
-import mujoco
-import numpy as np
-
-from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
-
-TILT = np.pi / 6
-"""Steepest slope, rad."""
-_BIAS, _SWING = 0.5, np.pi / 4
-"""Largest bias of an angle sensor, and the angle at which one is stuck at most, rad."""
 
 _NO_DIGITS = 12
 """Decimals at which amounts count as equal, after sums and products of multiples of 0.01."""
@@ -48,48 +40,33 @@ class Place:
     partner: int = 0
 
 
+def damage(name: str) -> Damage:
+    """The effect of a name, as a damage.
+
+    Raises:
+        ValueError: it is none of the modifications.
+    """
+    e = effect(name)
+    if not isinstance(e, Damage):
+        raise ValueError(f"'{name}' is none of the modifications")
+    return e
+
+
 def places(robot: Robot, name: str) -> tuple[Place, ...]:
     """Where an effect can act as far as the controller's readings can tell: of the sensors, only those it reads."""
-    e = effect(name)
-    sites = e.sites(robot)
-    if e.kind == "sensor":
-        seen = interface_of(robot).names
-        sites = tuple(site for site in sites if site in seen)
-    if name == "tied_outputs":
-        motors = range(1, len(sites) + 1)
-        return tuple(Place(name, site, p) for i, site in enumerate(sites, start=1) for p in motors if p != i)
-    if name == "sensor_bias":  # what is off by a constant has a scale; touch has none
-        sites = tuple(site for site in sites if not _is_touch(robot, site))
-    return tuple(Place(name, site or None) for site in sites if site != ALL_ALIKE)
+    e = damage(name)
+    read = interface_of(robot).names if e.kind == "sensor" else ()
+    sites = [site for site in e.sites(robot) if e.kind != "sensor" or site in read]
+    refers = next((p.refers for p in e.parameters if p.refers), "")
+    if refers:
+        others = list(enumerate(robot.names(refers), start=1))
+        return tuple(Place(name, site, i) for site in sites for i, other in others if other != site)
+    return tuple(Place(name, site or None) for site in sites if site != ALL_ALIKE and e.damages(robot, site))
 
 
 def change_of(robot: Robot, place: Place, amount: float) -> Change:
     """The change that an amount at a place stands for."""
-    match place.effect:
-        case "part_lost":
-            parameters = {"lost": 1.0}
-        case "body_mass":
-            parameters = {"dm": amount * float(robot.model.body_mass[robot.index("body", place.name or "")])}
-        case "motor_weakness":
-            parameters = {"loss": amount}
-        case "sensor_gain":
-            parameters = {"gain": 1.0 - amount}
-        case "joint_jam":
-            parameters = {"f": amount}
-        case "gravity_tilt":
-            parameters = {"angle": amount * TILT}
-        case "neuron_fault":
-            parameters = {"gain": 1.0 - amount}
-        case "tied_outputs":
-            parameters = {"with": float(place.partner)}
-        case "sensor_bias":
-            parameters = {"bias": amount * _BIAS}
-        case "sensor_stuck":
-            parameters = {"value": amount * (1.0 if _is_touch(robot, place.name or "") else _SWING)}
-        case "ground_friction":
-            parameters = {"mu": (1.0 - amount) * float(robot.model.geom_friction[:, 0].max())}
-        case _:
-            raise ValueError(f"'{place.effect}' is none of the modifications")
+    parameters = damage(place.effect).at_amount(robot, place.name or "", amount, place.partner)
     return Change(place.effect, place.name, parameters)
 
 
@@ -101,22 +78,19 @@ def merged(robot: Robot, items: Iterable[tuple[Place, float]]) -> tuple[tuple[Pl
     """
     amounts: dict[Place, float] = {}
     for place, amount in items:
-        amounts[place] = _together(place.effect, amounts[place], amount) if place in amounts else amount
-    lost = [robot.index("body", p.name or "") for p in amounts if p.effect == "part_lost"]
+        amounts[place] = damage(place.effect).combine(amounts[place], amount) if place in amounts else amount
+    lost = [robot.index("body", p.name or "") for p in amounts if damage(p.effect).removes_part]
     gone = {body for part in lost for body in robot.subtree(part) if body != part}
     parts = gone | set(lost)
     kept = {
         p: round(a, _NO_DIGITS)
         for p, a in amounts.items()
-        if not _on(robot, p, gone if p.effect == "part_lost" else parts) and (a != 0.0 or p.effect in _WHATEVER)
+        if not _on(robot, p, gone if damage(p.effect).removes_part else parts)
+        and (a != 0.0 or damage(p.effect).acts_at_zero)
     }
     # A motor repeats one other: of several, the first.
     once = {(p.effect, p.name): (p, a) for p, a in sorted(kept.items(), key=_order, reverse=True)}
     return tuple(sorted(once.values(), key=_order))
-
-
-_WHATEVER = ("part_lost", "sensor_stuck")
-"""What has an effect whatever its amount."""
 
 
 def _order(item: tuple[Place, float]) -> tuple[str, str, int]:
@@ -124,27 +98,9 @@ def _order(item: tuple[Place, float]) -> tuple[str, str, int]:
     return place.effect, place.name or "", place.partner
 
 
-def _is_touch(robot: Robot, sensor: str) -> bool:
-    return int(robot.model.sensor_type[robot.index("sensor", sensor)]) == int(mujoco.mjtSensor.mjSENS_TOUCH)
-
-
-def _together(name: str, a: float, b: float) -> float:
-    match name:
-        case "motor_weakness" | "sensor_gain":
-            return 1.0 - (1.0 - a) * (1.0 - b)
-        case "joint_jam" | "part_lost" | "tied_outputs" | "ground_friction" | "neuron_fault":
-            return max(a, b)
-        case "sensor_stuck":
-            return a
-        case "gravity_tilt":
-            return float(np.clip(a + b, -1.0, 1.0))
-        case _:
-            return a + b
-
-
 def _on(robot: Robot, place: Place, bodies: set[int]) -> bool:
     """Whether a place goes with one of the bodies."""
-    e: Effect = effect(place.effect)
+    e = effect(place.effect)
     model, name = robot.model, place.name or ""
     match e.kind:
         case "body":

@@ -12,7 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
-from estexp_jax.physics.effects.registry import PAPER
+from estexp_jax.physics.effects.registry import effect, paper
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, Round
 from estexp_jax.recovery.estimation.options import damage_options
@@ -40,11 +40,12 @@ class SetEstimation(Estimation):
     def __init__(self, simulator: DamageSimulator, settings: Settings) -> None:
         self._menu = damage_options(simulator.robot, settings.catalogue)
         options = self._menu.options
-        inside = sum(place.effect in PAPER for place in self._menu.places)  # they come first
-        lost = tuple(i for i, place in enumerate(self._menu.places) if place.effect == "part_lost")
-        single, paper = SetSearch(options, most=1, **_EXACT), SetSearch(options[:inside], kept=lost, **_EXACT)
+        names = [e.name for e in paper()]
+        inside = sum(place.effect in names for place in self._menu.places)  # they come first
+        lost = tuple(i for i, place in enumerate(self._menu.places) if effect(place.effect).removes_part)
+        single, simple = SetSearch(options, most=1, **_EXACT), SetSearch(options[:inside], kept=lost, **_EXACT)
         everything = SetSearch(options, kept=lost, **_EXACT)
-        self._ladder = (single, paper) if inside == len(options) else (single, paper, everything)
+        self._ladder = (single, simple) if inside == len(options) else (single, simple, everything)
 
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""

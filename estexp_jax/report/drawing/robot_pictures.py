@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
 MARK = (0.9, 0.35, 0.1)
@@ -47,7 +48,7 @@ def colours(robot: Robot, changes: Sequence[Change] = ()) -> np.ndarray:
         body = part_at(robot, change.kind, change.name)
         if body is None:
             continue
-        gone = change.effect == "part_lost"
+        gone = effect(change.effect).removes_part
         of = np.isin(model.geom_bodyid, robot.subtree(body) if gone else (body,))
         if gone:
             rgba[of] = 0.0

@@ -6,7 +6,8 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
-from estexp_jax.physics.effects.rotor import inertia_bounds, rotor_step
+from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.rotor import rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.model.robot import Robot
 
@@ -15,7 +16,7 @@ _FREE = 1e-4
 """Of the play: so far from its end is a rotor that rebounds."""
 
 
-class _Backlash(Term):
+class Play(Term):
     """The rotor turns freely within |x| < half_gap, x = its angle less the joint's; at either end it pushes the joint.
 
     Its inertia is the joint's armature, or part of it, which the joint has only while they touch; where they meet, the
@@ -86,31 +87,9 @@ class _Backlash(Term):
         return does, (x, a, jnp.where(has_play, shown, 0.0), thrown)
 
 
+@register
 @final
-class Backlash(_Backlash):
+class Backlash(Play):
     """With a rotor that has the joint's armature, and does not rebound."""
 
     name: ClassVar[str] = "backlash"
-
-
-@final
-class RotorBacklash(_Backlash):
-    """With a rotor that rebounds, as steel on steel does, and is but part of the joint's armature; told as backlash.
-
-    Where the model gives the joint no armature, the rotor has an inertia of its own.
-    """
-
-    name: ClassVar[str] = "rotor_backlash"
-    parameters: ClassVar[tuple[Parameter, ...]] = (*_Backlash.parameters, Parameter("I", "kg m2"), Parameter("e", ""))
-
-    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return *super().bounds(robot, site), inertia_bounds(robot, site), (0.0, 0.7)
-
-    def rotor(self, p: Arrays, moment: JointState) -> Array:
-        return p[1]
-
-    def restitution(self, p: Arrays) -> Array:
-        return p[2]
-
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return "backlash", {"half_gap": values["half_gap"]}

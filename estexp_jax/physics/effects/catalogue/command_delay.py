@@ -6,10 +6,12 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import CommandShift, Parameter
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import ALL_ALIKE, with_all
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class CommandDelay(CommandShift):
     """u(t) = command(t - delay)."""

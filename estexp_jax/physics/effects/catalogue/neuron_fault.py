@@ -7,12 +7,15 @@ import jax
 
 from estexp_jax.physics.effects.base import Parameter
 from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.effects.damage import Damage
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.control.network import HIDDEN, Network
 
 
+@register
 @final
-class NeuronFault(ControllerFault):
+class NeuronFault(ControllerFault, Damage):
     """output of the neuron = gain * nominal output."""
 
     name: ClassVar[str] = "neuron_fault"
@@ -30,6 +33,12 @@ class NeuronFault(ControllerFault):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the neuron {site} gives {100 * values['gain']:.3g} % of its output"
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"gain": 1.0 - amount}
+
+    def combine(self, a: float, b: float) -> float:
+        return max(a, b)
 
     def damage(self, robot: Robot, network: Network, values: jax.Array) -> Network:
         return network._replace(hidden_gain=network.hidden_gain * values[:, 0])

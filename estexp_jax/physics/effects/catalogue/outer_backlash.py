@@ -1,11 +1,16 @@
 """Backlash inside a servo's loop: play between a rotor and the joint that the servo's encoder sees."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import numpy as np
 
 from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.guesses import Vectors, spread
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.rotor import holding_force, inertia_bounds, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.model import scales
@@ -15,7 +20,11 @@ _SUBSTEPS = 8
 _STIFF = (0.02, 1.0)
 """Of the stiffest contact that the joint's own explicit step could follow."""
 
+_DAMPED = 0.3
+"""Damping ratio of the contact of steel gears."""
 
+
+@register
 @final
 class OuterBacklash(Term):
     """I da/dt = motor torque - tau, tau = k (x - s half_gap) + d (a - w) where x s > half_gap and tau s > 0, else 0.
@@ -39,6 +48,7 @@ class OuterBacklash(Term):
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     n_states: ClassVar[int] = 3
     shows: ClassVar[int | None] = 2
+    variant_of: ClassVar[str] = "backlash"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return driven_joint_sites(robot)
@@ -50,6 +60,11 @@ class OuterBacklash(Term):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        play, inertia, stiffness, _ = self.bounds(robot, site)
+        [rotor], plays = spread(inertia, 1), np.geomspace(0.03, 0.5, 5) * play[1]
+        return [(gap, rotor, k, _DAMPED) for gap, k in product(plays.tolist(), spread(stiffness, 2))]
 
     def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "backlash", {"half_gap": values["half_gap"]}

@@ -9,6 +9,7 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.catalogue.part_lost import NO_CONTACT, Loss, lost_masks
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.model.spec import set_masses
 
@@ -16,12 +17,14 @@ _STUB = 0.01
 """Share of masses and inertias that remains."""
 
 
+@register
 @final
 class PartStub(Loss):
     """Next to no mass and no contact below the joint, while its motor and its sensors work on."""
 
     name: ClassVar[str] = "part_stub"
     equation: ClassVar[str] = "the body and all below it are gone but for a stub"
+    variant_of: ClassVar[str] = "part_lost"
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the part {site} broke off but for a stub that its motor turns"

@@ -1,6 +1,7 @@
 """Stribeck friction of bristles, told as Stribeck friction."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
@@ -8,11 +9,15 @@ import jax.numpy as jnp
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
 from estexp_jax.physics.effects.catalogue.stribeck_friction import told_levels
+from estexp_jax.physics.effects.guesses import Bounds, Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class StribeckBristles(Term):
     """Bristles whose level of steady sliding is T + S exp(-(w / w_s)^2), with the presliding way x."""
@@ -28,6 +33,8 @@ class StribeckBristles(Term):
     equation: ClassVar[str] = "dF/dq = ((T + S exp(-(w / w_s)^2)) sign(w) - F) / x, tau = -F"
     source: ClassVar[str] = "Canudas de Wit et al., IEEE Transactions on Automatic Control 40 (1995)"
     n_states: ClassVar[int] = 2
+    nested_in: ClassVar[str] = "hysteresis"
+    variant_of: ClassVar[str] = "stribeck_friction"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -42,6 +49,17 @@ class StribeckBristles(Term):
             f"the joint {site} resists slow motion with {high:.3g} N m and fast motion with {low:.3g} N m, "
             f"the change coming at {values['w_s']:.3g} rad/s; it gives by {values['x']:.2g} before it slides"
         )
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        most, shares, speeds = self.bounds(robot, site)[0][1], (0.01, 0.05, 0.2), (0.03, 0.2, 0.8)
+        return [(0.7 * s * most, 0.5 * s * most, w, 2e-3) for s, w in product(shares, speeds)]
+
+    def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+        t, way = simpler["T"], simpler["T"] / simpler["sigma"]
+        return [(0.8 * t, 0.4 * t, w, way) for w in (0.05, 0.3)]
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(t, t / values["x"]) for t in (values["T"], values["T"] + values["S"])]
 
     def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return told_levels(values)

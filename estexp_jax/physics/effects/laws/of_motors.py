@@ -195,6 +195,7 @@ class LawSag(Term):
     name: ClassVar[str] = "law_sag"
     kind: ClassVar[str] = "actuator"
     named: ClassVar[bool] = False
+    tried_beside: ClassVar[str] = "motor_fade"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("a", "1/(N m)"),)
     equation: ClassVar[str] = "force = max(1 - a |m|, 0) m, m the motor's nominal torque"
     source: ClassVar[str] = "a source with internal resistance: Horowitz and Hill, The Art of Electronics, section 1.2"

@@ -19,6 +19,7 @@ class LawDrift(ReadingDrift):
     name: ClassVar[str] = "law_drift"
     kind: ClassVar[str] = "sensor"
     named: ClassVar[bool] = False
+    tried_beside: ClassVar[str] = "sensor_bias"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("a", "sensor unit/s", signed=True),)
     equation: ClassVar[str] = "reading = true + a t, t the time since the recording began"
     source: ClassVar[str] = "zero drift: Isermann, Fault-Diagnosis Systems (2006), section 2.3"
