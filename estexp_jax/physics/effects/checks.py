@@ -27,6 +27,7 @@ from estexp_jax.physics.effects.base import (
 )
 from estexp_jax.physics.effects.changes import Change, encode, fixed_values, neutral, parse_change
 from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.effects.search_checks import guess_faults, relation_faults
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.control.network import decode, n_weights
@@ -44,10 +45,10 @@ def effect_faults(effect: Effect, robot: Robot | None = None) -> list[str]:
         effect: of the catalogue or registered; what it says of itself can be asked of any.
         robot: on which it is tried; None: only what it says of itself.
     """
-    found = list(_said(effect))
+    found = [*_said(effect)] or [*relation_faults(effect)]
     if found or robot is None:
         return found
-    for law in (_places, _ranges, _sentences, _carried, _neutral):
+    for law in (_places, _ranges, guess_faults, _sentences, _carried, _neutral):
         found = [f"{robot.source}: {fault}" for fault in _asked(law, effect, robot)]
         if found:
             return found
@@ -184,7 +185,7 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             nothing, place = jnp.zeros(n), jnp.ones(n)
             return (nothing,) * 3, e.pull(p, (place, place, place))
         case _:
-            raise TypeError("it is no Edit, Term, BodyPull, CommandLaw, CommandShift, ReadingShift or Distortion")
+            raise TypeError("it is no Edit, Term, BodyForce, CommandLaw, CommandShift, ReadingShift or Distortion")
 
 
 def sample_joint_state(n: int) -> JointState:

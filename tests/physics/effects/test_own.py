@@ -38,7 +38,7 @@ class _Drag(Term):
 
 @pytest.fixture(autouse=True)
 def _none_yet(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "_OWN", {})
+    monkeypatch.setattr(registry, "_EFFECTS", dict(registry._EFFECTS))
 
 
 def _spoilt(**members: Any) -> Effect:

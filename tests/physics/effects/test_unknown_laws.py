@@ -10,7 +10,8 @@ import pytest
 from estexp_jax.physics.effects.base import JointForce, JointState, Term, neutral_values
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
-from estexp_jax.physics.effects.registry import ALL, LAWS, NAMELESS, VARIANTS, catalogue, effect
+from estexp_jax.physics.effects.laws.library import law_terms
+from estexp_jax.physics.effects.registry import catalogue, effect, named, nameless, variants
 from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
@@ -18,7 +19,7 @@ from estexp_jax.physics.window import InitialState, window_of
 from tests.discovery.planted import nominal
 from tests.physics.robots import ROBOTS, robot
 
-every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+every_law = pytest.mark.parametrize("law", law_terms(), ids=lambda law: law.name)
 Q, W, M = np.linspace(-1.2, 1.4, 27), np.linspace(-3.0, 3.1, 27), np.linspace(2.0, -2.5, 27)
 FASTER = np.cos(2.0 * Q)
 """Acceleration."""
@@ -106,10 +107,10 @@ REMEMBERING = {
 
 
 def test_the_library_is_one_of_its_own() -> None:
-    names = [e.name for e in (*ALL, *VARIANTS, *LAWS, *NAMELESS)]
+    names = [e.name for e in (*named(), *variants(), *law_terms(), *nameless())]
     assert len(set(names)) == len(names)
-    assert {law.name for law in LAWS} == {*EXPECTED, *REMEMBERING}
-    assert {law.stands_for for law in LAWS} - {""} <= {e.name for e in ALL}
+    assert {law.name for law in law_terms()} == {*EXPECTED, *REMEMBERING}
+    assert {law.stands_for for law in law_terms()} - {""} <= {e.name for e in named()}
 
 
 @pytest.mark.parametrize("name", EXPECTED)

@@ -15,10 +15,11 @@ from estexp_jax.physics.effects.catalogue.motor_heat import MotorHeat
 from estexp_jax.physics.effects.catalogue.outer_backlash import OuterBacklash
 from estexp_jax.physics.effects.catalogue.part_stub import PartStub
 from estexp_jax.physics.effects.catalogue.rebound_limit import ReboundLimit
-from estexp_jax.physics.effects.catalogue.servo_damping import ServoDamping, servo_damping
+from estexp_jax.physics.effects.catalogue.servo_damping import ServoDamping
 from estexp_jax.physics.effects.catalogue.stribeck_bristles import StribeckBristles
 from estexp_jax.physics.effects.catalogue.stribeck_friction import StribeckFriction
-from estexp_jax.physics.effects.registry import ALL, VARIANTS, effect
+from estexp_jax.physics.effects.registry import effect, named, variants
+from estexp_jax.physics.effects.servos import servo_damping
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.model.robot import Robot
 
@@ -34,11 +35,11 @@ SERVO = """
 """
 
 
-@pytest.mark.parametrize("variant", VARIANTS, ids=lambda e: e.name)
+@pytest.mark.parametrize("variant", variants(), ids=lambda e: e.name)
 def test_a_variant_is_told_under_a_name_and_with_values_of_the_catalogue(variant):
     values = {p.name: 0.3 for p in variant.parameters}
     name, told = variant.told(values)
-    assert name in {e.name for e in ALL}
+    assert name in {e.name for e in named()}
     assert set(told) == {p.name for p in effect(name).parameters}
     assert effect(variant.name) is variant
 

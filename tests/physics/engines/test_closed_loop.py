@@ -9,7 +9,7 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Change, Values, encode, neutral, parse_change, stack
-from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
+from estexp_jax.physics.effects.registry import catalogue, effect, paper
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, ReadingOverride, replace_readings
 from estexp_jax.runs import count_compilations
@@ -189,9 +189,11 @@ def test_what_it_refuses(walkers: ClosedLoopSimulator) -> None:
         with pytest.raises(ValueError, match=str(WALKER_ROWS)):
             walkers.settle(values, steps)
     with pytest.raises(ValueError, match="command_delay"):
-        closed_loop_simulator(robot("quadruped"), catalogue([*PAPER, "command_delay"]), rows=5, control_step=0.01)
+        closed_loop_simulator(
+            robot("quadruped"), catalogue([*(e.name for e in paper()), "command_delay"]), rows=5, control_step=0.01
+        )
     with pytest.raises(InputError, match=MUTE):
-        closed_loop_simulator(robot(MUTE), catalogue(PAPER), rows=5, control_step=0.01)
+        closed_loop_simulator(robot(MUTE), paper(), rows=5, control_step=0.01)
 
 
 def test_networks_that_hear_their_own_readings_walk_as_before(walkers: ClosedLoopSimulator) -> None:

@@ -17,7 +17,7 @@ from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot
 
-_STEEPEST = np.pi / 6
+STEEPEST = np.pi / 6
 """Steepest slope, rad."""
 
 
@@ -57,7 +57,7 @@ class GravityTilt(Edit, Damage):
         return list(product((-0.1, 0.1), (-np.pi / 4, 0.0, np.pi / 4, np.pi / 2)))
 
     def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
-        return {"angle": amount * _STEEPEST}
+        return {"angle": amount * STEEPEST}
 
     def amount_of_gene(self, value: float) -> float:
         return float(value)
