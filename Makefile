@@ -9,7 +9,7 @@ STAMP := $(VENV)/.installed
 CANDIDATES := python3.11 python3.12 python3.13 python3.14 python3 python
 NEW_ENOUGH := import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
 
-.PHONY: demo test lint docs clean
+.PHONY: demo test lint typings docs clean
 .DELETE_ON_ERROR:
 
 demo: $(STAMP)
@@ -23,6 +23,11 @@ lint: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
+
+# Stubs of mujoco's compiled modules, which bring none; again after every change of mujoco's version.
+typings: $(STAMP)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --target build/stubgen 'pybind11-stubgen>=3,<4'
+	PYTHONPATH=build/stubgen $(BIN)/python typings/generate.py
 
 # The pages land in build/docs; Sphinx is installed only for them.
 docs: $(STAMP)

@@ -4,10 +4,15 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
+
+if TYPE_CHECKING:
+    from estexp_jax.discovery.diagnosis import Diagnosis
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")  # how long an example takes depends on what else the machine does
@@ -28,6 +33,19 @@ def real_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no real recordings at {folder}; set ESTEXP_DATA to their folder")
     return folder
+
+
+@pytest.fixture(scope="session")
+def diagnosed() -> "Callable[[str], Diagnosis]":
+    """Maps the name of one of `tests.discovery.planted.CASES` to its diagnosis, computed once a session."""
+    from tests.discovery.planted import CASES, case_of, explained
+
+    @cache
+    def diagnose(name: str) -> "Diagnosis":
+        robot, plant, seed = CASES[name]
+        return explained(case_of(robot, plant, seed))
+
+    return diagnose
 
 
 @pytest.fixture(scope="session")

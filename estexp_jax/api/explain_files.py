@@ -56,9 +56,9 @@ def write_results(
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}
     write_json(folder.file("effects.json"), effects)
-    if diagnosis.contest is not None:
+    if diagnosis.competing_models is not None:
         head = {"schema": RIVALS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.rivals_finer}
-        write_json(folder.file("rivals.json"), {**head, **diagnosis.contest.to_json()})
+        write_json(folder.file("rivals.json"), {**head, **diagnosis.competing_models.to_json()})
     for prediction in diagnosis.predictions:
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))

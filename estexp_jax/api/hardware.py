@@ -65,7 +65,7 @@ class HardwareTarget:
         self._robot, self._settings, self._folder, self._progress = robot, settings, folder, progress
         self._recording, self._poll, self._patience = recording, poll, patience
 
-    def perform(self, number: int, controller: Controller, foretold: Trial) -> Trial:
+    def perform(self, number: int, controller: Controller, predicted: Trial) -> Trial:
         """Write the controller's files, and wait for the recording.
 
         Raises:
@@ -75,7 +75,7 @@ class HardwareTarget:
         if log.exists() and not _is_of(asked, controller):
             what = f"is there, and {asked.name} of this run is not: it is another run's"
             raise InputError(what, where=str(log), right="move it away, then the same command with --resume goes on")
-        self._ask(number, asked, controller, foretold)
+        self._ask(number, asked, controller, predicted)
         say = self._progress.say
         duration = controller.steps * controller.control_step
         who = "the robot before its damage" if self._recording == "healthy" else "the robot"
@@ -84,21 +84,21 @@ class HardwareTarget:
         settings = self._settings
         wanted = ExpectedTrial(
             controller,
-            foretold,
+            predicted,
             settings.axis,
             compared=min(max(SAMPLES, settings.samples), controller.steps),
-            measured=settings.metric == "distance",
+            needs_distance=settings.metric == "distance",
         )
         trial, notes = self._awaited(log, wanted)
         for note in notes:
             say(f"  {log.name}: {note}")
         return trial
 
-    def _ask(self, number: int, asked: Path, controller: Controller, foretold: Trial) -> None:
+    def _ask(self, number: int, asked: Path, controller: Controller, predicted: Trial) -> None:
         motors = self._robot.names("actuator")
-        columns = {f"ctrl.{name}": column for name, column in zip(motors, foretold.commands.T, strict=True)}
+        columns = {f"ctrl.{name}": column for name, column in zip(motors, predicted.commands.T, strict=True)}
         # The controller comes last: where it is, the commands are too.
-        write_csv(self._folder / f"commands_{number}.csv", {"time": foretold.time, **columns})
+        write_csv(self._folder / f"commands_{number}.csv", {"time": predicted.time, **columns})
         with replacing(asked) as stream:
             np.savez(stream, **OnboardController.of(controller, motors).to_arrays(), allow_pickle=False)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from estexp_jax.api.explain_files import RIVALS_SCHEMA
 from estexp_jax.api.results import DAMAGE, read_results, unreadable_result
-from estexp_jax.discovery.contest import Contest
+from estexp_jax.discovery.contest import CompetingModels
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.errors import InputError, known
 from estexp_jax.experiment_design.propose import ProposeConfig, ProposedExperiment
@@ -86,12 +86,12 @@ class OpenQuestions:
 
     Attributes:
         robot: the nominal one.
-        contest: the rivals, at least two.
+        competing_models: the rivals, at least two.
         finer: part of the model's step that they were fitted at.
     """
 
     robot: Robot
-    contest: Contest
+    competing_models: CompetingModels
     finer: int
 
 
@@ -143,7 +143,7 @@ def read_open_questions(folder: str | Path) -> OpenQuestions:
     path = Path(folder) / "rivals.json"
     kept = read_results(path, RIVALS_SCHEMA, "a list of rivals")
     try:
-        contest = Contest.from_json(kept)
+        contest = CompetingModels.from_json(kept)
         robot, finer = Robot.from_xml(Path(folder) / kept["nominal"]), int(kept["finer"])
     except DAMAGE as error:
         raise unreadable_result(path, error) from None
@@ -151,14 +151,14 @@ def read_open_questions(folder: str | Path) -> OpenQuestions:
     return OpenQuestions(robot, contest, finer)
 
 
-def _check(contest: Contest, robot: Robot, path: Path) -> None:
-    for change in (change for rival in contest.rivals for change in (*rival.claims, *rival.changes)):
+def _check(contest: CompetingModels, robot: Robot, path: Path) -> None:
+    for change in (change for rival in contest.models for change in (*rival.claims, *rival.changes)):
         sites = effect(change.effect).sites(robot)
         if (change.name or "") not in sites:
             raise InputError(f"'{change.effect}' cannot act on '{change.name}'", where=str(path), right=known(sites))
     if contest.commands.shape != (robot.model.nu, 2) or contest.speeds.shape != (robot.model.nv,):
         raise InputError("is of another robot than the model beside it", where=str(path), right="explain again")
-    if len(contest.rivals) < 2:
+    if len(contest.models) < 2:
         right = "nothing is left to tell apart; propose serves explanations that have alternatives"
         raise InputError("the explanation has no rivals", where=str(path), right=right)
 
@@ -173,7 +173,7 @@ def run_proposal(left: OpenQuestions, config: ProposeConfig, report: Callable[[S
     """
     enable_compilation_cache()
     forget_programs()
-    steps = _propose(left.robot, left.contest, left.finer, config)
+    steps = _propose(left.robot, left.competing_models, left.finer, config)
     while True:
         try:
             report(next(steps))

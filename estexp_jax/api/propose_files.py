@@ -19,7 +19,7 @@ def write_proposal(folder: RunFolder, proposed: ProposedExperiment) -> Path:
 
     names = proposed.robot.names("actuator")
     columns = {f"ctrl.{name}": proposed.commands[:, a] for a, name in enumerate(names)}
-    for n, readings in enumerate(proposed.shown.readings, start=1):
+    for n, readings in enumerate(proposed.predicted.readings, start=1):
         write_csv(folder.file(f"rivals/{n}.csv"), {"time": proposed.time, **_columns(proposed, readings)})
     write_csv(folder.file("commands.csv"), {"time": proposed.time, **columns})
     write_text(folder.file("advice.md"), propose_advice(proposed))
@@ -30,4 +30,6 @@ def write_proposal(folder: RunFolder, proposed: ProposedExperiment) -> Path:
 
 def _columns(proposed: ProposedExperiment, readings: np.ndarray) -> dict[str, np.ndarray]:
     """Readings (rows, channels) under the names that recordings have for them."""
-    return {column_of(proposed.robot, name): readings[:, c] for c, name in enumerate(proposed.contest.channels)}
+    return {
+        column_of(proposed.robot, name): readings[:, c] for c, name in enumerate(proposed.competing_models.channels)
+    }

@@ -112,6 +112,7 @@ def _motions(
 ) -> tuple[tuple[str, np.ndarray], ...]:
     """Names of recordings and their commands (rows, nu), as large as keeps a bolted robot's parts apart."""
     bolted = not np.any(robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE))
+    motions: tuple[tuple[str, np.ndarray], ...] = ()
     for share in _SHARES:
         motions = (
             ("train_0.csv", multisine(robot, time, 0.6 * share, config.seed)),

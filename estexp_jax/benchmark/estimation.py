@@ -29,25 +29,25 @@ def estimation_time(race: BenchmarkTask, repeats: int) -> dict[str, Any]:
     sets = [small_changes(robot, rng) for _ in range(settings.population)]
     weights = rng.uniform(-1.0, 1.0, (_TRIALS, world.n_weights)).astype(np.float32)
     start = jax.tree.map(lambda x: np.repeat(x, _TRIALS, axis=0), world.settled(sets))
-    few = stack([encode(robot, world.walker.catalogue, changes) for changes in sets])
+    few = stack([encode(robot, world.closed_loop.catalogue, changes) for changes in sets])
     values = {name: np.repeat(array, _TRIALS, axis=0) for name, array in few.items()}
     many = np.tile(weights, (len(sets), 1))
-    world.walker.walk(values, many, start, _SAMPLES)
+    world.closed_loop.walk(values, many, start, _SAMPLES)
     walks, whole = [], []
     for _ in range(max(repeats, 3)):
         begin = perf_counter()
-        world.walker.walk(values, many, start, _SAMPLES)
+        world.closed_loop.walk(values, many, start, _SAMPLES)
         between = perf_counter()
         world.trials(sets, weights, _SAMPLES)
         walks.append(between - begin)
         whole.append(perf_counter() - between)
-    robot_steps = len(many) * _SAMPLES * world.walker.substeps
+    robot_steps = len(many) * _SAMPLES * world.closed_loop.substeps
     return {
-        "engine": world.walker.choice.engine,
+        "engine": world.closed_loop.choice.engine,
         "genomes": len(sets),
         "controllers": _TRIALS,
         "steps": _SAMPLES,
-        "substeps": world.walker.substeps,
+        "substeps": world.closed_loop.substeps,
         "robot_steps": robot_steps,
         "walks_s": float(np.median(walks)),
         "generation_s": float(np.median(whole)),

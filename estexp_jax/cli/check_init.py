@@ -106,7 +106,7 @@ def _actuators(robot: Robot) -> dict[str, str]:
     return {name: name if joint is None else robot.names("joint")[joint] for name, joint in pairs}
 
 
-def _sensors(robot: Robot, kind: int) -> dict[str, str]:
+def _sensors(robot: Robot, kind: mujoco.mjtSensor) -> dict[str, str]:
     """Each sensor of a kind and its joint."""
     found = np.flatnonzero(robot.model.sensor_type == kind).tolist()
     joints = {index: robot.names("joint")[robot.model.sensor_objid[index]] for index in found}

@@ -88,7 +88,7 @@ class Options:
     ensemble: int | None = None
     """Simulators, as far off as --model-error and with noisy sensors, on which each controller is tried. Default: 1 if
     that is 0 and with --paper, else 4."""
-    next_trial: Literal["farthest", "telling"] = "farthest"
+    next_trial: Literal["farthest", "informative"] = "farthest"
     """Which controller the robot tries next: the one that comes farthest, or, of those that come nearly as far, the one
     on which explanations that are not excluded yet disagree most."""
     engine: Literal["auto", "lanes", "mjx"] = "auto"
@@ -172,7 +172,7 @@ def run(options: Options) -> int:
     for part in reduced_to_mjx(robot).left_out:
         progress.say(f"Simulated without {part}")
     job = _job(robot, settings, options, progress)
-    config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.walker.choice.engine}
+    config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.closed_loop.choice.engine}
     if options.hardware is not None:
         config |= {"robot": "hardware", "healthy": options.healthy}
     marker = {"command": "recover", "config": config}

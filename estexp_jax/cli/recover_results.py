@@ -24,7 +24,7 @@ def write_recover_results(
     with replacing(folder.file("history.parquet")) as stream:
         write_history(stream, state)
     with replacing(folder.file("traces.npz")) as stream:
-        write_traces(stream, state, simulator.robot, simulator.walker.interface)
+        write_traces(stream, state, simulator.robot, simulator.closed_loop.interface)
     told = run_record(state, axis, job.planted, config, stands_in=job.stands_in)
     write_json(folder.file("run.json"), {**told, "versions": versions()})
     film = _film(folder, job, state, progress) if pictures else None

@@ -32,7 +32,7 @@ class Story:
         if isinstance(self._job.target, RemoteTarget):
             what = "a robot of yours"
         self._progress.say(f"{model}, seed {settings.seed}: {what}")
-        engine, reason = self._job.simulator.walker.choice
+        engine, reason = self._job.simulator.closed_loop.choice
         self._progress.say(f"  engine: {engine}, {reason}")
         for change in self._job.planted:
             self._progress.say(f"  planted: {change.sentence()}")
@@ -59,7 +59,7 @@ class Story:
         self._progress.say(f"{self._undamaged} {before}, damaged {trials[0]}")
         for number, each in enumerate(state.passes(axis), start=1):
             found = "; ".join(change.sentence() for change in each.diagnosis) or "nothing differs"
-            self._progress.say(f"trial {number} {metres(each.hardware)} (foretold {each.simulated:.2f} m): {found}")
+            self._progress.say(f"trial {number} {metres(each.hardware)} (predicted {each.simulated:.2f} m): {found}")
         self._progress.say(f"{len(trials)} trials on the damaged robot")
 
     @property
@@ -75,7 +75,7 @@ class Story:
             sure = "" if share is None else f", probability {share:.2f}"
             found = "; ".join(change.sentence() for change in after.diagnoses[-1]) or "nothing differs"
             say(f"diagnosis {len(after.diagnoses)}: {found} (error {after.residuals[-1]:.2g}{sure})")
-            for diagnosis, probability in after.rivals[-1]:
+            for diagnosis, probability in after.alternatives[-1]:
                 said = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
                 say(f"  not excluded, probability {probability:.2f}: {said}")
             if after.alarms[-1]:
@@ -83,7 +83,7 @@ class Story:
         if len(after.trials) > len(before.trials):
             distance = metres(after.trials[-1].distance(axis))
             if before.before is not None or after.before is None:
-                say(f"trial {len(after.trials) - 1}: {distance}, foretold {after.simulated[-1]:.2f} m")
+                say(f"trial {len(after.trials) - 1}: {distance}, predicted {after.simulated[-1]:.2f} m")
             elif self._job.stands_in:
                 say(
                     f"the damaged robot walks {distance}, the undamaged simulator {metres(after.before.distance(axis))}"
@@ -97,7 +97,7 @@ class Story:
             case "exploration":
                 self._progress.stage(f"exploration {number} of {settings.passes}", settings.generations)
             case "estimation":
-                rounds = estimation_of(self._job.simulator, settings, number).rounds()
+                rounds = estimation_of(self._job.simulator, settings, number).n_iterations()
                 self._progress.stage(f"estimation {number} of {settings.passes}", rounds)
             case "damage" | "trial":
                 self._progress.stage("trial")

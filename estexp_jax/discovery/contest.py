@@ -20,7 +20,7 @@ _FEWEST, _MOST = 2, 6
 
 @final
 @dataclass(frozen=True)
-class Rival:
+class CompetingModel:
     """One explanation.
 
     Attributes:
@@ -66,7 +66,7 @@ class Rival:
         }
 
     @classmethod
-    def from_json(cls, entry: Mapping[str, Any]) -> Rival:
+    def from_json(cls, entry: Mapping[str, Any]) -> CompetingModel:
         """The inverse of `to_json`."""
         claims, changes = (tuple(map(Change.from_json, entry[key])) for key in ("claims", "changes"))
         error = entry["held_out_error"]
@@ -76,11 +76,11 @@ class Rival:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Contest:
+class CompetingModels:
     """Explanations of the same recordings.
 
     Attributes:
-        rivals: the chosen one first.
+        models: the chosen one first.
         channels: names of the readings that were recorded, as in `Channels`.
         deviations: (channels,) what counts as one deviation of a reading's noise, in its unit; NaN where unknown.
         rate: of the training recordings, Hz.
@@ -89,7 +89,7 @@ class Contest:
         recordings: file name and role of each.
     """
 
-    rivals: tuple[Rival, ...]
+    models: tuple[CompetingModel, ...]
     channels: tuple[str, ...]
     deviations: np.ndarray
     rate: float
@@ -100,7 +100,7 @@ class Contest:
     def to_json(self) -> dict[str, Any]:
         """As in `rivals.json`."""
         return {
-            "rivals": [rival.to_json() for rival in self.rivals],
+            "rivals": [rival.to_json() for rival in self.models],
             "channels": list(self.channels),
             "deviations": self.deviations.tolist(),
             "rate_hz": self.rate,
@@ -110,10 +110,10 @@ class Contest:
         }
 
     @classmethod
-    def from_json(cls, entry: Mapping[str, Any]) -> Contest:
+    def from_json(cls, entry: Mapping[str, Any]) -> CompetingModels:
         """The inverse of `to_json`."""
         return cls(
-            tuple(map(Rival.from_json, entry["rivals"])),
+            tuple(map(CompetingModel.from_json, entry["rivals"])),
             tuple(entry["channels"]),
             np.array(entry["deviations"], float),
             float(entry["rate_hz"]),
@@ -123,7 +123,9 @@ class Contest:
         )
 
 
-def contest_of(problem: Problem, selection: Selection, shares: np.ndarray, changes: Sequence[Change]) -> Contest:
+def competing_models_of(
+    problem: Problem, selection: Selection, shares: np.ndarray, changes: Sequence[Change]
+) -> CompetingModels:
     """What remains open after a selection.
 
     Args:
@@ -142,7 +144,7 @@ def contest_of(problem: Problem, selection: Selection, shares: np.ndarray, chang
     trained = [i for i, r in enumerate(problem.recordings) if r.role == "train"]
     ctrl = np.concatenate([problem.recordings[i].ctrl for i in trained])
     paths = [s.path.qvel for s in problem.segments if s.recording in trained and s.path is not None]
-    return Contest(
+    return CompetingModels(
         _left([chosen, *rest]),
         problem.channels.names,
         np.array([median(column) for column in problem.noise[trained].T]),
@@ -153,20 +155,20 @@ def contest_of(problem: Problem, selection: Selection, shares: np.ndarray, chang
     )
 
 
-def _rival(explanation: Explanation, share: float, changes: Sequence[Change] | None = None) -> Rival:
+def _rival(explanation: Explanation, share: float, changes: Sequence[Change] | None = None) -> CompetingModel:
     """An explanation with its own changes, or with those given, that it was refitted to."""
     fitted = explanation.fitted
     every = fitted.hypothesis.changes(fitted.vector) if changes is None else tuple(changes)
     claimed = [c for c in every if (c.effect, c.name or "") in explanation.places]
-    return Rival(tuple(told_change(c) for c in claimed), tuple(every), share, explanation.error)
+    return CompetingModel(tuple(told_change(c) for c in claimed), tuple(every), share, explanation.error)
 
 
-def _left(rivals: Sequence[Rival]) -> tuple[Rival, ...]:
+def _left(rivals: Sequence[CompetingModel]) -> tuple[CompetingModel, ...]:
     """The chosen one, those that are open, and at least the next few; without forms of one effect told alike.
 
     The first of those stands for all, with their probability.
     """
-    found: dict[frozenset[str], Rival] = {}
+    found: dict[frozenset[str], CompetingModel] = {}
     for rival in rivals:
         key = frozenset(claim.place for claim in rival.claims)
         first = found.get(key)

@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from estexp_jax.discovery.contest import Contest
+from estexp_jax.discovery.contest import CompetingModels
 from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.effects.changes import Change
@@ -101,7 +101,7 @@ class Diagnosis:
         predictions: one for each recording.
         finer: part of the model's own step that the explained simulator takes.
         rivals_finer: the same of its rivals.
-        contest: the explanations that remain open; None: not looked at.
+        competing_models: the explanations that remain open; None: not looked at.
         laws: what unknown laws do where the training recordings show their joints.
     """
 
@@ -115,5 +115,5 @@ class Diagnosis:
     predictions: tuple[Prediction, ...]
     finer: int
     rivals_finer: int
-    contest: Contest | None = None
+    competing_models: CompetingModels | None = None
     laws: tuple[LawForces, ...] = ()

@@ -13,7 +13,7 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.estimation.channels import channel_ranges
 from estexp_jax.physics.effects import units
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.laws.base import UNKNOWN
+from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.model.robot import Robot
@@ -44,7 +44,7 @@ def told_change(change: Change) -> Change:
 def told_place(change: Change) -> str:
     """`effect@name` as it is reported: terms of a law are all one."""
     if not effect(change.effect).named:
-        return f"{UNKNOWN}@{change.name}"
+        return f"{UNKNOWN_LAW}@{change.name}"
     return told_change(change).place
 
 
@@ -73,7 +73,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         for name, value in told.parameters.items()
     }
     return {
-        "effect": told.effect if e.named else UNKNOWN,
+        "effect": told.effect if e.named else UNKNOWN_LAW,
         "kind": e.kind,
         "name": change.name,
         "probability": probability,

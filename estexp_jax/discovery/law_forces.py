@@ -13,7 +13,7 @@ from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.effects.base import JointState
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.laws.base import Course, JointLaw, Reach
+from estexp_jax.physics.effects.laws.base import JointLaw, JointTrajectory, MotionRange
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
@@ -43,9 +43,9 @@ class Samples(NamedTuple):
     on: np.ndarray
     bent: np.ndarray  # (samples, n) orthonormal: what wrong values of the model would look like
     others: Mapping[int, tuple[np.ndarray, np.ndarray, np.ndarray]]
-    runs: tuple[Course, ...]  # of each recording, unthinned
+    runs: tuple[JointTrajectory, ...]  # of each recording, unthinned
     thin: tuple[np.ndarray, ...]  # which rows of each recording count
-    reach: Reach
+    reach: MotionRange
     counts: np.ndarray  # whether a sample counts: forces are 0 where it does not
 
     def moving(self) -> Samples | None:
@@ -112,16 +112,17 @@ def held(robot: Robot, seen: Sequence[ForceResidual], fitted: Fit) -> Fit:
         if isinstance(law, JointLaw) and law.n_states:
             own = [i for i, f in enumerate(free) if (f.effect, f.site) == (name, site)]
             values, courses = tuple(vector[own].tolist()), courses_of(robot, seen, robot.index("joint", site))
-            each = [[float(np.abs(x).max()) for x in law.remembered(values, course)] for course in courses]
-            vector[own] = law.held(values, tuple(map(max, zip(*each, strict=True))))
+            each = [[float(np.abs(x).max()) for x in law.hidden_along(values, course)] for course in courses]
+            vector[own] = law.saturated_at(values, tuple(map(max, zip(*each, strict=True))))
     return replace(fitted, vector=vector)
 
 
-def courses_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> tuple[Course, ...]:
+def courses_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> tuple[JointTrajectory, ...]:
     """What a joint did in each training recording."""
     place, dof = robot.model.jnt_qposadr[joint], robot.model.jnt_dofadr[joint]
     return tuple(
-        Course(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof], r.told[:, dof]) for r in seen
+        JointTrajectory(r.time - r.time[0], r.qpos[:, place], r.qvel[:, dof], r.motor[:, dof], r.told[:, dof])
+        for r in seen
     )
 
 
@@ -152,7 +153,7 @@ def samples_of(robot: Robot, seen: Sequence[ForceResidual], joint: int) -> Sampl
     fast, hard = (float(np.quantile(np.abs(x), _FAST)) for x in (w, motor))
     motors = [[r.told for r in seen], [r.asked for r in seen], [r.on for r in seen]]
     told, asked, on = (joined([x[:, dof] for x in each]) for each in motors)
-    reach = Reach(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
+    reach = MotionRange(float(q.min()), float(q.max()), fast, length, hard, tuple(others))
     runs = courses_of(robot, seen, joint)
     counts = np.ones(len(q), bool)
     return Samples(
@@ -204,7 +205,7 @@ def _states(law: JointLaw, p: tuple[np.ndarray, ...], samples: Samples) -> tuple
         return ()
     each = []
     for values in zip(*p, strict=True):
-        parts = [law.remembered(values, course) for course in samples.runs]
+        parts = [law.hidden_along(values, course) for course in samples.runs]
         each.append(
             [
                 np.concatenate([part[k][rows] for part, rows in zip(parts, samples.thin, strict=True)])

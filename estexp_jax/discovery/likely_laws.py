@@ -102,7 +102,7 @@ def _looked_for(
     samples = samples_of(robot, seen, robot.index("joint", joint))
     moving = samples.moving()
     looks = [samples] if moving is None else [samples, moving]
-    tried = [_Law(law, np.array(law.bounds(robot, joint)), law.tried(samples.reach)) for law in laws]
+    tried = [_Law(law, np.array(law.bounds(robot, joint)), law.initial_shapes(samples.reach)) for law in laws]
     return {law.law: _best(b for look in looks for b in _beside(law, look)) for law in tried if law.tried}
 
 

@@ -57,7 +57,7 @@ def onsets(seen: Mapping[int, ForceResidual], dofs: Sequence[int], seed: int) ->
     chances = [s.chance for s in best.values()]
     if max(chances) > _EACH or min(s.growth for s in best.values()) < _GROWS:
         return {}
-    if float(stats.combine_pvalues(chances).pvalue) > _ALL:
+    if float(stats.combine_pvalues(chances).pvalue) > _ALL:  # pyright: ignore[reportAttributeAccessIssue] (no stubs)
         return {}
     return {i: s.time for i, s in best.items()}
 

@@ -15,7 +15,7 @@ from estexp_jax.discovery.fitting import Task
 from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.selection import Explanation, Selection
-from estexp_jax.physics.effects.laws.base import UNKNOWN
+from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
@@ -61,7 +61,7 @@ def _likeness(robot: Robot, place: Place) -> tuple[str, str | None, str]:
     """
     e = effect(place[0])
     if not e.named:
-        return (*element(robot, place), UNKNOWN)
+        return (*element(robot, place), UNKNOWN_LAW)
     e = effect(e.variant_of or e.name)
     while e.nested_in:
         e = effect(e.nested_in)

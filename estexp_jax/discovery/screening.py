@@ -117,7 +117,7 @@ def looked_at(
         The hypotheses with the vectors to fit them from.
     """
     looked, again, share = [Fit(h, vectors[0], np.inf) for h, vectors in tasks], list(tasks), _FIRST
-    bent = [(f.effect, f.site) for f in stretched(base)]
+    bent, free = [(f.effect, f.site) for f in stretched(base)], problem
     for every in (4, 2, 1) if len(problem.fitted) < _MANY else (8, 4, 2, 1):
         windows = _telling(problem, base, every)
         free = slackened(problem, base, windows, cost)

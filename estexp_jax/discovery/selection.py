@@ -167,7 +167,8 @@ def p_value(new: Explanation, old: Explanation) -> float:
     before, after = np.sqrt(old.held_out), np.sqrt(new.held_out)
     if len(before) < 5 or np.array_equal(before, after):
         return 0.0 if after.sum() < before.sum() else 1.0
-    return float(stats.wilcoxon(before, after, alternative="greater").pvalue)
+    test = stats.wilcoxon(before, after, alternative="greater")
+    return float(test.pvalue)  # pyright: ignore[reportAttributeAccessIssue] (SciPy has no stubs)
 
 
 def probabilities(selection: Selection, seed: int, n: int = 2000) -> np.ndarray:

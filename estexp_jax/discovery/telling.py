@@ -10,7 +10,7 @@ import numpy as np
 
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.believing import is_law
-from estexp_jax.discovery.contest import contest_of
+from estexp_jax.discovery.contest import competing_models_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible
 from estexp_jax.discovery.fitting import FAR
@@ -100,7 +100,7 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         predictions=_predictions(case, shown),
         finer=1 if found.own_step else found.shown.replays.cut.parts,
         rivals_finer=found.shown.replays.cut.parts,
-        contest=contest_of(found.problem, found.selection, shares, changes),
+        competing_models=competing_models_of(found.problem, found.selection, shares, changes),
         laws=_laws(case, found),
     )
 

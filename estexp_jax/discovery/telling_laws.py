@@ -11,7 +11,7 @@ import numpy as np
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.laws.base import UNKNOWN, JointLaw
+from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW, JointLaw
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
@@ -71,7 +71,7 @@ def law_advice(what: Sequence[Mapping[str, Any]]) -> list[str]:
         f"The law found at {entry['name']} describes what the recordings show and names no cause: record motions beyond"
         " its range before relying on it there."
         for entry in what
-        if entry["effect"] == UNKNOWN
+        if entry["effect"] == UNKNOWN_LAW
     ]
 
 
@@ -86,7 +86,7 @@ def _entry(
     text = equation(robot, changes)
     likeness = " and ".join(_law(c).resembles for c in changes)
     return {
-        "effect": UNKNOWN,
+        "effect": UNKNOWN_LAW,
         "kind": "joint",
         "name": joint,
         "probability": max(probability for _, probability in terms),

@@ -1,4 +1,4 @@
-"""How far a simulation is from recordings: one number, and its parts."""
+"""Errors of a simulation against recordings: normalised error, excess over noise, gain."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def nrmse(square_errors: Sequence[np.ndarray]) -> float:
-    """Root mean square of normalised errors over sensors and recordings.
+    """Root mean square of normalised errors over sensors and recordings; NaN without any sample.
 
     Args:
         square_errors: for each recording (rows, channels) of squared errors over the channel's squared range, NaN where
@@ -24,6 +24,6 @@ def excess(error: float, floor: float) -> float:
 
 
 def gain(explained: float, nominal: float, floor: float) -> float:
-    """Share of the nominal simulator's excess error that an explanation removes; NaN where there is none to remove."""
+    """Share of the nominal simulator's excess error that an explanation removes; NaN if there is no excess."""
     before = excess(nominal, floor)
     return 1.0 - excess(explained, floor) / before if before > 0.0 else float("nan")

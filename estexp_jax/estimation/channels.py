@@ -1,4 +1,4 @@
-"""Which readings of a recording are compared with which of a simulation, and how large they are."""
+"""Channels: the readings of recordings that are compared with those of simulations, and their ranges."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from estexp_jax.physics.recording import Recording
 @final
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """The readings that at least one recording holds.
+    """The readings that at least one recording contains.
 
     Attributes:
         names: as in prediction files; measured joint coordinates without a sensor are `qpos.<joint>`.
@@ -43,13 +43,15 @@ def channels_of(robot: Robot, recordings: Sequence[Recording]) -> Channels:
     """The channels of some recordings of one robot.
 
     Raises:
-        InputError: no recording holds any reading.
+        InputError: no recording contains any reading.
     """
-    held = np.any([np.isfinite(r.sensor).any(axis=0) for r in recordings], axis=0)
-    sensors = np.flatnonzero(held)
+    recorded = np.any([np.isfinite(r.sensor).any(axis=0) for r in recordings], axis=0)
+    sensors = np.flatnonzero(recorded)
     measured = np.any([np.isfinite(r.qpos).any(axis=0) for r in recordings], axis=0)
-    seen = {int(robot.model.sensor_objid[s]) for s in _position_sensors(robot) if held[robot.model.sensor_adr[s]]}
-    encoders = [j for j in robot.scalar_joints if j not in seen and measured[robot.model.jnt_qposadr[j]]]
+    with_sensor = {
+        int(robot.model.sensor_objid[s]) for s in _position_sensors(robot) if recorded[robot.model.sensor_adr[s]]
+    }
+    encoders = [j for j in robot.scalar_joints if j not in with_sensor and measured[robot.model.jnt_qposadr[j]]]
     if not (len(sensors) or encoders):
         raise InputError("the recordings hold no reading of any sensor or joint", where=recordings[0].name)
     columns, joints = robot.sensor_columns(), robot.names("joint")
@@ -59,9 +61,9 @@ def channels_of(robot: Robot, recordings: Sequence[Recording]) -> Channels:
 
 
 def channel_ranges(channels: Channels, recording: Recording) -> np.ndarray:
-    """Range (channels,) of each channel in a recording, by which errors are scaled; NaN where it has no sample.
+    """Range (channels,) of each channel in a recording, by which errors are divided; NaN where it has no sample.
 
-    A channel that never moves is scaled by its size, or by 1 if it is zero.
+    For a constant channel it is the absolute value, or 1 if that is zero.
     """
     table = channels.recorded(recording)
     present = np.isfinite(table).any(axis=0)

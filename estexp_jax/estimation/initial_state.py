@@ -1,4 +1,4 @@
-"""The states a replay starts from, estimated from the recording alone."""
+"""Initial states of simulations, estimated from the recording alone."""
 
 from __future__ import annotations
 
@@ -24,31 +24,33 @@ class EstimatedMotion:
     """The robot's state at every row of a recording.
 
     Attributes:
-        path: positions and speeds; as in the home keyframe, at rest, what nothing measured.
-        covariance: (rows, nv, 2, 2) of each degree of freedom's position (in the tangent space) and speed; 0 where
-            nothing measured it.
+        trajectory: positions and speeds; coordinates that are not measured are at home at rest.
+        covariance: (rows, nv, 2, 2) of each degree of freedom's position (in the tangent space) and speed; 0 where it
+            is not measured.
         sensed: as in `InitialState`.
     """
 
-    path: StateEstimate
+    trajectory: StateEstimate
     covariance: np.ndarray
     sensed: tuple[tuple[int, int, int], ...]
 
-    def start(self, row: int) -> InitialState:
-        """The state at a row."""
-        return InitialState(self.path.qpos[row].copy(), self.path.qvel[row].copy(), self.sensed, self.covariance[row])
+    def state_at(self, row: int) -> InitialState:
+        """The initial state of a window that begins at a row."""
+        return InitialState(
+            self.trajectory.qpos[row].copy(), self.trajectory.qvel[row].copy(), self.sensed, self.covariance[row]
+        )
 
 
 def estimate_motion(robot: Robot, recording: Recording) -> EstimatedMotion:
-    """The state at every row.
+    """Estimate the state at every row.
 
-    Joint positions and speeds come from `qpos` columns, else from a joint position sensor, with measured speeds
-    (`qvel` columns, joint velocity sensors) where there are any, through a smoother. Free and ball joints likewise from
-    their columns.
+    Joint positions are read from `qpos` columns, else from joint position sensors; speeds from `qvel` columns, else
+    from joint velocity sensors, if there are any. A smoother combines both. Free and ball joints are read from their
+    columns only.
 
     Args:
         robot: the nominal robot with the recording's settings.
-        recording: what was measured.
+        recording: of the robot.
     """
     model, rows = robot.model, recording.rows
     path = StateEstimate(recording.time, np.tile(robot.home(), (rows, 1)), np.zeros((rows, model.nv)))
@@ -72,9 +74,9 @@ def _scalar_joints(robot: Robot, recording: Recording, path: StateEstimate) -> t
 
 
 def _read_scalar(robot: Robot, recording: Recording, found: EstimatedMotion) -> None:
-    """Fill in hinge and slide joints, in place."""
+    """Write the states of hinge and slide joints, in place."""
     model, nothing = robot.model, np.full(recording.rows, np.nan)
-    places, speeds, samples, slopes = [], [], [], []
+    places, speeds, samples, derivatives = [], [], [], []
     for joint in robot.scalar_joints:
         position, speed = _position_samples(robot, recording, joint)[0], _speed_samples(robot, recording, joint)[0]
         dof = int(model.jnt_dofadr[joint])
@@ -82,20 +84,22 @@ def _read_scalar(robot: Robot, recording: Recording, found: EstimatedMotion) -> 
             places.append(int(model.jnt_qposadr[joint]))
             speeds.append(dof)
             samples.append(position)
-            slopes.append(nothing if speed is None else speed)
+            derivatives.append(nothing if speed is None else speed)
         elif speed is not None:
             lone = _track(recording, speed[:, None], nothing[:, None])
-            found.path.qvel[:, dof] = lone.value[:, 0]
+            found.trajectory.qvel[:, dof] = lone.value[:, 0]
             found.covariance[:, dof, 1, 1] = lone.covariance[:, 0, 0, 0]
     if places:
-        track = _track(recording, np.stack(samples, axis=1), np.stack(slopes, axis=1))
-        found.path.qpos[:, places], found.path.qvel[:, speeds] = track.value, track.slope
+        track = _track(recording, np.stack(samples, axis=1), np.stack(derivatives, axis=1))
+        found.trajectory.qpos[:, places], found.trajectory.qvel[:, speeds] = track.value, track.slope
         found.covariance[:, speeds] = track.covariance
 
 
-def _track(recording: Recording, samples: np.ndarray, slopes: np.ndarray) -> SmoothedTrack:
-    noise, slope_noise = (np.array([noise_std_of(recording.time, c) for c in table.T]) for table in (samples, slopes))
-    return smooth(recording.time, samples, np.nan_to_num(noise), slopes, slope_noise)
+def _track(recording: Recording, samples: np.ndarray, derivatives: np.ndarray) -> SmoothedTrack:
+    noise, slope_noise = (
+        np.array([noise_std_of(recording.time, c) for c in table.T]) for table in (samples, derivatives)
+    )
+    return smooth(recording.time, samples, np.nan_to_num(noise), derivatives, slope_noise)
 
 
 def _position_samples(robot: Robot, recording: Recording, joint: int) -> _Source:
@@ -109,7 +113,7 @@ def _speed_samples(robot: Robot, recording: Recording, joint: int) -> _Source:
 
 
 def _samples(robot: Robot, recording: Recording, joint: int, column: np.ndarray, kind: mujoco.mjtSensor) -> _Source:
-    """Samples (rows,) of a joint: its own column, else a sensor of that kind on it, and that sensor's address."""
+    """Samples (rows,) of a joint from its own column or else from a sensor of that kind, and the sensor's address."""
     if np.isfinite(column).any():
         return column, None
     model = robot.model
@@ -122,7 +126,7 @@ def _samples(robot: Robot, recording: Recording, joint: int, column: np.ndarray,
 
 
 def _read_freely(model: mujoco.MjModel, joint: int, recording: Recording, found: EstimatedMotion) -> None:
-    """Fill in a free or ball joint from its columns, in place."""
+    """Write the states of a free or ball joint from its columns, in place."""
     q, v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
     if int(model.jnt_type[joint]) == _FREE:
         _read_point(recording, slice(q, q + 3), slice(v, v + 3), found)
@@ -132,33 +136,33 @@ def _read_freely(model: mujoco.MjModel, joint: int, recording: Recording, found:
 
 def _read_point(recording: Recording, place: slice, speed: slice, found: EstimatedMotion) -> None:
     """A free joint's position and the speed in world axes."""
-    samples, slopes = recording.qpos[:, place], recording.qvel[:, speed]
+    samples, derivatives = recording.qpos[:, place], recording.qvel[:, speed]
     if np.isfinite(samples).any(axis=0).all():
-        track = _track(recording, samples, slopes)
-        found.path.qpos[:, place], found.path.qvel[:, speed] = track.value, track.slope
+        track = _track(recording, samples, derivatives)
+        found.trajectory.qpos[:, place], found.trajectory.qvel[:, speed] = track.value, track.slope
         found.covariance[:, speed] = track.covariance
 
 
 def _read_turn(recording: Recording, place: slice, speed: slice, found: EstimatedMotion) -> None:
-    """A quaternion, and the speed in body axes: measured, else from the quaternion's slope."""
+    """A quaternion, and the angular velocity in body axes: measured, else from the quaternion's derivative."""
     samples, spin = recording.qpos[:, place], recording.qvel[:, speed]
     nothing = np.full_like(samples, np.nan)
     if np.isfinite(samples).any(axis=0).all():
         track = _track(recording, _steady(samples), nothing)
         size = np.linalg.norm(track.value, axis=1, keepdims=True)
         unit = track.value / size
-        found.path.qpos[:, place] = unit
-        found.path.qvel[:, speed] = 2.0 * _in_body(unit, track.slope / size)
+        found.trajectory.qpos[:, place] = unit
+        found.trajectory.qvel[:, speed] = 2.0 * _in_body(unit, track.slope / size)
         found.covariance[:, speed] = 4.0 * track.covariance.mean(axis=1, keepdims=True)
     if np.isfinite(spin).any(axis=0).all():
         track = _track(recording, spin, nothing[:, :3])
-        found.path.qvel[:, speed] = track.value
+        found.trajectory.qvel[:, speed] = track.value
         found.covariance[:, speed, 0, 1] = found.covariance[:, speed, 1, 0] = 0.0
         found.covariance[:, speed, 1, 1] = track.covariance[..., 0, 0]
 
 
 def _steady(quaternion: np.ndarray) -> np.ndarray:
-    """The same turns (rows, 4) without jumps of sign."""
+    """The same rotations (rows, 4) without sign changes between rows."""
     good = np.isfinite(quaternion).all(axis=1)
     known = quaternion[good]
     jumps = np.sum(known[1:] * known[:-1], axis=1) < 0.0

@@ -1,4 +1,4 @@
-"""Rows that a logger lost."""
+"""Rows that a logger dropped: insertion, interpolated commands, and their error."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 from estexp_jax.physics.recording import Recording
 
 _MOST = 3
-"""Longer gaps are left as they are: nobody knows what was commanded meanwhile."""
+"""Rows of the longest gap that is filled; commands in longer ones are unknown."""
 _REGULAR = 0.3
-"""Largest deviation from whole periods, in periods."""
+"""Largest deviation of a gap from whole periods, in periods."""
 
 
 def with_missing_rows(recording: Recording) -> Recording:
-    """The recording with the rows that are missing from its clock put back, without readings.
+    """The recording with dropped rows inserted, without readings and with interpolated commands.
 
-    A robot was commanded at every tick; a log that lost a row holds the command before it one tick too long, and that
-    tick is felt: a servo's torque jumps. The command half-way between its neighbours is nearer.
+    The robot received a command at every tick. Without the row, the command before it would be held one tick too long,
+    and a servo's torque would jump. A linear interpolation is closer to the true command.
     """
     steps = np.diff(recording.time)
     periods = steps / np.median(steps)
@@ -53,12 +53,12 @@ def with_missing_rows(recording: Recording) -> Recording:
 
 
 def with_other_commands(recording: Recording, side: np.ndarray) -> Recording:
-    """A bridged recording with other commands in the rows that were lost.
+    """A recording with other commands in its inserted rows.
 
     Args:
-        recording: with `guessed` rows.
-        side: (rows,) for lost rows: -1 goes on as the two rows before them, 1 leads to the two rows after them, 0
-            leaves what is there.
+        recording: as of `with_missing_rows`.
+        side: (rows,) for inserted rows: -1 extrapolates the two rows before them, 1 the two rows after them, 0 changes
+            nothing.
     """
     if recording.guessed is None or not side.any():
         return recording
@@ -73,7 +73,7 @@ def with_other_commands(recording: Recording, side: np.ndarray) -> Recording:
 
 
 def interpolation_error(recording: Recording) -> np.ndarray:
-    """How far off a command (nu,) half-way between its neighbours is, root mean square over the logged rows."""
+    """Root mean square error (nu,) of commands interpolated between their neighbours, over the logged rows."""
     ctrl = recording.ctrl if recording.guessed is None else recording.ctrl[~recording.guessed]
     if len(ctrl) < 3:
         return np.zeros(ctrl.shape[1])

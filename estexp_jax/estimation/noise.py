@@ -1,4 +1,4 @@
-"""How large a reading's noise is, from the recording alone."""
+"""Noise of readings, estimated from the recording alone."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from estexp_jax.estimation.channels import Channels, channel_ranges
 from estexp_jax.physics.reading_noise import noise_std_of
 from estexp_jax.physics.recording import Recording
 
-_NINE = 9
+_SPAN = 9
 
 
 def correlation_rows(residuals: np.ndarray) -> float:
-    """For how many rows residuals go on as they are: so many count as one independent sample; 1 for white noise.
+    """Integrated autocorrelation time of residuals in rows: so many count as one independent sample.
 
-    The sum of the autocorrelation over lags, up to where it first falls under a twentieth.
+    The autocorrelation is summed over lags up to where it first falls under 0.05; white noise gives 1.
 
     Source: Sokal, Monte Carlo Methods in Statistical Mechanics (1997), section 3.
 
@@ -35,10 +35,10 @@ def correlation_rows(residuals: np.ndarray) -> float:
 
 
 def noise_std(differences: np.ndarray) -> np.ndarray:
-    """Standard deviation (channels,) of what is left of signals beside parabolas through nine samples at a time.
+    """Standard deviation (channels,) of signals about parabolas fitted to nine samples at a time.
 
-    Median size counts, so that jolts do not. White noise keeps its deviation; noise that lasts for a few rows keeps
-    more of it than in differences.
+    The median is robust against jolts. White noise keeps its standard deviation; noise that is correlated over a few
+    rows loses less of it than in differences.
 
     Args:
         differences: (windows, rows, channels), NaN where there is no sample.
@@ -52,16 +52,16 @@ def noise_std(differences: np.ndarray) -> np.ndarray:
 
 
 def _beside_parabolas(signal: np.ndarray) -> np.ndarray:
-    """What nine-sample parabolas leave, enlarged by what they take of white noise; nothing of a shorter signal."""
-    if len(signal) < _NINE:
+    """Residuals of nine-sample parabolas, scaled so that white noise keeps its size; empty for shorter signals."""
+    if len(signal) < _SPAN:
         return np.zeros(0)
-    middle = savgol_coeffs(_NINE, 2)[_NINE // 2]
-    inside = slice(_NINE // 2, len(signal) - _NINE // 2)
-    return ((signal - savgol_filter(signal, _NINE, 2)) / np.sqrt(1.0 - middle))[inside]
+    middle = savgol_coeffs(_SPAN, 2)[_SPAN // 2]
+    inside = slice(_SPAN // 2, len(signal) - _SPAN // 2)
+    return ((signal - savgol_filter(signal, _SPAN, 2)) / np.sqrt(1.0 - middle))[inside]
 
 
 def noise_floor(channels: Channels, recordings: Sequence[Recording]) -> float:
-    """The error that noise alone gives a perfect simulator, in the unit of `accuracy.nrmse`; 0 for no recording."""
+    """The `accuracy.nrmse` that noise alone gives a perfect simulator; 0 without recordings."""
     shares = []
     for recording in recordings:
         table, span = channels.recorded(recording), channel_ranges(channels, recording)
@@ -73,6 +73,6 @@ def noise_floor(channels: Channels, recordings: Sequence[Recording]) -> float:
 
 
 def median(values: np.ndarray) -> float:
-    """Median of the values (n,) that are known; NaN where none is."""
+    """Median of the finite values (n,); NaN if there is none."""
     known = values[np.isfinite(values)]
     return float(np.median(known)) if len(known) else float("nan")

@@ -1,4 +1,4 @@
-"""Cutting recordings into windows that follow each other without overlap."""
+"""Division of recordings into consecutive windows without overlap."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import Window, command_history_of, window_of
 
 FINER = 4
-"""The finest steps of fitted windows are this part of the model's own."""
+"""The finest timestep of fitted windows is the model's own divided by this."""
 _STRIDE = 0.4
-"""Longest window, s, that is fitted where a floating robot touches the ground."""
+"""Longest fitted window of a floating robot that touches the ground, s."""
 
 
 class WindowSet(NamedTuple):
-    """The same windows at the model's own step, at half of it and at its part `parts`.
+    """The same windows at the model's own timestep, at half of it, and at a fraction 1 / `parts` of it.
 
-    The finest stand for the time that a robot does not cut into steps; the others tell how far they can be trusted.
+    The finest approximate continuous time; the others show the integration error.
     """
 
     whole: tuple[Window, ...]
@@ -32,17 +32,17 @@ class WindowSet(NamedTuple):
     parts: int = FINER
 
     def finer(self, steps: Sequence[float], parts: int) -> WindowSet:
-        """The same with other finest steps.
+        """The same windows with another finest timestep.
 
         Args:
-            steps: the model's own step in each recording, s.
-            parts: part of them that is the finest.
+            steps: the model's own timestep in each recording, s.
+            parts: divisor of these for the finest.
         """
         fine = tuple(s.stepped(steps[s.recording] / parts) for s in self.whole)
         return self._replace(fine=fine, parts=parts)
 
     def exact(self) -> WindowSet:
-        """All at the finest step."""
+        """All windows at the finest timestep."""
         return WindowSet(self.fine, self.fine, self.fine, self.parts)
 
 
@@ -52,7 +52,7 @@ def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> li
     Args:
         time: (rows,) s.
         length: of a window, s; infinite for one window.
-        cut: where a window begins, besides, s.
+        cut: time of a further window boundary, s.
     """
     number = np.zeros(len(time), int) if np.isinf(length) else ((time - time[0]) / length + 1e-9).astype(int)
     if cut is not None:
@@ -69,19 +69,19 @@ def window_rows(time: np.ndarray, length: float, cut: float | None = None) -> li
 
 
 def fitting_window(robot: Robot, longest: float) -> float:
-    """Length of the windows to fit, s: shorter where robots that touch the ground soon part for good.
+    """Length of fitted windows, s: shorter for robots that are sensitive to their initial state.
 
-    A foot that touches down a moment sooner is elsewhere after a stride; no value of the model can be read from that.
+    After a stride, a slightly earlier touchdown has changed the motion too much for parameters to be identified.
 
     Args:
         robot: the nominal robot.
-        longest: length of the windows that are shown, s.
+        longest: length of the evaluated windows, s.
     """
     return min(longest, _STRIDE) if is_sensitive_to_start(robot) else longest
 
 
 def is_sensitive_to_start(robot: Robot) -> bool:
-    """Whether a robot soon parts for good from one that differs a little, as robots on legs do."""
+    """Whether small differences of the initial state soon grow: true for floating robots with contacts."""
     floats = bool((robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
     touches = bool((robot.model.geom_contype | robot.model.geom_conaffinity).any())
     return floats and touches
@@ -89,7 +89,7 @@ def is_sensitive_to_start(robot: Robot) -> bool:
 
 @lru_cache(maxsize=64)
 def _motion(robot: Robot, recording: Recording) -> EstimatedMotion:
-    """`estimate_motion`, found once for all windows and steps that a recording is cut into."""
+    """`estimate_motion`, cached for all windows and timesteps of a recording."""
     return estimate_motion(robot, recording)
 
 
@@ -100,21 +100,21 @@ def windows_of(
     finer: int = 1,
     cuts: Mapping[int, float] | None = None,
 ) -> list[Window]:
-    """All windows of all recordings, each started from the state estimated at its first row.
+    """All windows of all recordings, each with the state estimated at its first row.
 
     Args:
         robots: the nominal robot with each recording's settings.
         recordings: one for each robot.
         length: of a window, s; infinite for whole recordings.
-        finer: part of the model's step to take.
-        cuts: index of a recording to a time at which a window begins in it, s.
+        finer: divisor of the model's timestep.
+        cuts: maps the index of a recording to the time of a further window boundary in it, s.
     """
     found: list[Window] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
         motion, step = _motion(robot, recording), float(robot.model.opt.timestep) / finer
-        history = command_history_of(recording, motion.path)
+        history = command_history_of(recording, motion.trajectory)
         for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
-            found.append(window_of(recordings, i, rows, step, motion.start(rows[0]), motion.path, history))
+            found.append(window_of(recordings, i, rows, step, motion.state_at(rows[0]), motion.trajectory, history))
     return found
 
 
@@ -124,6 +124,6 @@ def window_set_of(
     length: float,
     cuts: Mapping[int, float] | None = None,
 ) -> WindowSet:
-    """`windows_of` at all steps."""
+    """`windows_of` at all timesteps."""
     whole, half, fine = (tuple(windows_of(robots, recordings, length, finer, cuts)) for finer in (1, 2, FINER))
     return WindowSet(whole, half, fine)

@@ -1,4 +1,4 @@
-"""A controller for joints that motors give torques: in open loop an arm falls about, and shows little."""
+"""Computed-torque control of joints with torque motors: under open-loop torques an arm falls and shows little."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from estexp_jax.experiment_design.excitation import excitation_range, is_positio
 from estexp_jax.physics.model.robot import Robot
 
 _REACH = {int(mujoco.mjtJoint.mjJNT_HINGE): 0.6, int(mujoco.mjtJoint.mjJNT_SLIDE): 0.2}
-"""From home, where no range limits it: rad, m."""
+"""Amplitude of a joint about home where no range limits it: rad, m."""
 _INSIDE = 0.9
 """Share of a joint's range that is used."""
 _HERTZ, _PER_PERIOD = 3.0, 0.2
-"""Frequency at which a joint follows, Hz; slower where rows are few: so many radians of it a period."""
+"""Closed-loop natural frequency, Hz; for low sampling rates at most so many radians a period."""
 _EASE = 1.0
-"""Time to go from home to the middle of the motion, s."""
+"""Duration of the transition from home to the planned motion, s."""
 
 
 def torque_motors(robot: Robot) -> tuple[int, ...]:
-    """Actuators that give a hinge or slide a torque (or force) in proportion to the command, and alone drive it.
+    """Actuators that alone drive a hinge or slide, with a torque (or force) in proportion to the command.
 
-    None of a robot with a floating base: it lies or stands whatever its legs do.
+    A robot with a floating base has none: its legs cannot hold it in place.
     """
     model = robot.model
     if any(int(kind) == int(mujoco.mjtJoint.mjJNT_FREE) for kind in model.jnt_type):
@@ -43,13 +43,13 @@ def torque_motors(robot: Robot) -> tuple[int, ...]:
 def controlled_commands(
     robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period: float
 ) -> ComputedTorqueController:
-    """What moves motors' joints as far within their reach as commands would go within the motors' own.
+    """A controller that moves the motors' joints over the same share of their ranges as commands have of the motors'.
 
     Args:
         robot: the nominal one.
         motors: `torque_motors`.
-        commands: (rows, nu) of an excitation; those of other actuators are given as they are.
-        period: s between rows.
+        commands: (rows, nu) of an excitation; those of other actuators are passed on unchanged.
+        period: time between rows, s.
     """
     at, (centre, usual), (middle, reach) = list(motors), excitation_range(robot), _joint_reach(robot, motors)
     share = (commands[:, at] - centre[at]) / usual[at]
@@ -57,11 +57,9 @@ def controlled_commands(
 
 
 def planned_path(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, period: float) -> np.ndarray:
-    """Configurations (rows, nq) that commands ask for.
+    """Configurations (rows, nq) that commands ask for; joints without a servo or motor stay at home.
 
-    Of motors as `controlled_commands` has them, of position servos their own.
-
-    All other joints stay at home. Arguments as of `controlled_commands`.
+    The joints of motors move as of `controlled_commands`, those of servos as commanded. Arguments as there.
     """
     model, path = robot.model, np.tile(robot.home(), (len(commands), 1))
     for a in range(model.nu):
@@ -76,7 +74,7 @@ def planned_path(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, pe
 
 
 def _joint_reach(robot: Robot, motors: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Middle and largest deviation (motors,) of the motions of motors' joints: around home, within their range."""
+    """Centre and amplitude (motors,) of the motions of motors' joints: about home, within their range, rad or m."""
     model, home = robot.model, robot.home()
     middle, reach = np.zeros(len(motors)), np.zeros(len(motors))
     for i, joint in enumerate(_joints(robot, motors)):
@@ -96,9 +94,11 @@ def _joints(robot: Robot, motors: Sequence[int]) -> list[int]:
 @final
 @dataclass(frozen=True, eq=False)
 class ComputedTorqueController:
-    """Commands that have torque motors move their joints as planned: computed torque, from the nominal model.
+    """Computed-torque controller from the nominal model, for joints with torque motors.
 
-    What the real robot has more than that, such as friction, it follows with an error.
+        torque = M(q) (a + w^2 (q_planned - q) + 2 w (v_planned - v)) + bias(q, v) - passive(q, v)
+
+    Physics that the nominal model lacks, such as friction, shows as a tracking error.
 
     Source: Siciliano et al., Robotics: Modelling, Planning and Control (2009), section 8.5.2.
 
@@ -107,7 +107,7 @@ class ComputedTorqueController:
         commands: (rows, nu) of the other actuators.
         motors: `torque_motors`.
         planned: (rows, motors) positions of their joints, rad or m.
-        period: s between rows.
+        period: time between rows, s.
     """
 
     robot: Robot
@@ -117,7 +117,7 @@ class ComputedTorqueController:
     period: float
 
     def __call__(self, time: float, qpos: np.ndarray, qvel: np.ndarray) -> np.ndarray:
-        """Commands (nu,) at a row, from the state there."""
+        """Commands (nu,) at a time (s), for the state (nq,), (nv,) at that time."""
         model, data = self.robot.model, self._data
         row = min(round(time / self.period), len(self.commands) - 1)
         data.qpos[:], data.qvel[:] = qpos, qvel
@@ -142,7 +142,7 @@ class ComputedTorqueController:
 
     @cached_property
     def path(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Positions, speeds and accelerations (rows, motors): first from home, at rest, to the middle."""
+        """Positions, speeds and accelerations (rows, motors); they begin at home at rest."""
         home = self.robot.home()[self.robot.model.jnt_qposadr[_joints(self.robot, self.motors)]]
         share = np.clip(self.period * np.arange(len(self.planned)) / _EASE, 0.0, 1.0)
         eased = (share**3 * (10.0 - 15.0 * share + 6.0 * share**2))[:, None]

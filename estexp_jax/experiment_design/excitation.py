@@ -1,4 +1,4 @@
-"""Commands that move a robot in many ways: what to record when nothing is known yet."""
+"""Excitation: commands that move a robot in many ways, to record when nothing is known yet."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ _SINES = 5
 _SLOWEST, _FASTEST = 0.15, 2.0
 """Frequencies of the sines, Hz."""
 _REACH = 0.6
-"""Of a servo, from home, where no range limits it: rad."""
+"""Amplitude of a servo about home where no range limits it, rad."""
 
 Wave = Callable[[np.ndarray, np.random.Generator], np.ndarray]
-"""Times (rows,) and a source of chance to a signal (rows,) in -1..1 that begins at 0."""
+"""Maps times (rows,) and a random generator to a signal (rows,) in -1..1 that begins at 0."""
 
 
 def multisine(robot: Robot, time: np.ndarray, strength: float, seed: int) -> np.ndarray:
-    """Sums of sines at random frequencies and phases, one sum for each actuator; they begin at home.
+    """Sums of sines at random frequencies and phases, one for each actuator, from home.
 
     Args:
-        robot: whose actuators.
+        robot: the nominal one.
         time: (rows,) s.
-        strength: share of each actuator's reach that the sum's peak takes.
+        strength: peak, as a share of each actuator's range.
         seed: of frequencies and phases.
 
     Returns:
@@ -40,7 +40,7 @@ def random_steps(robot: Robot, time: np.ndarray, strength: float, seed: int) -> 
 
 
 def sines(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
-    """A sum of sines (rows,) with its peak at 1 or -1; it begins at 0, as all waves here do."""
+    """A sum of sines (rows,) with its peak at 1 or -1, from 0."""
     hertz = np.exp(draw.uniform(np.log(_SLOWEST), np.log(_FASTEST), _SINES))
     phase = draw.uniform(0.0, 2.0 * np.pi, _SINES)
     waves = np.sin(2.0 * np.pi * hertz * time[:, None] + phase).sum(axis=1)
@@ -58,14 +58,14 @@ def random_levels(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
 
 
 def ramps(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
-    """Slow ramps (rows,) between 1 and -1, once or twice there and back: what speed does not change shows in them."""
+    """Slow ramps (rows,) between 1 and -1, once or twice: they show effects that do not depend on speed."""
     sweeps, sign = int(draw.integers(1, 3)), float(draw.choice([-1.0, 1.0]))
     knots = time[0] + np.ptp(time) * np.linspace(0.0, 1.0, 4 * sweeps + 1)
     return sign * np.interp(time, knots, np.tile([0.0, 1.0, 0.0, -1.0], sweeps + 1)[: len(knots)])
 
 
 def ramp_and_hold(time: np.ndarray, draw: np.random.Generator) -> np.ndarray:
-    """One level (rows,) in -1..1, reached by a ramp of a second: what creeps or sags shows in it."""
+    """One level (rows,) in -1..1, reached by a ramp of 1 s: it shows creep and sag."""
     return float(draw.uniform(-1.0, 1.0)) * np.clip(time - time[0], 0.0, 1.0)
 
 
@@ -79,9 +79,9 @@ def _commands(robot: Robot, time: np.ndarray, strength: float, seed: int, wave: 
 
 
 def excitation_range(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
-    """Centre and largest sensible deviation of each actuator's command, (nu,) each.
+    """Centre and amplitude of each actuator's commands, (nu,) each, in its unit.
 
-    Servos go from home to the nearer end of their range; motors to their limit.
+    Servos go from home to the nearer end of their range, motors to their force limit.
     """
     model, home = robot.model, robot.home()
     centre, reach = np.zeros(model.nu), np.ones(model.nu)

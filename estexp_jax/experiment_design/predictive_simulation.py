@@ -1,4 +1,4 @@
-"""Motions rehearsed by all rivals at once, and by variations of them that are no more than ordinary errors."""
+"""Simulation of proposed motions by all competing models, and by variations of these within ordinary errors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.contest import Contest, Rival
+from estexp_jax.discovery.contest import CompetingModel, CompetingModels
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.errors import InputError, known
 from estexp_jax.estimation.channels import Channels
@@ -23,165 +23,177 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, Window, window_of
 
-_ORDINARY = 0.03
-"""Share by which a claimed effect's values may be off; of the model's own, `hypotheses` knows."""
-_TIED = 0.1
-"""Least probability that a rival counts with in a search if only its numbers make it improbable."""
+_ORDINARY_ERROR = 0.03
+"""Relative error of a claimed effect's values; errors of the robot model's own values stand in `hypotheses`."""
+_TIED_PROBABILITY = 0.1
+"""Least probability of a model that predicts as well as the first but has more parameters."""
 _MOST_LANES = 1024
-"""Lanes replayed together, to bound memory."""
-_ROWS = 40
-"""Of a motion that are searched for parts which come near each other."""
+"""Robots simulated together, to bound memory."""
+_CONTACT_ROWS = 40
+"""Rows of a motion that are checked for bodies in contact."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class PredictedReadings:
-    """What rivals do under some commands.
+    """Predictions of the competing models for some commands.
 
     Attributes:
-        readings: (rivals, rows, channels).
-        apart: (rivals, rivals) how far apart that is, in deviations; NaN where a simulation blew up.
-        excess: how far any rival goes beyond limits, as of `Limits.excess`; above 1 where parts come near each other.
+        readings: (models, rows, channels) in each channel's unit.
+        separation: (models, models) in standard deviations; NaN if a simulation diverged.
+        excess: largest violation of a limit by any model, as of `Limits.excess`; above 1 if bodies come into contact.
     """
 
     readings: np.ndarray
-    apart: np.ndarray
+    separation: np.ndarray
     excess: float
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class PredictiveSimulation:
-    """Rivals ready to be simulated.
+    """The competing models, ready to be simulated.
 
     Attributes:
-        replayer: of the robot and all effects of the rivals.
+        simulator: of the robot with all effects of the models.
         channels: the readings compared.
-        deviations: (channels,) what counts as one.
-        probabilities: (rivals,).
-        values: (rivals + variations, n_sites, n_parameters) for each effect.
-        varied: (variations,) index of the rival that each is a variation of.
-        timestep: longest step, s.
-        whole: the robot, which the replayer may know without some contacts.
-        apart: pairs of its bodies that the replayer lets through each other; no motion may bring them near.
-        parting: whether the robot soon parts for good from one that differs a little, as robots on legs do.
-        counted: robot steps simulated so far, a list of one number.
+        deviations: (channels,) standard deviations of their noise, in each channel's unit.
+        probabilities: (models,).
+        values: (models + variations, n_sites, n_parameters) for each effect.
+        variation_of: (variations,) index of the model that each is a variation of.
+        timestep: longest physics step, s.
+        full_robot: the robot with all contacts; the simulator's may lack some.
+        unsimulated_contacts: pairs of its bodies whose contact the simulator lacks; no motion may bring them together.
+        sensitive_to_start: whether small differences soon grow, as in robots on legs.
+        robot_steps: robot steps simulated so far; a list of one number, as it is counted up.
     """
 
-    replayer: OpenLoopSimulator
+    simulator: OpenLoopSimulator
     channels: Channels
     deviations: np.ndarray
     probabilities: np.ndarray
     values: Values
-    varied: np.ndarray
+    variation_of: np.ndarray
     timestep: float
-    whole: Robot
-    apart: frozenset[tuple[int, int]] = frozenset()
-    parting: bool = False
-    counted: list[int] = field(default_factory=lambda: [0])
+    full_robot: Robot
+    unsimulated_contacts: frozenset[tuple[int, int]] = frozenset()
+    sensitive_to_start: bool = False
+    robot_steps: list[int] = field(default_factory=lambda: [0])
 
     @property
     def lanes(self) -> int:
-        """Simulations of each motion."""
-        return len(self.probabilities) + len(self.varied)
+        """Number of simulations of each motion."""
+        return len(self.probabilities) + len(self.variation_of)
 
     def finer(self, parts: int) -> PredictiveSimulation:
-        """The same at a part of the step."""
+        """The same with a timestep divided by `parts`."""
         return replace(self, timestep=self.timestep / parts)
 
-    def shown(self, time: np.ndarray, commands: Sequence[np.ndarray], limits: Limits) -> list[PredictedReadings]:
-        """What rivals do under each of some commands (rows, nu), from home, at rest."""
+    def predict(self, time: np.ndarray, commands: Sequence[np.ndarray], limits: Limits) -> list[PredictedReadings]:
+        """Predictions for each of some commands (rows, nu), from home at rest.
+
+        Args:
+            time: (rows,) s.
+            commands: (rows, nu) each, in each actuator's unit.
+            limits: that excesses are measured against.
+        """
         lanes = self.lanes
         at_once = max(1, _MOST_LANES // lanes)
         found: list[PredictedReadings] = []
         for begin in range(0, len(commands), at_once):
-            segments = [self._segment(time, c) for c in commands[begin : begin + at_once]]
-            values = {name: np.tile(v, (len(segments), 1, 1)) for name, v in self.values.items()}
-            replay = self.replayer.replay(values, segments, np.repeat(np.arange(len(segments)), lanes))
-            self.counted[0] += lanes * sum(s.steps.n_steps for s in segments)
-            each = [OpenLoopRollout(*(x[k * lanes : (k + 1) * lanes] for x in replay)) for k in range(len(segments))]
-            found += [self._judged(part, limits) for part in each]
+            windows = [self._window(time, c) for c in commands[begin : begin + at_once]]
+            values = {name: np.tile(v, (len(windows), 1, 1)) for name, v in self.values.items()}
+            replay = self.simulator.replay(values, windows, np.repeat(np.arange(len(windows)), lanes))
+            self.robot_steps[0] += lanes * sum(s.steps.n_steps for s in windows)
+            each = [OpenLoopRollout(*(x[k * lanes : (k + 1) * lanes] for x in replay)) for k in range(len(windows))]
+            found += [self._evaluate(part, limits) for part in each]
         return found
 
-    def _segment(self, time: np.ndarray, commands: np.ndarray) -> Window:
-        robot = self.replayer.robot
+    def _window(self, time: np.ndarray, commands: np.ndarray) -> Window:
+        robot = self.simulator.robot
         model, rows = robot.model, len(time)
         sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
         recording = Recording("proposed", time, commands, np.ones((rows, model.nu)), sensor, qpos, qvel)
         start = InitialState(robot.home(), np.zeros(model.nv))
         return window_of([recording], 0, (0, rows - 1), self.timestep, start)
 
-    def _judged(self, replay: OpenLoopRollout, limits: Limits) -> PredictedReadings:
+    def _evaluate(self, replay: OpenLoopRollout, limits: Limits) -> PredictedReadings:
         n = len(self.probabilities)
         readings = self.channels.simulated(replay).astype(float)
         if not np.isfinite(readings).all():
             return PredictedReadings(readings[:n], np.full((n, n), np.nan), np.inf)
         scaled = readings / self.deviations
-        measure = pairwise_separation_sensitive if self.parting else pairwise_separation
-        apart = measure(scaled[:n], scaled[n:] - scaled[self.varied])
-        excess = max(limits.excess(replay.qpos[:n], replay.qvel[:n]), self._touching(replay.qpos[0]))
-        return PredictedReadings(readings[:n], apart, excess)
+        measure = pairwise_separation_sensitive if self.sensitive_to_start else pairwise_separation
+        separation = measure(scaled[:n], scaled[n:] - scaled[self.variation_of])
+        excess = max(limits.excess(replay.qpos[:n], replay.qvel[:n]), self._contact_excess(replay.qpos[0]))
+        return PredictedReadings(readings[:n], separation, excess)
 
-    def _touching(self, path: np.ndarray) -> float:
-        """0 where the likeliest rival keeps all parts off each other along a path (rows, nq); else more than 1."""
-        if not self.apart:
+    def _contact_excess(self, path: np.ndarray) -> float:
+        """0 if the likeliest model brings no bodies into contact along a path (rows, nq); else more than 1."""
+        if not self.unsimulated_contacts:
             return 0.0
-        off = self.apart & set(without_collisions(self.whole, [path[:: max(1, len(path) // _ROWS)].astype(float)]))
-        return 2.0 - len(off) / len(self.apart) if off < self.apart else 0.0
+        rows = path[:: max(1, len(path) // _CONTACT_ROWS)].astype(float)
+        free = self.unsimulated_contacts & set(without_collisions(self.full_robot, [rows]))
+        return 2.0 - len(free) / len(self.unsimulated_contacts) if free < self.unsimulated_contacts else 0.0
 
 
 def predictive_simulation_of(
-    replayer: OpenLoopSimulator, contest: Contest, whole: Robot | None = None, apart: Sequence[tuple[int, int]] = ()
+    simulator: OpenLoopSimulator,
+    competing: CompetingModels,
+    full_robot: Robot | None = None,
+    unsimulated_contacts: Sequence[tuple[int, int]] = (),
 ) -> PredictiveSimulation:
-    """Rivals and their ordinary variations, for a replayer that knows their effects.
+    """Prepare the competing models and their variations by ordinary errors.
 
-    Variations are of the model's values under the first rival, because rivals differ little in what these do, and of
-    each rival's own claims.
+    The robot model's own values are varied under the first model only, because their influence differs little between
+    models. Each model's claims are varied under itself.
 
     Args:
-        replayer: of the robot.
-        contest: the rivals.
-        whole: the robot with all its contacts; None: the replayer's.
-        apart: see `PredictiveSimulation`.
+        simulator: of the robot; its catalogue holds the models' effects.
+        competing: the models.
+        full_robot: the robot with all its contacts; None: the simulator's.
+        unsimulated_contacts: see `PredictiveSimulation`.
 
     Raises:
         InputError: a channel or an effect's place is not one of the robot's.
     """
-    robot = replayer.robot
-    owner, varied = zip(*_variations(replayer, contest.rivals), strict=True)
-    changes = [rival.changes for rival in contest.rivals] + [
-        (*contest.rivals[i].changes, change) for i, change in zip(owner, varied, strict=True)
+    robot = simulator.robot
+    owner, errors = zip(*_variations(simulator, competing.models), strict=True)
+    changes = [model.changes for model in competing.models] + [
+        (*competing.models[i].changes, change) for i, change in zip(owner, errors, strict=True)
     ]
-    values = stack([encode(robot, replayer.catalogue, some) for some in changes])
-    channels = _channels(robot, contest.channels)
-    deviations = np.where(contest.deviations > 0.0, contest.deviations, np.inf)  # unknown: it tells nothing
-    shares = np.array([max(rival.probability, _TIED * rival.tied) for rival in contest.rivals])
+    values = stack([encode(robot, simulator.catalogue, some) for some in changes])
+    channels = _channels(robot, competing.channels)
+    deviations = np.where(competing.deviations > 0.0, competing.deviations, np.inf)  # unknown: no weight
+    probabilities = np.array([max(model.probability, _TIED_PROBABILITY * model.tied) for model in competing.models])
     step = float(robot.model.opt.timestep)
-    through = (robot if whole is None else whole, frozenset(apart))
-    varied_of, soon = np.array(owner, int), is_sensitive_to_start(robot)
-    return PredictiveSimulation(replayer, channels, deviations, shares, values, varied_of, step, *through, soon)
+    contacts = (robot if full_robot is None else full_robot, frozenset(unsimulated_contacts))
+    variation_of, sensitive = np.array(owner, int), is_sensitive_to_start(robot)
+    return PredictiveSimulation(
+        simulator, channels, deviations, probabilities, values, variation_of, step, *contacts, sensitive
+    )
 
 
-def _variations(replayer: OpenLoopSimulator, rivals: Sequence[Rival]) -> list[tuple[int, Change]]:
-    """Index of a rival, and a change that adds an ordinary error to it."""
-    free = parameters_only(replayer.robot, replayer.catalogue).free
+def _variations(simulator: OpenLoopSimulator, models: Sequence[CompetingModel]) -> list[tuple[int, Change]]:
+    """Index of a model, and a change that adds an ordinary error to it."""
+    free = parameters_only(simulator.robot, simulator.catalogue).free
     found = [(0, Change(f.effect, f.site or None, {f.parameter: f.neutral + f.spread})) for f in free]
-    for i, rival in enumerate(rivals):
-        own = {(f.effect, f.site) for f in free} - {(claim.effect, claim.name or "") for claim in rival.claims}
-        for change in rival.changes:
+    for i, model in enumerate(models):
+        own = {(f.effect, f.site) for f in free} - {(claim.effect, claim.name or "") for claim in model.claims}
+        for change in model.changes:
             if (change.effect, change.name or "") not in own:
                 found += [(i, c) for c in _errors(change)]
     return found
 
 
 def _errors(change: Change) -> list[Change]:
-    """Errors of a change's values; not of what names an element, or is out of reach."""
+    """Errors of a change's values, one at a time; not of references to elements, and not of infinite values."""
     known_ones = {p.name: p for p in effect(change.effect).parameters}
     found = []
     for name, value in change.parameters.items():
         p = known_ones[name]
         if not p.refers and 0.0 < abs(value) < NEVER:
-            found.append(Change(change.effect, change.name, {name: p.neutral + _ORDINARY * value}))
+            found.append(Change(change.effect, change.name, {name: p.neutral + _ORDINARY_ERROR * value}))
     return found
 
 

@@ -1,4 +1,4 @@
-"""Proposing what to record next: the motion within limits on which the rivals of an explanation disagree most."""
+"""Design of the next experiment: the motion within limits on which competing models disagree most."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import final
 import mujoco
 import numpy as np
 
-from estexp_jax.discovery.contest import Contest
+from estexp_jax.discovery.contest import CompetingModels
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import model_values
 from estexp_jax.errors import InputError
@@ -36,35 +36,35 @@ from estexp_jax.search.genetic import Genetic, Population
 _SLOWEST_ROWS, _FASTEST_ROWS = 20.0, 200.0
 """Bounds of the rate of proposed commands, Hz."""
 _FINALISTS, _RANDOM = 4, 8
-"""So many of the best commands, and of random ones, are simulated at the fine step in the end."""
+"""Numbers of best and of random commands that are simulated at the fine step in the end."""
 _WORK, _FEWEST = 12_000_000, 12
-"""Robot steps that a search may take, and fewest motions in a generation, however long it takes."""
-PLAIN = 3.0
-"""Deviations from which on rivals are plainly apart: neither noise nor ordinary errors of the model blur that."""
-SLACK = 0.02
-"""So far beyond a limit, as of `Limits.excess`, a motion may turn out to go at the fine step."""
+"""Robot steps of a search at most, and motions in a generation at least."""
+CLEAR_SEPARATION = 3.0
+"""Separation, in standard deviations, from which on two models can clearly be distinguished."""
+LIMIT_TOLERANCE = 0.02
+"""Violation of a limit, as of `Limits.excess`, that is tolerated at the fine step."""
 _STRENGTHS = (0.9, 0.5, 0.25, 0.12, 0.06, 0.03)
-"""Strengths at which random motions are tried, as shares of the reach of commands."""
+"""Strengths at which random motions are tried, as shares of the range of commands."""
 _MUTATION = 0.15
-"""Genomes are short, and few are tried."""
+"""Probability of a mutation; high, because genomes are short and few are tried."""
 
 
 @final
 @dataclass(frozen=True)
 class ProposeConfig:
-    """How to look for a separating motion.
+    """Settings of the search for a separating motion.
 
     Attributes:
         duration: of the motion, s.
         margin: share of each range of command, joint and force that may be used.
-        speed: how many times as fast as in the recordings joints may move.
+        speed: largest joint speed, as a multiple of that in the recordings.
         seed: of the search.
         engine: auto, lanes or mjx.
-        population: most motions in a generation.
+        population: motions in a generation at most.
         generations: of the search.
 
     Raises:
-        InputError: a number makes no sense.
+        InputError: a number is out of range.
     """
 
     duration: float = 8.0
@@ -87,141 +87,149 @@ class ProposeConfig:
 @final
 @dataclass(frozen=True, eq=False)
 class ProposedExperiment:
-    """A motion to record, and what each rival predicts of it.
+    """A motion to record, and what each competing model predicts for it.
 
     Attributes:
         robot: the nominal one.
-        contest: the rivals.
-        config: how it was looked for.
+        competing_models: the models.
+        config: settings of the search.
         time: (rows,) s.
-        commands: (rows, nu).
-        shown: what the rivals do under these commands.
-        usual: (rivals, rivals) median separation by random motions of the same length within the same limits.
+        commands: (rows, nu) in each actuator's unit.
+        predicted: predictions of the models for these commands.
+        random_separation: (models, models) median separation by random motions of the same length and limits.
         robot_steps: robot steps simulated.
-        engine: which one, and why.
+        engine: its name, and the reason for its choice.
     """
 
     robot: Robot
-    contest: Contest
+    competing_models: CompetingModels
     config: ProposeConfig
     time: np.ndarray
     commands: np.ndarray
-    shown: PredictedReadings
-    usual: np.ndarray
+    predicted: PredictedReadings
+    random_separation: np.ndarray
     robot_steps: int
     engine: tuple[str, str]
 
 
 def search_experiment(
-    robot: Robot, contest: Contest, finer: int, config: ProposeConfig
+    robot: Robot, competing: CompetingModels, finer: int, config: ProposeConfig
 ) -> Generator[Progress, None, ProposedExperiment]:
-    """Search for the motion that separates rivals most.
+    """Search for the motion that separates the competing models most.
 
-    Motions are evolved at the model's own step. The best ones, and random ones to compare with, are then simulated at
-    the fine step that explanations were fitted at. The robot begins at home, at rest; what rivals claim acts all along,
-    also where it began part-way through the recordings. Parts that are apart at home are to stay so. Errors of the
-    start are left out: it will be measured, and soon forgotten by robots that are held by servos.
+    Motions are evolved at the model's own step. The best ones, and random ones for comparison, are then simulated at
+    the fine step at which explanations were fitted. The robot begins at home at rest. Effects act from the beginning,
+    even if they began part-way through the recordings. Bodies that do not touch at home must not touch later. Errors
+    of the initial state are neglected: it will be measured, and servos soon remove its influence.
 
     Args:
         robot: the nominal one.
-        contest: at least two rivals.
-        finer: part of the model's step to judge at.
-        config: how to search.
+        competing: at least two models.
+        finer: the final simulation's timestep is the model's own divided by this.
+        config: settings of the search.
 
     Yields:
         Progress.
 
+    Returns:
+        The best motion found.
+
     Raises:
-        InputError: there are no rivals or no actuators, or no engine simulates the robot.
+        InputError: there are fewer than two models or no actuators, or no engine simulates the robot.
     """
-    yield Progress("preparing", 0, 1, f"{len(contest.rivals)} rivals")
-    rehearsal = _rehearsal(robot, contest, config)
-    speeds = config.speed * np.where((contest.speeds > 0.0) & ~_unlimited(robot, contest), contest.speeds, np.inf)
-    limits, time = limits_of(robot, config.margin, contest.commands, speeds), _clock(contest, config)
-    population = _population(rehearsal, time, config)
+    yield Progress("preparing", 0, 1, f"{len(competing.models)} explanations")
+    simulation = _simulation(robot, competing, config)
+    speeds = config.speed * np.where((competing.speeds > 0.0) & ~_unlimited(robot, competing), competing.speeds, np.inf)
+    limits, time = limits_of(robot, config.margin, competing.commands, speeds), _clock(competing, config)
+    population = _population(simulation, time, config)
     genetic = Genetic(GENES * robot.model.nu, population, config.seed, mutation=_MUTATION)
     final: Population | None = None
-    for final in evolve(genetic, _score(rehearsal, limits, time), config.generations):
+    for final in evolve(genetic, _score(simulation, limits, time), config.generations):
         yield Progress("searching motions", final.generation, config.generations, _note(float(final.scores[0])))
     yield Progress("judging the best", 0, 1)
     finalists = [] if final is None else list(dict.fromkeys(tuple(g) for g in final.genomes.tolist()))[:_FINALISTS]
-    tried = [decode_commands(limits, time, np.array(g)) for g in finalists]
-    usual = _random(rehearsal, limits, time, config.seed)
-    shown = rehearsal.finer(finer).shown(time, tried + usual, limits)
-    best = min(range(len(shown)), key=lambda i: _cost(shown[i], rehearsal, SLACK))
-    typical = np.median([np.nan_to_num(s.apart) for s in shown[len(tried) :]], axis=0)
-    engine, reason = rehearsal.replayer.choice
-    steps, choice = rehearsal.counted[0], (engine, reason)
-    return ProposedExperiment(robot, contest, config, time, (tried + usual)[best], shown[best], typical, steps, choice)
+    motions = [decode_commands(limits, time, np.array(g)) for g in finalists]
+    random_commands = _random(simulation, limits, time, config.seed)
+    predicted = simulation.finer(finer).predict(time, motions + random_commands, limits)
+    best = min(range(len(predicted)), key=lambda i: _cost(predicted[i], simulation, LIMIT_TOLERANCE))
+    random_separation = np.median([np.nan_to_num(p.separation) for p in predicted[len(motions) :]], axis=0)
+    engine, reason = simulation.simulator.choice
+    steps, choice = simulation.robot_steps[0], (engine, reason)
+    commands = (motions + random_commands)[best]
+    return ProposedExperiment(
+        robot, competing, config, time, commands, predicted[best], random_separation, steps, choice
+    )
 
 
-def _unlimited(robot: Robot, contest: Contest) -> np.ndarray:
-    """Degrees of freedom (nv,) for which how fast they moved is no limit.
+def _unlimited(robot: Robot, competing: CompetingModels) -> np.ndarray:
+    """Degrees of freedom (nv,) whose recorded speed is no limit.
 
-    Their motors were told the same all along, or they are those of a floating base, which moves as the legs make it.
+    These are joints whose motors had a constant command, and those of a floating base, which is not actuated.
     """
     model, held = robot.model, np.zeros(robot.model.nv, dtype=bool)
     for joint in np.flatnonzero(model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).tolist():
         held[model.jnt_dofadr[joint] : model.jnt_dofadr[joint] + 6] = True
     joints = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-    for a, (low, high) in enumerate(contest.commands):
+    for a, (low, high) in enumerate(competing.commands):
         if low == high and int(model.actuator_trntype[a]) in joints:
             held[model.jnt_dofadr[model.actuator_trnid[a, 0]]] = True
     return held
 
 
-def _random(rehearsal: PredictiveSimulation, limits: Limits, time: np.ndarray, seed: int) -> list[np.ndarray]:
-    """Commands (rows, nu) of random motions, each as strong as the limits allow, or as weak as it is tried."""
+def _random(simulation: PredictiveSimulation, limits: Limits, time: np.ndarray, seed: int) -> list[np.ndarray]:
+    """Commands (rows, nu) of random motions, each at the largest strength within limits, or at the least."""
     found = []
     for k in range(_RANDOM):
-        tried = [random_motion(limits, time, strength, seed + k) for strength in _STRENGTHS]
-        within = [c for c, s in zip(tried, rehearsal.shown(time, tried, limits), strict=True) if s.excess <= 0.0]
-        found.append((within or tried[-1:])[0])
+        motions = [random_motion(limits, time, strength, seed + k) for strength in _STRENGTHS]
+        within = [c for c, p in zip(motions, simulation.predict(time, motions, limits), strict=True) if p.excess <= 0.0]
+        found.append((within or motions[-1:])[0])
     return found
 
 
-def _rehearsal(robot: Robot, contest: Contest, config: ProposeConfig) -> PredictiveSimulation:
-    if len(contest.rivals) < 2:
-        raise InputError("there are no rivals to tell apart", where=robot.source)
+def _simulation(robot: Robot, competing: CompetingModels, config: ProposeConfig) -> PredictiveSimulation:
+    if len(competing.models) < 2:
+        raise InputError("there are fewer than two explanations to tell apart", where=robot.source)
     if robot.model.nu == 0:
         raise InputError("the robot has no actuators, so no motion can be proposed", where=robot.source)
-    effects = dict.fromkeys(change.effect for rival in contest.rivals for change in rival.changes)
+    effects = dict.fromkeys(change.effect for model in competing.models for change in model.changes)
     every = catalogue(dict.fromkeys((*effects, *model_values())))
-    apart = without_collisions(robot, [robot.home()[None]])
-    free = robot.without_contacts(apart)
+    unsimulated = without_collisions(robot, [robot.home()[None]])
+    free = robot.without_contacts(unsimulated)
     return predictive_simulation_of(
-        open_loop_simulator(free, every, [free], engine=config.engine), contest, robot, apart
+        open_loop_simulator(free, every, [free], engine=config.engine), competing, robot, unsimulated
     )
 
 
-def _clock(contest: Contest, config: ProposeConfig) -> np.ndarray:
-    """Rows (rows,) of the commands, s: at the recordings' rate, within bounds."""
-    rate = round(float(np.clip(contest.rate, _SLOWEST_ROWS, _FASTEST_ROWS)), 2)
+def _clock(competing: CompetingModels, config: ProposeConfig) -> np.ndarray:
+    """Times (rows,) of the commands, s: at the recordings' rate, within bounds."""
+    rate = round(float(np.clip(competing.rate, _SLOWEST_ROWS, _FASTEST_ROWS)), 2)
     return np.arange(round(config.duration * rate) + 1) / rate
 
 
-def _population(rehearsal: PredictiveSimulation, time: np.ndarray, config: ProposeConfig) -> int:
-    """Motions in a generation, half of which are new each time: fewer of robots that take long to simulate."""
-    each = rehearsal.lanes * max(len(time), (time[-1] - time[0]) / rehearsal.timestep)
+def _population(simulation: PredictiveSimulation, time: np.ndarray, config: ProposeConfig) -> int:
+    """Motions in a generation: fewer for robots that are slow to simulate. Half of them are new in each."""
+    each = simulation.lanes * max(len(time), (time[-1] - time[0]) / simulation.timestep)
     return int(np.clip(2.0 * _WORK / (each * config.generations), _FEWEST, config.population))
 
 
-def _score(rehearsal: PredictiveSimulation, limits: Limits, time: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+def _score(simulation: PredictiveSimulation, limits: Limits, time: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     def score(genomes: np.ndarray) -> np.ndarray:
         commands = [decode_commands(limits, time, genome) for genome in genomes]
-        return np.array([_cost(shown, rehearsal) for shown in rehearsal.shown(time, commands, limits)])
+        return np.array([_cost(predicted, simulation) for predicted in simulation.predict(time, commands, limits)])
 
     return score
 
 
-def _cost(shown: PredictedReadings, rehearsal: PredictiveSimulation, allowed: float = 0.0) -> float:
-    """Lower is better: negative within limits, positive where more than allowed beyond, infinite for what blew up."""
-    if not np.isfinite(shown.apart).all():
+def _cost(predicted: PredictedReadings, simulation: PredictiveSimulation, allowed: float = 0.0) -> float:
+    """Cost, lower is better: negative within limits, positive beyond them, infinite if a simulation diverged."""
+    if not np.isfinite(predicted.separation).all():
         return float("inf")
-    return shown.excess if shown.excess > allowed else -separation_score(shown.apart, rehearsal.probabilities)
+    if predicted.excess > allowed:
+        return predicted.excess
+    return -separation_score(predicted.separation, simulation.probabilities)
 
 
 def _note(cost: float) -> str:
     if cost > 0.0:
         return "nothing within limits yet"
-    return f"rivals {np.sqrt(max(cost**2 - 1.0, 0.0)):.3g} deviations apart"
+    return f"separation of {np.sqrt(max(cost**2 - 1.0, 0.0)):.3g} deviations"

@@ -1,8 +1,8 @@
-"""The most separating command: motions as genomes, and how far apart rivals' predictions of them are.
+"""Genomes of motions, their limits, and the separation of competing models' predictions.
 
 Sources: Bongard and Lipson, Evolving Robot Morphology and Control (2004), and Automated Reverse Engineering of
-Nonlinear Dynamical Systems (2007): the best test is the one that rival models disagree on most. Deb, An Efficient
-Constraint Handling Method for Genetic Algorithms (2000): what breaks a limit is worse than anything that does not.
+Nonlinear Dynamical Systems (2007): the best test is the one on which candidate models disagree most. Deb, An Efficient
+Constraint Handling Method for Genetic Algorithms (2000): any violation of a limit is worse than none.
 """
 
 from __future__ import annotations
@@ -17,59 +17,59 @@ from estexp_jax.physics.model.robot import Robot
 
 _WAVES: tuple[Wave, ...] = (sines, random_levels, ramps, ramp_and_hold)
 GENES = len(_WAVES) + 3
-"""Values of a genome for each actuator: how much of each wave, strength, pace, seed."""
+"""Values of a genome for each actuator: amplitude of each wave, strength, pace, seed."""
 STILL = 0.5
-"""Time at the beginning for which a robot is held at home, s."""
-_WEAKEST = 0.03
-"""Least strength of a motion, as a share of an actuator's reach; strengths between are as likely by factors."""
-_PACE = 2.5
+"""Time at the beginning during which the robot is held at home, s."""
+_LEAST_STRENGTH = 0.03
+"""Least strength of a motion, as a share of an actuator's range; strengths are drawn uniformly in their logarithm."""
+_PACE_FACTOR = 2.5
 """Factor by which motions may be faster or slower than those of `excitation`."""
-_IMPROBABLE = 0.01
-"""Least probability that a rival counts with."""
+_LEAST_PROBABILITY = 0.01
+"""Least probability of a model in the score."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """What a motion may not go beyond.
+    """Limits of a motion.
 
     Attributes:
-        centre, reach: (nu,) where commands begin, and how far waves go from there.
+        centre, reach: (nu,) initial commands, and the amplitude of waves about them.
         low, high: (nu,) bounds of commands.
-        places: (joints,) addresses in qpos of the joints with a range.
-        lowest, highest: (joints,) their bounds.
-        speeds: (nv,) fastest speeds; infinite where there is no limit.
+        qpos_addresses: (joints,) of the joints with a range.
+        lowest, highest: (joints,) their bounds, rad or m.
+        speeds: (nv,) largest speeds, rad/s or m/s; infinite where there is no limit.
     """
 
     centre: np.ndarray
     reach: np.ndarray
     low: np.ndarray
     high: np.ndarray
-    places: np.ndarray
+    qpos_addresses: np.ndarray
     lowest: np.ndarray
     highest: np.ndarray
     speeds: np.ndarray
 
     def excess(self, qpos: np.ndarray, qvel: np.ndarray) -> float:
-        """How far motions (..., nq), (..., nv) go beyond: the largest share of a joint's half range or speed limit."""
+        """Largest violation by motions (..., nq), (..., nv), as a share of a joint's half range or speed limit."""
         half = np.maximum((self.highest - self.lowest) / 2.0, 1e-9)
-        there = qpos[..., self.places]
-        beyond = np.maximum(there - self.highest, self.lowest - there) / half
+        position = qpos[..., self.qpos_addresses]
+        beyond = np.maximum(position - self.highest, self.lowest - position) / half
         faster = np.abs(qvel) / self.speeds - 1.0
         return float(max(np.max(beyond, initial=0.0), np.max(faster, initial=0.0)))
 
 
 def limits_of(robot: Robot, margin: float, commands: np.ndarray, speeds: np.ndarray) -> Limits:
-    """Limits of a robot: shares of its ranges of command and joint.
+    """Limits of a robot: shares of its command and joint ranges.
 
-    Motors without a range of command go to that share of their force, servos without one to their usual reach; or as
-    far as in the recordings, where that is further.
+    Motors without a command range are limited to that share of their force, servos to their usual range; or to the
+    range in the recordings, where that is wider.
 
     Args:
         robot: the nominal robot.
-        margin: share of each range that may be used; home always may.
-        commands: (nu, 2) lowest and highest command of recordings.
-        speeds: (nv,) limits; infinite where there is none.
+        margin: share of each range that may be used; home is always inside.
+        commands: (nu, 2) lowest and highest command in the recordings.
+        speeds: (nv,) limits, rad/s or m/s; infinite where there is none.
     """
     model = robot.model
     centre, reach = excitation_range(robot)
@@ -80,9 +80,9 @@ def limits_of(robot: Robot, margin: float, commands: np.ndarray, speeds: np.ndar
     least, most = _shrunk(model.actuator_ctrlrange[limited], margin, centre[limited])
     low[limited], high[limited] = np.maximum(low[limited], least), np.minimum(high[limited], most)
     joints = [j for j in robot.scalar_joints if model.jnt_limited[j]]
-    places = model.jnt_qposadr[joints] if joints else np.zeros(0, int)
-    lowest, highest = _shrunk(model.jnt_range[joints].reshape(-1, 2), margin, robot.home()[places])
-    return Limits(centre, reach, low, high, places, lowest, highest, speeds)
+    qpos_addresses = model.jnt_qposadr[joints] if joints else np.zeros(0, int)
+    lowest, highest = _shrunk(model.jnt_range[joints].reshape(-1, 2), margin, robot.home()[qpos_addresses])
+    return Limits(centre, reach, low, high, qpos_addresses, lowest, highest, speeds)
 
 
 def _shrunk(ranges: np.ndarray, margin: float, home: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -92,10 +92,10 @@ def _shrunk(ranges: np.ndarray, margin: float, home: np.ndarray) -> tuple[np.nda
 
 
 def decode_commands(limits: Limits, time: np.ndarray, genome: np.ndarray) -> np.ndarray:
-    """The commands (rows, nu) of a genome; still at home for the first moment.
+    """The commands (rows, nu) of a genome; the robot stays at home for the first `STILL` seconds.
 
     Args:
-        limits: that they keep to.
+        limits: of the commands.
         time: (rows,) s.
         genome: (GENES * nu,) in -1..1.
     """
@@ -105,72 +105,72 @@ def decode_commands(limits: Limits, time: np.ndarray, genome: np.ndarray) -> np.
 
 
 def _mixed(genes: np.ndarray, moving: np.ndarray, actuator: int) -> np.ndarray:
-    """A signal (rows,) in -1..1 of one actuator: waves added up; cubes, so that some are nearly pure."""
+    """A signal (rows,) in -1..1 of one actuator: a sum of waves. Amplitudes are cubed, so that one often dominates."""
     amounts, (strength, pace, seed) = genes[: len(_WAVES)] ** 3, genes[len(_WAVES) :]
     draw = np.random.default_rng([actuator, round(100.0 * (seed + 1.0))])
-    total = sum(amount * wave(_PACE**pace * moving, draw) for amount, wave in zip(amounts, _WAVES, strict=True))
+    total = sum(amount * wave(_PACE_FACTOR**pace * moving, draw) for amount, wave in zip(amounts, _WAVES, strict=True))
     peak = max(float(np.abs(total).max()), 1e-9)
-    return _WEAKEST ** ((1.0 - strength) / 2.0) * total / peak
+    return _LEAST_STRENGTH ** ((1.0 - strength) / 2.0) * total / peak
 
 
 def random_motion(limits: Limits, time: np.ndarray, strength: float, seed: int) -> np.ndarray:
-    """Commands (rows, nu) that know nothing of rivals: sums of sines to a share `strength` of each command's reach."""
+    """Commands (rows, nu) for comparison: sums of sines with a share `strength` of each command's amplitude."""
     draw, moving = np.random.default_rng([seed, len(time)]), np.maximum(time - time[0] - STILL, 0.0)
     signals = np.stack([sines(moving, draw) for _ in limits.centre], axis=1)
     return np.clip(limits.centre + strength * limits.reach * signals, limits.low, limits.high)
 
 
 def pairwise_separation(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """How far apart rivals (rivals, rivals) are, beyond what ordinary errors of a model explain; 1 is one deviation.
+    """Separation (models, models) of predictions, beyond what ordinary model errors explain, in standard deviations.
 
         s_ij^2 = min_a |d_ij - D a|^2 / rows + |a|^2 = d' (I + D D' / rows)^-1 d / rows
 
-    d_ij is the difference of two rivals' readings in deviations of their noise, all channels together: a lone sensor
-    that differs by three deviations all the time gives 3, however many others the robot has. A model's value that is
-    off by as much as is ordinary costs as much as one deviation all the time.
+    d_ij is the difference of two models' readings in standard deviations of the noise, all channels together. A single
+    sensor that differs by three deviations in every row gives 3, however many others the robot has. An ordinary error
+    a of one costs as much as one deviation in every row.
 
     Args:
-        readings: (rivals, rows, channels), in deviations.
-        directions: D, (directions, rows, channels): what ordinary errors, one at a time, change in them.
+        readings: (models, rows, channels), in standard deviations.
+        directions: D, (directions, rows, channels): changes of the readings by one ordinary error each.
     """
-    rivals, rows = readings.shape[:2]
-    flat = readings.reshape(rivals, -1) / np.sqrt(rows)
+    n, rows = readings.shape[:2]
+    flat = readings.reshape(n, -1) / np.sqrt(rows)
     spread = directions.reshape(len(directions), flat.shape[1]) / np.sqrt(rows)
-    apart = flat[:, None] - flat[None]
-    shown = apart @ spread.T
+    difference = flat[:, None] - flat[None]
+    projected = difference @ spread.T
     inner = np.linalg.inv(np.eye(len(spread)) + spread @ spread.T)  # Woodbury: of directions, not of samples
-    squares = np.sum(apart**2, axis=2) - np.einsum("ijm,mn,ijn->ij", shown, inner, shown)
+    squares = np.sum(difference**2, axis=2) - np.einsum("ijm,mn,ijn->ij", projected, inner, projected)
     return np.sqrt(np.maximum(squares, 0.0))
 
 
 def pairwise_separation_sensitive(readings: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """As `pairwise_separation`, for robots that part for good once a foot touches down a moment sooner.
+    """As `pairwise_separation`, for robots that are sensitive to their initial state, such as robots on legs.
 
-    There no few directions hold what ordinary errors do, so what they change counts as noise, reading by reading:
+    Their response to ordinary errors is not linear, so the changes count as noise, reading by reading:
 
         s_ij^2 = sum d_ij^2 / (1 + sum_k D_k^2) / rows
 
     Args:
-        readings: (rivals, rows, channels), in deviations.
+        readings: (models, rows, channels), in standard deviations.
         directions: D, (directions, rows, channels).
     """
     rows = readings.shape[1]
-    apart = (readings[:, None] - readings[None]) / np.sqrt(1.0 + np.sum(directions**2, axis=0))
-    return np.sqrt(np.sum(apart**2, axis=(2, 3)) / rows)
+    difference = (readings[:, None] - readings[None]) / np.sqrt(1.0 + np.sum(directions**2, axis=0))
+    return np.sqrt(np.sum(difference**2, axis=(2, 3)) / rows)
 
 
-def separation_score(apart: np.ndarray, probabilities: np.ndarray) -> float:
-    """One number for how well rivals are told apart: a soft minimum over pairs, weighted by both probabilities.
+def separation_score(separation: np.ndarray, probabilities: np.ndarray) -> float:
+    """Score of the separation of all models: a soft minimum over pairs, weighted by their probabilities.
 
         S = (sum_{i<j} w_ij / (1 + s_ij^2) / sum_{i<j} w_ij)^(-1/2),  w_ij = p_i p_j
 
-    The least separated pair rules it; yet a pair that no motion separates does not hide what is gained with others.
+    The least separated pair dominates. A pair that no motion separates does not hide the gain on others.
 
     Args:
-        apart: (rivals, rivals) as of `pairwise_separation`.
-        probabilities: (rivals,).
+        separation: (models, models) as of `pairwise_separation`.
+        probabilities: (models,).
     """
-    shares = np.maximum(probabilities, _IMPROBABLE)
-    one, other = np.triu_indices(len(apart), 1)
+    shares = np.maximum(probabilities, _LEAST_PROBABILITY)
+    one, other = np.triu_indices(len(separation), 1)
     weights = shares[one] * shares[other]
-    return float(np.sqrt(weights.sum() / np.sum(weights / (1.0 + apart[one, other] ** 2))))
+    return float(np.sqrt(weights.sum() / np.sum(weights / (1.0 + separation[one, other] ** 2))))

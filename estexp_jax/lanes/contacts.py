@@ -36,7 +36,7 @@ from estexp_jax.lanes.contact_candidates import Candidate, mixed
 from estexp_jax.lanes.kinematics import BodyMotion
 from estexp_jax.lanes.layout import Group, Layout
 from estexp_jax.lanes.model_parameters import ModelParameters, rotation_matrix, world_pose
-from estexp_jax.lanes.rows import ContactPush, Pyramid, Residual, Rows
+from estexp_jax.lanes.rows import ContactPush, Pyramid, Residual
 from estexp_jax.lanes.softness import Softness, regularised
 
 _GEOM = mujoco.mjtGeom
@@ -57,7 +57,7 @@ class Contact:
 
     group: int
     candidate: Candidate
-    rows: Rows
+    rows: Pyramid | ContactPush
     position: Vector
     normal: Vector
 
@@ -109,7 +109,7 @@ def _contact(
     back = -spring * impedance * violation
     if candidate.condim == 1:
         stiffness = jnp.where(touching, regularised(weight, impedance), 0.0)
-        rows: Rows = ContactPush(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
+        rows = ContactPush(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
         return Contact(group.index, candidate, rows, position, normal)
     friction = _friction(model, numbers, candidate)
     mu = friction / np.sqrt(model.opt.impratio)

@@ -15,10 +15,10 @@ _STILL = 5.0
 def noise_std_of(time: np.ndarray, samples: np.ndarray) -> float:
     """Standard deviation of the noise in a slowly changing signal, in its unit; NaN for fewer than five samples.
 
-    Divided differences of order d remove motion that is locally a polynomial of lower degree, on any clock; scaled so
-    that white noise keeps its deviation, their median size is it, whatever jolts. The least of several orders counts,
-    because a low one leaves some of a fast motion sampled slowly. A quantised signal at rest shows no differences at
-    all, so the deviation is at least that of its step, step / sqrt(12).
+    Divided differences of order d remove motion that is locally a polynomial of lower degree, on any clock. They are
+    scaled so that white noise keeps its standard deviation; the median is robust against jolts. The least of several
+    orders is taken, because low orders leave some of a fast motion that is sampled slowly. A quantised signal at rest
+    has no differences, so the result is at least step / sqrt(12).
 
     Args:
         time: (rows,) s, increasing.
@@ -45,16 +45,16 @@ def holds_still(robot: Robot, recording: Recording, sensor: str, begin: float) -
 
 
 def _typical_difference(time: np.ndarray, samples: np.ndarray, order: int) -> float:
-    """Deviation of white noise whose divided differences of an order are as large as these."""
+    """Standard deviation of white noise that has divided differences of an order of the same median size."""
     near = np.arange(len(time) - order)[:, None] + np.arange(order + 1)
-    apart = time[near][:, :, None] - time[near][:, None, :] + np.eye(order + 1)
-    weights = 1.0 / np.prod(apart / np.abs(apart).max(axis=(1, 2), keepdims=True), axis=2)
+    separations = time[near][:, :, None] - time[near][:, None, :] + np.eye(order + 1)
+    weights = 1.0 / np.prod(separations / np.abs(separations).max(axis=(1, 2), keepdims=True), axis=2)
     weights /= np.linalg.norm(weights, axis=1, keepdims=True)
     return float(np.median(np.abs(np.sum(weights * samples[near], axis=1)))) / 0.6745
 
 
 def _quantum(y: np.ndarray) -> float:
-    """The smallest step between neighbouring values, where few distinct values recur; else 0."""
+    """The quantisation step, if few distinct values recur; else 0."""
     values = np.unique(y)
     if len(values) < 2 or len(values) > 0.5 * len(y):
         return 0.0

@@ -1,8 +1,8 @@
 """The estimation-exploration algorithm: walk, get damaged, diagnose from the sensors, walk again.
 
-exploration -> damage, whose trial is the first recording -> `passes` times (estimation -> exploration -> hardware
-trial).
-A generator yields the state after every generation and every trial; any of them can be gone on with, bit for bit.
+Phases: exploration; damage, whose trial is the first recording; then `passes` times estimation, exploration and
+hardware trial. A generator yields the state after every generation and every trial. A run that is resumed from any of
+these states gives the same results bit for bit.
 
 Source: Bongard and Lipson 2004, section 2.1 and Figure 2a.
 """
@@ -18,7 +18,7 @@ import numpy as np
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, parse_change
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.config import ROUGH, Settings
+from estexp_jax.recovery.config import DEFAULT_MODEL_ERROR, Settings
 from estexp_jax.recovery.control.trial import Trial
 from estexp_jax.recovery.estimation.base import changes_of
 from estexp_jax.recovery.estimation.choice import estimation_of, hypothesis_cost_of
@@ -32,21 +32,21 @@ from estexp_jax.recovery.target import RemoteTarget, SameTarget, Target
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Population
 
-_GOOD, _CANDIDATES = 0.8, 48
-"""Controllers that come at least this share of the best one's distance may be tried next, so many at most."""
+_NEARLY_AS_FAR, _MAX_CANDIDATES = 0.8, 48
+"""A controller may be tried next if it goes at least this share of the best distance; so many are compared."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Job:
-    """What a run works with.
+    """The inputs of a run.
 
     Attributes:
         settings: of the run.
-        simulator: the robot's, without damage.
-        planted: what is wrong with the robot in the world, for the record; empty where nobody knows.
+        simulator: of the undamaged robot.
+        planted: true damage of the robot in the world, for the record; empty if unknown.
         target: the damaged robot.
-        healthy: the robot before the damage; None where it cannot be had, and then the simulator stands in.
+        healthy: the robot before the damage; None if not available: the simulator stands in for it.
     """
 
     settings: Settings
@@ -57,12 +57,12 @@ class Job:
 
     @property
     def stands_in(self) -> bool:
-        """Whether what is told of the robot before the damage is the simulator's."""
+        """Whether the simulator stands in for the robot before the damage."""
         return self.healthy is None
 
 
 def planted_changes(robot: Robot, settings: Settings) -> tuple[Change, ...]:
-    """What a run's settings do to the robot.
+    """The damage that a run's settings ask for.
 
     Raises:
         InputError: the situation or a damage has no place on this robot.
@@ -80,20 +80,20 @@ def job_of(
     healthy: Target | RemoteTarget | None = None,
     world: DamageSimulator | None = None,
 ) -> Job:
-    """Everything a run needs.
+    """Prepare a run.
 
     Args:
         robot: the nominal robot.
         settings: of the run.
-        target: the robot in the world, damaged already; None: a simulated one, with the damage of `settings`.
-        healthy: with `target`, the same robot before the damage, where it can be had.
-        world: a simulator of the robot with such settings, to be used again; its catalogue has to hold the damage.
+        target: the robot in the world, already damaged; None: a simulated one with the damage of `settings`.
+        healthy: with `target`, the same robot before the damage, if available.
+        world: a simulator of the robot to reuse; its catalogue must hold the damage.
 
     Raises:
         InputError: the damage cannot be planted, or the robot cannot be controlled or cannot travel.
     """
     if target is not None and settings.model_error is None:
-        settings = replace(settings, model_error=ROUGH)
+        settings = replace(settings, model_error=DEFAULT_MODEL_ERROR)
     planted = planted_changes(robot, settings) if target is None else ()
     world = damage_simulator(robot, settings, planted) if world is None else world
     if target is not None:
@@ -108,11 +108,11 @@ def run_cycle(job: Job, state: RunState | None = None) -> Iterator[RunState]:
     """Yield the state after each generation and each trial, to the end of the run.
 
     Args:
-        job: what it works with.
-        state: an earlier state of the same job, to go on from.
+        job: inputs of the run.
+        state: an earlier state of the same job to resume from.
 
     Raises:
-        InputError: every simulation of a phase blew up.
+        InputError: every simulation of a phase diverged.
     """
     state = RunState() if state is None else state
     phases = {"exploration": _explore, "damage": _damage, "estimation": _estimate, "trial": _trial}
@@ -136,7 +136,7 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
     population = Population.from_tree(dict(state.search or {}))
     last = number >= settings.passes
     candidates = rank_controllers(job.simulator, settings, changes, population, state.controllers, last=last)
-    weights, value = _chosen(job, state, *candidates)
+    weights, value = _next_controller(job, state, *candidates)
     yield replace(
         state,
         phase="trial" if number else "damage",
@@ -146,45 +146,53 @@ def _explore(job: Job, state: RunState) -> Iterator[RunState]:
     )
 
 
-def _chosen(job: Job, state: RunState, genomes: np.ndarray, scores: np.ndarray) -> tuple[np.ndarray, float]:
-    """The controller that the robot tries next, and its score: the best, or the most telling of those about as good.
+def _next_controller(job: Job, state: RunState, genomes: np.ndarray, scores: np.ndarray) -> tuple[np.ndarray, float]:
+    """The controller that the robot tries next, and its score: the best, or the most informative of the good ones.
 
-    The last trial is for walking: nothing is learned from it.
+    No estimation follows the last trial, so it is always given to the best.
+
+    Args:
+        job: inputs of the run.
+        state: of the run.
+        genomes: candidates (n, n_weights), best first.
+        scores: minus their distances (n,), m; infinite where the simulation diverged.
     """
     settings, first = job.settings, float(scores[0])
     if not np.isfinite(first):
-        raise InputError("every simulated walk blew up", where=job.simulator.robot.source, right="a smaller timestep")
-    rivals = state.rivals[-1] if state.rivals else ()
-    if settings.next_trial == "farthest" or not rivals or state.number >= settings.passes or first >= 0.0:
+        raise InputError("every simulated walk diverged", where=job.simulator.robot.source, right="a smaller timestep")
+    alternatives = state.alternatives[-1] if state.alternatives else ()
+    if settings.next_trial == "farthest" or not alternatives or state.number >= settings.passes or first >= 0.0:
         return genomes[0], first
-    good = np.flatnonzero(scores <= _GOOD * first)[:_CANDIDATES]
+    candidates = np.flatnonzero(scores <= _NEARLY_AS_FAR * first)[:_MAX_CANDIDATES]
     share = state.probabilities[-1] or 0.0
-    explanations = [(state.diagnoses[-1], share), *rivals]
-    index = good[most_informative(remaining_probability(job.simulator, settings, genomes[good], explanations))]
+    explanations = [(state.diagnoses[-1], share), *alternatives]
+    remaining = remaining_probability(job.simulator, settings, genomes[candidates], explanations)
+    index = candidates[most_informative(remaining)]
     return genomes[index], float(scores[index])
 
 
 def _damage(job: Job, state: RunState) -> Iterator[RunState]:
-    """The first controller on the robot before and after; only the second is a recording."""
+    """Try the first controller before and after the damage; only the second trial is estimated from."""
     healthy = job.healthy if job.healthy is not None else SameTarget(job.simulator, ())
-    before, damaged = _performed(job, healthy, state), _performed(job, job.target, state)
+    before, damaged = _run_trial(job, healthy, state), _run_trial(job, job.target, state)
     yield replace(state, phase="estimation", number=1, before=before, trials=(damaged,))
 
 
 def _estimate(job: Job, state: RunState) -> Iterator[RunState]:
     method = estimation_of(job.simulator, job.settings, state.number)
-    seen = [] if job.healthy is None or state.before is None else [(state.controllers[0], state.before)]
-    residuals = hypothesis_cost_of(job.simulator, job.settings, state.controllers, state.trials, seen)
+    healthy_trials = [] if job.healthy is None or state.before is None else [(state.controllers[0], state.before)]
+    residuals = hypothesis_cost_of(job.simulator, job.settings, state.controllers, state.trials, healthy_trials)
     search = dict(state.search) if state.search is not None else method.begin(state.seeds)
     generation = sum(row.number == state.number and row.phase == "estimation" for row in state.history)
     while not method.done(search):
         search, generation = method.advance(search, residuals), generation + 1
-        told = method.summary(search)
-        row = Row(state.number, "estimation", generation, told.best, told.median, told.dominants)
+        summary = method.summary(search)
+        row = Row(state.number, "estimation", generation, summary.best, summary.median, summary.dominants)
         state = replace(state, search=search, history=(*state.history, row))
         if not method.done(search):
             yield state
     diagnosis = method.diagnosis(search)
+    alternatives = tuple((changes_of(job.simulator, items), p) for items, p in diagnosis.alternatives)
     yield replace(
         state,
         phase="exploration",
@@ -192,21 +200,21 @@ def _estimate(job: Job, state: RunState) -> Iterator[RunState]:
         diagnoses=(*state.diagnoses, changes_of(job.simulator, diagnosis.items)),
         residuals=(*state.residuals, diagnosis.residual),
         probabilities=(*state.probabilities, diagnosis.probability),
-        rivals=(*state.rivals, tuple((changes_of(job.simulator, items), p) for items, p in diagnosis.rivals)),
+        alternatives=(*state.alternatives, alternatives),
         alarms=(*state.alarms, diagnosis.alarm),
         seeds=(*state.seeds, method.seed(search)),
     )
 
 
 def _trial(job: Job, state: RunState) -> Iterator[RunState]:
-    trial = _performed(job, job.target, state)
+    trial = _run_trial(job, job.target, state)
     last = state.number >= job.settings.passes
     number = state.number if last else state.number + 1
     yield replace(state, phase="done" if last else "estimation", number=number, trials=(*state.trials, trial))
 
 
-def _performed(job: Job, target: Target | RemoteTarget, state: RunState) -> Trial:
-    """The last controller on a robot in the world."""
+def _run_trial(job: Job, target: Target | RemoteTarget, state: RunState) -> Trial:
+    """The trial of the last controller on a robot in the world."""
     weights, steps = state.controllers[-1], job.settings.steps
     controller = job.simulator.controller(weights, steps)
     if not isinstance(target, RemoteTarget):

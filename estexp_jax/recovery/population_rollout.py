@@ -1,4 +1,4 @@
-"""Front doors for Python: a population of damaged robots in one batch."""
+"""Simulation of a population of damaged robots in one batch."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ def population_rollout(
 
     Returns:
         Arrays (robots, steps, ...): raw `readings` (touch as +1/-1), `commands`, the root's `position` in m; and
-        `failed` (robots,), where the simulation blew up.
+        `failed` (robots,), where the simulation diverged.
 
     Raises:
-        InputError: numbers of edits and controllers or of weights do not fit, or an edit has no place on the robot.
+        InputError: the shapes of edits and controllers do not match, or an edit has no place on the robot.
     """
     sets = [[parse_change(e, robot) if isinstance(e, str) else e for e in one] for one in edits]
     settings = Settings(
@@ -59,4 +59,4 @@ def population_rollout(
     if weights.shape != (len(sets), world.n_weights) or not sets:
         right = f"one row of {world.n_weights} weights for each of the {len(sets)} robots"
         raise InputError(f"controllers have the shape {weights.shape}", where="rollout", right=right)
-    return world.each(sets, weights, steps)
+    return world.rollout_each(sets, weights, steps)

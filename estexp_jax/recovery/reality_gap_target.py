@@ -1,8 +1,9 @@
-"""A robot in the world that the simulator is wrong about: another engine, errors in every parameter, noise.
+"""A robot in the world with a reality gap: another engine, errors in every parameter, and sensor noise.
 
-The C engine of MuJoCo at a quarter of the physics step. Every mass (with its inertia), motor gain, joint damping and
-contact friction is off by a random 3 %. Encoders have 12 bits a turn and 0.005 rad of noise; 2 % of the touch readings
-flip. Damage is planted by recompiling the description. The robot settles on its own before each trial.
+It is simulated by MuJoCo's C engine at a quarter of the physics step. Masses with their inertias, motor gains, joint
+dampings and contact frictions have random relative errors of 3 %. Encoders have 12 bits a turn and noise of 0.005 rad;
+2 % of the touch readings flip their sign. Damage is planted by recompiling the model. The robot settles before each
+trial.
 """
 
 from __future__ import annotations
@@ -27,20 +28,20 @@ from estexp_jax.physics.model.travel import root_position_map
 from estexp_jax.recovery.control.network import Network
 from estexp_jax.recovery.control.trial import Controller, Trial, controller_step
 
-_ERROR, _FINER = 0.03, 4
+_RELATIVE_ERROR, _SUBSTEPS = 0.03, 4
 _NOISE, _BITS, _FLIPS = 0.005, 12, 0.02
 _TAG = 17
 
 
 @final
 class RealityGapTarget:
-    """See the module.
+    """A `Target` with a reality gap: see the module.
 
-    Its noise is a function of seed and controller, so that a resumed run meets the same robot.
+    Its noise depends on seed and controller only, so that a resumed run gets the same trials.
 
     Args:
         robot: the nominal robot.
-        planted: what differs by design: edits, sensor faults and controller faults.
+        planted: the damage: edits, sensor faults and controller faults.
         seed: of its errors and noise.
         settle_steps: control steps with motors at home before a trial.
 
@@ -51,18 +52,18 @@ class RealityGapTarget:
     def __init__(self, robot: Robot, planted: Sequence[Change], seed: int, settle_steps: int) -> None:
         self._robot, self._planted, self._seed, self._settle = robot, tuple(planted), seed, settle_steps
         self._model = _damaged(robot, self._planted, np.random.default_rng([seed, _TAG]))
-        self._map = _Map(robot, self._model)
+        self._map = _CoordinateMap(robot, self._model)
 
     def __call__(self, controller: Controller) -> Trial:
         """See `Target`."""
-        return self._walked(controller)[0]
+        return self._simulate(controller)[0]
 
     def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
-        """See `target.Filmed`."""
-        return self._walked(controller)[1][list(rows)]
+        """See `FilmedTarget`."""
+        return self._simulate(controller)[1][list(rows)]
 
-    def _walked(self, controller: Controller) -> tuple[Trial, np.ndarray]:
-        """A trial, and the configurations (rows, nq) in it."""
+    def _simulate(self, controller: Controller) -> tuple[Trial, np.ndarray]:
+        """A trial, and its configurations (rows, nq)."""
         face, model, shape = controller.interface, self._model, (controller.steps,)
         random = np.random.default_rng([self._seed, _TAG, zlib.crc32(np.asarray(controller.weights, "<f4").tobytes())])
         data, repeats = self._at_rest(face, controller.control_step)
@@ -94,7 +95,7 @@ class RealityGapTarget:
         return jax.tree.map(np.asarray, network)
 
     def _faults(self, face: Interface) -> tuple[np.ndarray, np.ndarray]:
-        """What planted faults make of a reading x: scale x + shift, (n_inputs,) each; all are of this kind."""
+        """Scale and shift (n_inputs,) of the planted sensor faults; all are affine in the reading."""
 
         def distorted(x: float) -> np.ndarray:
             whole = jnp.full(self._robot.model.nsensordata, x)
@@ -111,8 +112,8 @@ class RealityGapTarget:
         angles = true + _NOISE * random.standard_normal(face.n_inputs)
         step = 2.0 * np.pi / 2**_BITS
         flips = np.where(random.random(face.n_inputs) < _FLIPS, -1.0, 1.0)
-        seen = np.where(face.is_touch, true * flips, np.round(angles / step) * step)
-        return np.where(self._map.lost_input(face), face.rest, seen) * faults[0] + faults[1]
+        quantized = np.where(face.is_touch, true * flips, np.round(angles / step) * step)
+        return np.where(self._map.lost_input(face), face.rest, quantized) * faults[0] + faults[1]
 
     def _values(self, kind: type) -> list[tuple]:
         mine = [c for c in self._planted if isinstance(effect(c.effect), kind)]
@@ -122,8 +123,8 @@ class RealityGapTarget:
 
 
 @final
-class _Map:
-    """Where the nominal robot's coordinates, motors and sensors are in a model that may have lost parts."""
+class _CoordinateMap:
+    """Maps coordinates, motors and sensors of a model that may have lost parts to the nominal robot's."""
 
     def __init__(self, robot: Robot, model: mujoco.MjModel) -> None:
         self._robot = robot
@@ -137,13 +138,13 @@ class _Map:
         self._model = model
 
     def qpos(self, data: mujoco.MjData) -> np.ndarray:
-        """The configuration (nq,) as the nominal robot numbers it; lost joints at home."""
+        """The configuration (nq,) in the nominal robot's coordinates; lost joints at home."""
         qpos = self._robot.home()
         qpos[self.there] = data.qpos[self.here]
         return qpos
 
     def sensordata(self, data: mujoco.MjData, face: Interface) -> np.ndarray:
-        """Sensor values as the nominal robot numbers them; zero where lost."""
+        """Sensor values (nsensordata,) in the nominal robot's order; zero where lost."""
         whole = np.zeros(self._robot.model.nsensordata)
         for there, here in self._sensors.items():
             a, b, n = self._robot.model.sensor_adr[there], self._model.sensor_adr[here], self._model.sensor_dim[here]
@@ -156,7 +157,7 @@ class _Map:
         return np.where(face.is_touch, touch, qpos[face.qpos])
 
     def lost_input(self, face: Interface) -> np.ndarray:
-        """Which inputs have lost their sensor, (n_inputs,) bool."""
+        """Whether each input has lost its sensor, (n_inputs,) bool."""
         return np.array([self._robot.index("sensor", name) not in self._sensors for name in face.names])
 
 
@@ -166,12 +167,12 @@ def _addresses(model: mujoco.MjModel, joint: int) -> np.ndarray:
 
 
 def _damaged(robot: Robot, planted: Sequence[Change], random: np.random.Generator) -> mujoco.MjModel:
-    """The nominal description with the damage in it, compiled, then off in every parameter."""
+    """The compiled model with the damage in it and random errors of its parameters."""
     spec = robot.spec.copy()
     for key in list(spec.keys):
         spec.delete(key)
     _name_all(robot, spec)
-    # Bodies are deleted last: every other edit still finds its element.
+    # Bodies are deleted last, so that every other edit finds its element.
     for change in sorted(planted, key=lambda c: effect(c.effect).removes_part):
         e = effect(change.effect)
         if isinstance(e, Edit):
@@ -181,14 +182,14 @@ def _damaged(robot: Robot, planted: Sequence[Change], random: np.random.Generato
         elif not isinstance(e, Distortion | ControllerFault):
             raise InputError(f"the foreign robot cannot carry '{e.name}'", where="--damage", right="--robot same")
     model = spec.compile()
-    model.opt.timestep = robot.model.opt.timestep / _FINER
+    model.opt.timestep = robot.model.opt.timestep / _SUBSTEPS
     _perturb(model, random)
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 
 
 def _name_all(robot: Robot, spec: mujoco.MjSpec) -> None:
-    """Names for what has none, so that it is found again after parts are lost."""
+    """Give every element a name, by which it is found again after parts are lost."""
     for kind in ("joint", "actuator", "sensor"):
         for name in robot.names(kind):
             spec_element(spec, robot, kind, name).name = name
@@ -196,7 +197,7 @@ def _name_all(robot: Robot, spec: mujoco.MjSpec) -> None:
 
 def _perturb(model: mujoco.MjModel, random: np.random.Generator) -> None:
     def off(n: int) -> np.ndarray:
-        return 1.0 + _ERROR * random.standard_normal(n)
+        return 1.0 + _RELATIVE_ERROR * random.standard_normal(n)
 
     mass, gain = off(model.nbody), off(model.nu)
     model.body_mass[:] *= mass

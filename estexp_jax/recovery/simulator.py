@@ -1,4 +1,4 @@
-"""The robot's simulator as both phases use it: sets of changes and controllers in, trials out."""
+"""The simulator that both phases use: it takes sets of changes and controllers and returns trials."""
 
 from __future__ import annotations
 
@@ -32,93 +32,96 @@ from estexp_jax.recovery.model_error import model_errors
 @final
 @dataclass(frozen=True, eq=False)
 class DamageSimulator:
-    """Simulates any damage on any controller, with one executable.
+    """Simulates any damage under any controller with one compiled program.
 
     Attributes:
-        walker: the engine.
+        closed_loop: the engine.
         settle_steps: control steps with motors at home before each trial.
-        control_step: s.
+        control_step: time between two commands, s.
     """
 
-    walker: ClosedLoopSimulator
+    closed_loop: ClosedLoopSimulator
     settle_steps: int
     control_step: float
 
     @property
     def robot(self) -> Robot:
         """The nominal robot."""
-        return self.walker.robot
+        return self.closed_loop.robot
 
     @property
     def n_weights(self) -> int:
         """Length of a controller's genome."""
-        return self.walker.n_weights
+        return self.closed_loop.n_weights
 
     @cached_property
     def finer(self) -> DamageSimulator:
-        """The same one at half the physics step."""
-        return replace(self, walker=self.walker.finer(2))
+        """The same simulator at half the physics step."""
+        return replace(self, closed_loop=self.closed_loop.finer(2))
 
     def controller(self, weights: np.ndarray, steps: int) -> Controller:
-        """A controller (n_weights,) as a robot in the world runs it."""
-        return Controller(weights, self.walker.interface, self.walker.gain, self.control_step, steps)
+        """The controller of weights (n_weights,), as a robot in the world runs it."""
+        return Controller(weights, self.closed_loop.interface, self.closed_loop.gain, self.control_step, steps)
 
     def settled(self, sets: Sequence[Sequence[Change]]) -> BodyState:
-        """Where robots with these changes come to rest: what each trial of theirs starts from, (sets, ...)."""
-        return self.walker.settle(self._values(sets), self.settle_steps)
+        """States (sets, ...) in which robots with these changes come to rest; their trials start there."""
+        return self.closed_loop.settle(self._values(sets), self.settle_steps)
 
-    def walks(
+    def rollouts(
         self,
         sets: Sequence[Sequence[Change]],
         start: BodyState,
         weights: np.ndarray,
         steps: int,
-        heard: ReadingOverride | None = None,
+        override: ReadingOverride | None = None,
     ) -> Rollout:
-        """Many damaged robots, each under the same few controllers.
+        """Simulate every damaged robot under every controller.
 
         Args:
             sets: the changes of each robot.
-            start: of each robot: `settled(sets)`.
+            start: initial state of each robot, as of `settled(sets)`.
             weights: (controllers, n_weights).
             steps: control steps.
-            heard: what the networks get, arrays (sets or 1, controllers or 1, steps, n_inputs); None: the robots' own
-                readings.
+            override: of the networks' readings, arrays (sets or 1, controllers or 1, steps, n_inputs); None: the
+                robots' own readings.
 
         Returns:
             Arrays (sets, controllers, ...).
         """
         s, c = len(sets), len(weights)
-        starts, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, self._values(sets)))
-        many = jax.tree.map(lambda x: np.broadcast_to(x, (s, c, *x.shape[2:])).reshape(s * c, *x.shape[2:]), heard)
-        walk = self.walker.walk(values, np.tile(weights, (s, 1)), starts, steps, many)
-        return jax.tree.map(lambda x: x.reshape(s, c, *x.shape[1:]), walk)
+        initial, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, self._values(sets)))
+        many = jax.tree.map(lambda x: np.broadcast_to(x, (s, c, *x.shape[2:])).reshape(s * c, *x.shape[2:]), override)
+        rollout = self.closed_loop.walk(values, np.tile(weights, (s, 1)), initial, steps, many)
+        return jax.tree.map(lambda x: x.reshape(s, c, *x.shape[1:]), rollout)
 
     def trials(
         self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int, readings: np.ndarray | None = None
     ) -> Rollout:
-        """`walks` from where these robots come to rest.
+        """`rollouts` from the states in which these robots come to rest.
 
-        Recorded readings (controllers, steps, n_inputs) may drive the networks in place of the simulated ones.
+        With `readings` (controllers, steps, n_inputs), recorded readings drive the networks in place of simulated ones.
         """
-        heard = None if readings is None else replace_readings(readings[None])
-        return self.walks(sets, self.settled(sets), weights, steps, heard)
+        override = None if readings is None else replace_readings(readings[None])
+        return self.rollouts(sets, self.settled(sets), weights, steps, override)
 
-    def each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Rollout:
-        """Many damaged robots, each under its own controller.
+    def rollout_each(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, steps: int) -> Rollout:
+        """Simulate many damaged robots, each under its own controller.
 
         Args:
             sets: the changes of each robot.
             weights: (len(sets), n_weights).
             steps: control steps.
+
+        Returns:
+            Arrays (sets, ...).
         """
-        return self.walker.walk(self._values(sets), weights, self.settled(sets), steps)
+        return self.closed_loop.walk(self._values(sets), weights, self.settled(sets), steps)
 
     def motions(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, rows: Sequence[int]) -> np.ndarray:
-        """How many damaged robots move, each under its own controller.
+        """Configurations of many damaged robots, each under its own controller.
 
-        A walk keeps only its last posture, so there is a walk as long as that for each row. They are the very walks of
-        `trial` to the last bit.
+        A rollout keeps only its last configuration, so there is one rollout for each row. They equal those of `trial`
+        bit for bit.
 
         Args:
             sets: the changes of each robot.
@@ -129,34 +132,33 @@ class DamageSimulator:
             Configurations (sets, rows, nq).
         """
         values, start = self._values(sets), self.settled(sets)
-        ends = (self.walker.walk(values, weights, start, row).final if row else start for row in rows)
+        ends = (self.closed_loop.walk(values, weights, start, row).final if row else start for row in rows)
         return np.stack([np.asarray(end.qpos) for end in ends], axis=1)
 
     def trial(self, changes: Sequence[Change], weights: np.ndarray, steps: int) -> Trial:
-        """One trial of one damaged robot."""
-        walk = self.trials([changes], weights[None], steps)
+        """One trial of one damaged robot under one controller (n_weights,)."""
+        rollout = self.trials([changes], weights[None], steps)
         time = self.control_step * np.arange(steps)
-        return Trial(time, walk.readings[0, 0], walk.commands[0, 0], walk.position[0, 0])
+        return Trial(time, rollout.readings[0, 0], rollout.commands[0, 0], rollout.position[0, 0])
 
     def _values(self, sets: Sequence[Sequence[Change]]) -> Values:
-        return encode_all(self.robot, self.walker.catalogue, sets)
+        return encode_all(self.robot, self.closed_loop.catalogue, sets)
 
 
 def damage_simulator(robot: Robot, settings: Settings, planted: Sequence[Change] = ()) -> DamageSimulator:
     """The simulator of a run.
 
-    Its catalogue holds all that an estimation may choose from, what the simulator's own errors are made of, and what
-    else is planted.
+    Its catalogue holds the candidates of the estimation, the effects of model error, and the planted effects.
 
     Raises:
-        InputError: a planted effect has no place in closed loop, or the robot has no controller's senses.
+        InputError: a planted effect cannot be simulated in closed loop, or the robot lacks a controller's sensors.
     """
     timed = (CommandShift, ReadingShift, ReadingDrift)
     other = next((c for c in planted if isinstance(effect(c.effect), timed)), None)
     if other is not None:
         raise InputError(f"'{other.effect}' is not simulated in closed loop", where="--damage")
     faults = [e for e in damages() if isinstance(e, ControllerFault)]
-    extended = (*damages(), *model_errors()) if settings.catalogue == "full" or settings.rough > 0.0 else ()
+    extended = (*damages(), *model_errors()) if settings.catalogue == "full" or settings.relative_error > 0.0 else ()
     names = dict.fromkeys([*(e.name for e in (*paper(), *faults, *extended)), *(c.effect for c in planted)])
     engine = closed_loop_simulator(
         robot,

@@ -24,7 +24,7 @@ from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import Place, change_of, places
+from estexp_jax.recovery.estimation.edits import DamageSite, change_of, damage_sites
 
 TABLE: dict[int, str] = {
     1: "one motor weakens by 50 %",
@@ -41,14 +41,14 @@ TABLE: dict[int, str] = {
     12: "two motor neurons give the same value",
     13: "the mass of one body halves",
 }
-"""The thirteen situations. Where the text says "increases by 200 %", the mass doubles, the most the genome can say."""
+"""The thirteen situations. Where the paper says "increases by 200 %", the mass doubles: the genome's maximum."""
 
 _TAG = 13
 _ANGLE = int(mujoco.mjtSensor.mjSENS_JOINTPOS)
 
 
 def situation(number: int, robot: Robot, seed: int) -> tuple[Change, ...]:
-    """What happens to a robot.
+    """The damage of one situation.
 
     Args:
         number: 1 to 13.
@@ -56,7 +56,7 @@ def situation(number: int, robot: Robot, seed: int) -> tuple[Change, ...]:
         seed: of the draw.
 
     Raises:
-        InputError: there is no such situation, or the robot has no place for it.
+        InputError: the situation does not exist, or the robot has no element for it.
     """
     if number not in TABLE:
         raise InputError(f"there is no situation {number}", right="1 to 13, as in the paper's Table 1")
@@ -65,13 +65,17 @@ def situation(number: int, robot: Robot, seed: int) -> tuple[Change, ...]:
 
 
 class _Draw:
-    """Draws places on one robot for one situation."""
+    """Draws damage sites on one robot for one situation."""
 
     def __init__(self, robot: Robot, number: int, random: np.random.Generator) -> None:
         self.robot, self.number, self.random = robot, number, random
 
     def one(self, choices: Sequence[str], what: str) -> str:
-        """A name, or the user's error that there is none."""
+        """A name drawn among the choices.
+
+        Raises:
+            InputError: there is no choice; `what` says of what.
+        """
         if not choices:
             right = f"choose another situation or --damage: {TABLE[self.number]}"
             raise InputError(
@@ -80,45 +84,45 @@ class _Draw:
         return str(choices[int(self.random.integers(len(choices)))])
 
     def edit(self, kind: type[Damage], amount: float, what: str, spared: frozenset[int] = frozenset()) -> Change:
-        """One of the paper's modifications at any of its places that is not on a spared body."""
-        choices = [p for p in places(self.robot, kind.name) if not self._body(p) & spared]
+        """One of the paper's modifications at a site that is not on a spared body."""
+        choices = [p for p in damage_sites(self.robot, kind.name) if not self._body(p) & spared]
         chosen = self.one([p.name or "" for p in choices], what)
-        return change_of(self.robot, Place(kind.name, chosen), amount)
+        return change_of(self.robot, DamageSite(kind.name, chosen), amount)
 
     def leg(self) -> Change:
-        """An entire leg: what hangs from the root by a hinge or slide."""
+        """Loss of an entire leg: a part joined to the root by a hinge or slide."""
         robot = self.robot
         lost = [robot.index("body", name) for name in effect(PartLost.name).sites(robot)]
         legs = [b for b in lost if int(robot.model.body_parentid[b]) not in lost]
         names = [robot.names("body")[b] for b in legs]
-        return change_of(robot, Place(PartLost.name, self.one(names, "a leg")), 1.0)
+        return change_of(robot, DamageSite(PartLost.name, self.one(names, "a leg")), 1.0)
 
     def angle(self) -> Change:
-        """An angle sensor at half its value."""
+        """An angle sensor that reads half the angle."""
         robot = self.robot
         names = interface_of(robot).names
         angles = [n for n in names if int(robot.model.sensor_type[robot.index("sensor", n)]) == _ANGLE]
-        return change_of(robot, Place(SensorGain.name, self.one(angles, "an angle sensor")), 0.5)
+        return change_of(robot, DamageSite(SensorGain.name, self.one(angles, "an angle sensor")), 0.5)
 
     def with_leg(self, *others: tuple[type[Damage], str]) -> tuple[Change, ...]:
-        """A leg lost, and other failures by 50 % that are not on it."""
+        """Loss of a leg, and other failures by 50 % that are not on it."""
         leg = self.leg()
         spared = frozenset(self.robot.subtree(self.robot.index("body", leg.name or "")))
         return (leg, *(self.edit(kind, 0.5, what, spared) for kind, what in others))
 
     def neuron(self) -> Change:
-        """A hidden neuron at half its output."""
+        """A hidden neuron with half its output."""
         neurons = effect(NeuronFault.name).sites(self.robot)
-        return change_of(self.robot, Place(NeuronFault.name, self.one(neurons, "a neuron")), 0.5)
+        return change_of(self.robot, DamageSite(NeuronFault.name, self.one(neurons, "a neuron")), 0.5)
 
     def tie(self) -> Change:
         """A motor that repeats another's command."""
         motors = self.robot.names("actuator")
         first = self.one(motors, "a motor")
         second = self.one([m for m in motors if m != first], "a second motor")
-        return change_of(self.robot, Place(TiedOutputs.name, first, 1 + motors.index(second)), 1.0)
+        return change_of(self.robot, DamageSite(TiedOutputs.name, first, 1 + motors.index(second)), 1.0)
 
-    def _body(self, place: Place) -> frozenset[int]:
+    def _body(self, place: DamageSite) -> frozenset[int]:
         robot, name = self.robot, place.name or ""
         match effect(place.effect).kind:
             case "joint":
@@ -134,7 +138,7 @@ _JAM, _SENSOR = (JointJam, "a joint"), (SensorGain, "a sensor")
 
 
 def _slope(draw: _Draw) -> tuple[Change, ...]:
-    return (change_of(draw.robot, Place(GravityTilt.name, None), 1.0),)
+    return (change_of(draw.robot, DamageSite(GravityTilt.name, None), 1.0),)
 
 
 _RECIPES: dict[int, Callable[[_Draw], tuple[Change, ...]]] = {

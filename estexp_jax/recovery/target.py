@@ -1,7 +1,7 @@
-"""The robot in the world: a controller goes in, a recorded trial comes out.
+"""The robot in the world: it takes a controller and returns a recorded trial.
 
-Trials are what is scarce: `RunState.trials` keeps them, and so counts them. Any callable that takes a `Controller` and
-returns a `Trial` will do; the two kinds that come with the package are simulated.
+Trials are the scarce resource; `RunState.trials` keeps and counts them. A target is any callable that takes a
+`Controller` and returns a `Trial`. The two targets of the package are simulated.
 """
 
 from __future__ import annotations
@@ -26,35 +26,35 @@ class Target(Protocol):
 
 @runtime_checkable
 class RemoteTarget(Protocol):
-    """A robot in the world that somebody else moves, and that may first have to be asked for."""
+    """A robot in the world that somebody else operates, so that each trial is requested first."""
 
-    def perform(self, number: int, controller: Controller, foretold: Trial) -> Trial:
-        """Have the robot driven as `Target` says.
+    def perform(self, number: int, controller: Controller, predicted: Trial) -> Trial:
+        """Run a trial as `Target` does.
 
         Args:
-            number: of the trial, from 0; asked for again after an interruption, a trial has the same number.
-            controller: that drives it.
-            foretold: what the simulator, as diagnosed so far, does under it.
+            number: of the trial, from 0; the same if it is requested again after an interruption.
+            controller: that drives the robot.
+            predicted: the trial that the simulator, as diagnosed so far, predicts.
         """
         ...
 
 
 @runtime_checkable
 class FilmedTarget(Protocol):
-    """A robot that can also tell how it moved, to be shown."""
+    """A robot whose motion is known, so that it can be drawn."""
 
     def motion(self, controller: Controller, rows: Sequence[int]) -> np.ndarray:
-        """Configurations (len(rows), nq), as the nominal robot numbers them, at control steps of the same trial."""
+        """Configurations (len(rows), nq) of the nominal robot's coordinates at control steps of the same trial."""
         ...
 
 
 @final
 class SameTarget:
-    """The simulator itself with damage planted in it: nothing but the damage is unknown.
+    """The simulator itself with damage planted in it: only the damage is unknown.
 
     Args:
         simulator: its catalogue holds the planted effects.
-        planted: what differs; kept.
+        planted: the damage; kept as an attribute.
     """
 
     def __init__(self, simulator: DamageSimulator, planted: Sequence[Change]) -> None:

@@ -32,7 +32,7 @@ def enable_compilation_cache() -> Path | None:
     """
     import jax
 
-    configured = jax.config.jax_compilation_cache_dir
+    configured = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue] (made at run time)
     if configured or "JAX_COMPILATION_CACHE_DIR" in os.environ:
         return Path(configured) if configured else None
     try:

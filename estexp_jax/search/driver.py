@@ -1,4 +1,4 @@
-"""Runs a search generation by generation, from any of its states."""
+"""Runs a genetic algorithm generation by generation, from any of its states."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from estexp_jax.search.genetic import Genetic, Population, ask_genetic, begin_genetic, tell_genetic
 
 Score = Callable[[np.ndarray], np.ndarray]
-"""Genomes (n, length) to scores (n,), lower is better, not finite where the simulation blew up."""
+"""Maps genomes (n, length) to scores (n,): lower is better, not finite where the simulation diverged."""
 
 
 def evolve(
@@ -24,10 +24,10 @@ def evolve(
 
     Args:
         genetic: the algorithm's settings.
-        score: the simulation.
-        generations: in all, those of `state` included.
-        seeds: (length,) genomes for the first generation.
-        state: an earlier one to go on from.
+        score: of genomes.
+        generations: in total, including those of `state`.
+        seeds: (length,) genomes of the first generation.
+        state: an earlier generation to resume from.
     """
     state = begin_genetic(genetic) if state is None else state
     while state.generation < generations:

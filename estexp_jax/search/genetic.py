@@ -1,11 +1,11 @@
-"""The genetic algorithm of Bongard and Lipson, for both of their phases: ask for genomes, tell their scores.
+"""The genetic algorithm of Bongard and Lipson, for both of their phases, with an ask/tell interface.
 
 Half of the population survives a generation. The other half is replaced by tournament winners among the survivors,
 copied and mutated, some pairs of which then cross over. The simulation is deterministic, so survivors keep their scores
 and only new genomes are asked for.
 
-Random numbers are drawn from a generator made anew from (seed, tags, generation): nothing random is stored, and a state
-read back from disk goes on bit for bit.
+Each generation has its own random generator, seeded by (seed, tags, generation). So no random state is stored, and a
+search that is resumed from a file gives the same results bit for bit.
 
 Source: Bongard and Lipson 2004, section 2.2, "The Exploration Phase".
 """
@@ -31,10 +31,13 @@ class Genetic:
         length: values in a genome.
         population: genomes in a generation, at least 4.
         seed: of the random numbers, together with `tags`.
-        tags: what tells this search from others of the same seed, such as its phase and pass.
-        mutation: chance of each value of a copied genome to be drawn anew.
+        tags: distinguish searches with the same seed, such as by phase and pass.
+        mutation: probability that a value of a copied genome is drawn anew.
         tournament: survivors drawn for each tournament.
         crossover: pairs that cross over, as a share of the copied genomes: 24 of 100.
+
+    Raises:
+        ValueError: a setting is out of range.
     """
 
     length: int
@@ -53,20 +56,20 @@ class Genetic:
 
     @property
     def survivors(self) -> int:
-        """Genomes that live on: the better half."""
+        """Number of genomes that survive: the better half."""
         return self.population // 2
 
 
 class Population(NamedTuple):
-    """A generation, best first; empty before the first one is told."""
+    """A generation, best first; empty before the first."""
 
     genomes: np.ndarray  #: (n, length)
-    scores: np.ndarray  #: (n,) lower is better; +inf where the simulation blew up
-    generation: int  #: generations told so far
+    scores: np.ndarray  #: (n,) lower is better; +inf where the simulation diverged
+    generation: int  #: generations completed
     dominants: int  #: new genomes of the last generation strictly better than all of the one before
 
     def to_tree(self) -> dict[str, Any]:
-        """What a checkpoint holds."""
+        """The tree of plain data that a checkpoint holds."""
         return self._asdict()
 
     @classmethod
@@ -86,7 +89,7 @@ def ask_genetic(genetic: Genetic, state: Population, seeds: Sequence[np.ndarray]
     Args:
         genetic: the settings.
         state: the generation before.
-        seeds: (length,) each; they take the first places of the first generation.
+        seeds: (length,) each; they replace the first genomes of the first generation.
 
     Returns:
         (population, length) for the first generation, then (population - survivors, length).
@@ -106,8 +109,8 @@ def tell_genetic(genetic: Genetic, state: Population, genomes: np.ndarray, score
     Args:
         genetic: the settings.
         state: the generation before.
-        genomes: what `ask_genetic` gave.
-        scores: (len(genomes),) lower is better; anything that is not finite counts as the worst.
+        genomes: as returned by `ask_genetic`.
+        scores: (len(genomes),) lower is better; values that are not finite count as +inf.
     """
     scores = np.where(np.isfinite(scores), scores, np.inf)
     dominants = int(np.sum(scores < state.scores[0])) if state.generation else 0

@@ -1,6 +1,6 @@
-"""Hypotheses as sets of options with amounts, and the ways from one to its neighbours.
+"""Hypotheses as sets of options with amounts, and their neighbours.
 
-Each function here gives the neighbours of some hypotheses; which of them to go on with is `set_search`'s to decide.
+Each function returns neighbours of some hypotheses; `set_search` decides which of them are kept.
 """
 
 from __future__ import annotations
@@ -11,20 +11,20 @@ from typing import final
 
 import numpy as np
 
-Item = tuple[int, float]
+OptionAmount = tuple[int, float]
 """Index of an option, and its amount."""
-Items = tuple[Item, ...]
-"""A hypothesis: sorted by option, each once; empty for "nothing differs"."""
+OptionSet = tuple[OptionAmount, ...]
+"""A hypothesis: options with amounts, sorted, each option once; empty for the nominal model."""
 
 
 @final
 @dataclass(frozen=True)
 class Option:
-    """Something that may differ.
+    """A candidate difference, such as an effect at a site.
 
     Attributes:
-        low, high: of its amount; equal where there is nothing to choose.
-        coarse: amounts to try first.
+        low, high: range of its amount; equal if the amount is fixed.
+        coarse: amounts that are tried first.
     """
 
     low: float
@@ -32,8 +32,8 @@ class Option:
     coarse: tuple[float, ...]
 
 
-def grown(options: Sequence[Option], base: Items) -> list[Items]:
-    """A hypothesis with one member more, in every way."""
+def grown(options: Sequence[Option], base: OptionSet) -> list[OptionSet]:
+    """A hypothesis with each further option added, at each of its coarse amounts."""
     inside = {option for option, _ in base}
     return [
         tuple(sorted((*base, (index, amount))))
@@ -43,13 +43,13 @@ def grown(options: Sequence[Option], base: Items) -> list[Items]:
     ]
 
 
-def pruned(hypotheses: Sequence[Items]) -> list[Items]:
-    """Hypotheses with one member less."""
+def pruned(hypotheses: Sequence[OptionSet]) -> list[OptionSet]:
+    """Hypotheses with each of their members removed."""
     return [items[:i] + items[i + 1 :] for items in hypotheses for i in range(len(items))]
 
 
-def swapped(options: Sequence[Option], hypotheses: Sequence[Items]) -> list[Items]:
-    """Each member that has no amount exchanged for each other such option: what is lost may be more, or less."""
+def swapped(options: Sequence[Option], hypotheses: Sequence[OptionSet]) -> list[OptionSet]:
+    """Hypotheses with each member of fixed amount replaced by each other such option, such as a smaller lost part."""
     whole = [(index, option.low) for index, option in enumerate(options) if option.low == option.high]
     asked = []
     for items in hypotheses:
@@ -60,10 +60,10 @@ def swapped(options: Sequence[Option], hypotheses: Sequence[Items]) -> list[Item
     return asked
 
 
-def around(options: Sequence[Option], hypotheses: Sequence[Items], step: float) -> list[Items]:
-    """Each amount up to four steps up and down; steps are shares of the amount's range.
+def around(options: Sequence[Option], hypotheses: Sequence[OptionSet], step: float) -> list[OptionSet]:
+    """Hypotheses with each amount moved by up to four steps; `step` is a share of the amount's range.
 
-    So many, because a touch sensor's flips leave local minima all along the way.
+    Sign flips of touch sensors cause many local minima, hence several steps.
     """
     asked = []
     for items in hypotheses:
@@ -76,8 +76,8 @@ def around(options: Sequence[Option], hypotheses: Sequence[Items], step: float) 
     return asked
 
 
-def scanned(options: Sequence[Option], hypotheses: Sequence[Items]) -> list[Items]:
-    """Each amount at every percent: the way to the truth may lead through worse residuals, or be a few percent wide."""
+def scanned(options: Sequence[Option], hypotheses: Sequence[OptionSet]) -> list[OptionSet]:
+    """Hypotheses with each amount at every percent: the minimum may be narrow or behind larger residuals."""
     asked = []
     for items in hypotheses:
         for i, (index, _) in enumerate(items):
@@ -87,8 +87,8 @@ def scanned(options: Sequence[Option], hypotheses: Sequence[Items]) -> list[Item
     return asked
 
 
-def rounded(hypotheses: Sequence[Items]) -> list[Items]:
-    """All amounts to the percent, and each alone: what people break, they break by round numbers."""
+def rounded(hypotheses: Sequence[OptionSet]) -> list[OptionSet]:
+    """Hypotheses with all amounts rounded to percent, and with each alone: planted damage has round numbers."""
     asked = []
     for items in hypotheses:
         whole = tuple((index, round(amount, 2)) for index, amount in items)

@@ -1,16 +1,15 @@
-"""Searches for the smallest set of changes that explains recordings: singles, then pairs, then triples.
+"""Search for the smallest set of changes that explains recordings: single changes, then pairs, then triples.
 
-A hypothesis is a set of options (an effect at a place), most of them with an amount. All single ones are tried
-coarsely; the best are refined; what is left unexplained is put to every option in addition; at last members are dropped
-again.
-A hypothesis with residual r and k members is worth
+A hypothesis is a set of options (an effect at a site), most of them with an amount. All single options are tried
+coarsely, and the best are refined. While an error is left, every option is added to the best hypotheses. In the end
+members are removed again. A hypothesis with residual r and k members has the objective
 
-    objective = log(r + floor) + price k,    or, where r is a cost such as chi squared,    r + price k,
+    log(r + floor) + price k,    or, if r is a cost such as chi squared,    r + price k;
 
-lower is better: each member has to pay for itself, since spurious ones absorb errors of the simulator, and below the
-floor nothing is gained. No random numbers: the same recordings give the same diagnosis.
+lower is better. The price keeps spurious members from absorbing errors of the simulator; residuals below the floor
+count alike. There are no random numbers: the same recordings give the same diagnosis.
 
-The search is a chain of rounds, ask and tell: a round asks for residuals of some hypotheses; its state is plain data.
+The search has an ask/tell interface: an iteration asks for residuals of some hypotheses. Its state is plain data.
 """
 
 from __future__ import annotations
@@ -21,37 +20,37 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from estexp_jax.search.set_moves import Items, Option, around, grown, pruned, rounded, scanned, swapped
+from estexp_jax.search.set_moves import Option, OptionSet, around, grown, pruned, rounded, scanned, swapped
 
 
 @final
 @dataclass(frozen=True)
 class SetSearch:
-    """What is searched, and how.
+    """The options and the settings of a search.
 
     Attributes:
-        options: all that may differ.
-        price: of one more member, in log residual.
-        floor: residual that counts as no error at all; of no use with costs.
-        costs: whether residuals are costs, and not compared by their logarithm.
-        most: members at most.
-        bases: hypotheses that are grown by every option.
-        kept: options that are grown alone whatever their residual: what masks others.
-        beam: single hypotheses that are refined; of pairs half as many, and so on.
-        scanned: refined hypotheses whose amounts are each tried at every percent; of pairs fewer.
-        finalists: hypotheses that are polished.
-        refinements: rounds of refining, each with steps a quarter as long as before.
-        polishes: rounds of polishing.
-        negligible: share of the floor; an explanation with a residual below it is only pruned any more.
+        options: candidate differences.
+        price: of one more member, in units of the objective.
+        floor: residual that counts as no error; unused with costs.
+        costs: whether residuals are costs, which are compared directly and not by their logarithm.
+        max_size: members of a hypothesis at most.
+        bases: number of hypotheses that are extended by every option.
+        always_grown: options that are extended alone whatever their residual, because they mask others.
+        beam: number of single hypotheses that are refined; half as many pairs, and so on.
+        scanned: number of refined hypotheses whose amounts are each tried at every percent; fewer pairs.
+        finalists: number of hypotheses that are polished.
+        refinements: iterations of refining, each with a quarter of the last step.
+        polishes: iterations of polishing.
+        negligible: share of the floor; a hypothesis with a residual below it is only pruned.
     """
 
     options: tuple[Option, ...]
     price: float = 0.4
     floor: float = 0.002
     costs: bool = False
-    most: int = 3
+    max_size: int = 3
     bases: int = 3
-    kept: tuple[int, ...] = ()
+    always_grown: tuple[int, ...] = ()
     beam: int = 24
     scanned: int = 3
     finalists: int = 4
@@ -63,25 +62,22 @@ class SetSearch:
 class ScoredSet(NamedTuple):
     """A hypothesis and its residual."""
 
-    items: Items
+    items: OptionSet
     residual: float
 
 
 class SetSearchState(NamedTuple):
-    """Between two rounds.
-
-    `pool` holds the best found for each set of options, best objective first.
-    """
+    """State between two iterations."""
 
     stage: str  #: coarse, refine, grow, prune, polish or done
-    round: int  #: of the stage
-    size: int  #: members that hypotheses have grown to
-    rounds: int  #: all rounds so far
+    round: int  #: iterations of this stage
+    size: int  #: largest number of members so far
+    iterations: int  #: in total
     simulated: int  #: hypotheses simulated so far
-    pool: tuple[ScoredSet, ...]
+    pool: tuple[ScoredSet, ...]  #: best amounts for each set of options, best objective first
 
     def to_tree(self) -> dict[str, Any]:
-        """What a checkpoint holds."""
+        """The tree of plain data that a checkpoint holds."""
         pool = [{"items": [list(item) for item in f.items], "residual": f.residual} for f in self.pool]
         return {**self._asdict(), "pool": pool}
 
@@ -92,12 +88,12 @@ class SetSearchState(NamedTuple):
         return cls(**{**tree, "pool": pool})
 
 
-_KEPT = 60
-"""Hypotheses in the pool."""
+_POOL_SIZE = 60
+"""Hypotheses in the pool at most."""
 
 
 def begin_set_search() -> SetSearchState:
-    """The state before the first round."""
+    """The state before the first iteration."""
     return SetSearchState("coarse", 0, 1, 0, 0, ())
 
 
@@ -107,7 +103,7 @@ def done(state: SetSearchState) -> bool:
 
 
 def set_objective(search: SetSearch, found: ScoredSet) -> float:
-    """log(residual + floor), or the cost, + price per member; +inf where the simulation blew up."""
+    """log(residual + floor), or the cost, + price per member; +inf where the simulation diverged."""
     return _error(search, found) + search.price * len(found.items)
 
 
@@ -115,13 +111,13 @@ def _error(search: SetSearch, found: ScoredSet) -> float:
     return found.residual if search.costs else float(np.log(found.residual + search.floor))
 
 
-def ask_set_search(search: SetSearch, state: SetSearchState, seeds: Sequence[Items] = ()) -> list[Items]:
-    """The hypotheses whose residuals the next round needs; never empty.
+def ask_set_search(search: SetSearch, state: SetSearchState, seeds: Sequence[OptionSet] = ()) -> list[OptionSet]:
+    """The hypotheses whose residuals the next iteration needs; never empty.
 
     Args:
         search: the settings.
-        state: the round before.
-        seeds: earlier diagnoses, tried in the first round.
+        state: after the last iteration.
+        seeds: earlier diagnoses, tried in the first iteration.
     """
     match state.stage:
         case "coarse":
@@ -139,35 +135,35 @@ def ask_set_search(search: SetSearch, state: SetSearchState, seeds: Sequence[Ite
         case _:
             finalists = [f.items for f in state.pool[: search.finalists]]
             asked = around(search.options, finalists, _step(state.round, 0.004)) + rounded(finalists)
-    # A hypothesis that nothing can be asked of: the round still takes place, with the best one once more.
+    # Without any neighbour the iteration still takes place, with the best hypothesis once more.
     return list(dict.fromkeys(asked)) or [state.pool[0].items]
 
 
 def tell_set_search(
-    search: SetSearch, state: SetSearchState, asked: Sequence[Items], residuals: Iterable[float]
+    search: SetSearch, state: SetSearchState, asked: Sequence[OptionSet], residuals: Iterable[float]
 ) -> SetSearchState:
-    """The state after a round.
+    """The state after an iteration.
 
     Args:
         search: the settings.
-        state: the round before.
-        asked: what `ask_set_search` gave.
-        residuals: one each, not finite where the simulation blew up.
+        state: after the iteration before.
+        asked: as returned by `ask_set_search`.
+        residuals: one each, not finite where the simulation diverged.
     """
     found = [
         ScoredSet(items, float(r) if np.isfinite(r) else np.inf) for items, r in zip(asked, residuals, strict=True)
     ]
-    told = state._replace(
-        pool=_best(search, [*state.pool, *found]),
-        rounds=state.rounds + 1,
+    reached = state._replace(
+        pool=_best_of_each_set(search, [*state.pool, *found]),
+        iterations=state.iterations + 1,
         simulated=state.simulated + len(found),
         round=state.round + 1,
     )
-    return _next(search, told)
+    return _next(search, reached)
 
 
 def _next(search: SetSearch, state: SetSearchState) -> SetSearchState:
-    """Which stage follows."""
+    """The state with its next stage."""
     solved = not search.costs and state.pool[0].residual <= search.negligible * search.floor
     if solved and (state.stage == "prune" or len(state.pool[0].items) < 2):
         return state._replace(stage="done")
@@ -191,22 +187,22 @@ def _next(search: SetSearch, state: SetSearchState) -> SetSearchState:
 
 
 def _worth_growing(search: SetSearch, state: SetSearchState) -> bool:
-    """Whether there is error enough for one more member to pay for itself, and the last one did."""
+    """Whether the error left exceeds the price of one more member, and the last one paid its price."""
     best = state.pool[0]
     left = _error(search, best) - (0.0 if search.costs else np.log(search.floor))
     paid = state.size == 1 or len(best.items) == state.size
-    return bool(state.size < search.most and left > search.price and paid)
+    return bool(state.size < search.max_size and left > search.price and paid)
 
 
-def _bases(search: SetSearch, state: SetSearchState) -> list[Items]:
-    """What to grow: the best that are one member smaller, and what is always kept."""
+def _bases(search: SetSearch, state: SetSearchState) -> list[OptionSet]:
+    """Hypotheses to extend: the best that are one member smaller, and those always extended."""
     best = [f.items for f in state.pool if len(f.items) == state.size - 1][: search.bases]
-    kept = [((index, search.options[index].coarse[0]),) for index in search.kept] if state.size == 2 else []
+    kept = [((index, search.options[index].coarse[0]),) for index in search.always_grown] if state.size == 2 else []
     return list(dict.fromkeys([*best, *kept]))
 
 
-def _beam(search: SetSearch, state: SetSearchState) -> list[Items]:
-    """What to refine: the best of the present size, which alone have not been refined yet."""
+def _beam(search: SetSearch, state: SetSearchState) -> list[OptionSet]:
+    """Hypotheses to refine: the best of the present size; smaller ones are refined already."""
     return [f.items for f in state.pool if len(f.items) == state.size][: search.beam // state.size]
 
 
@@ -214,21 +210,21 @@ def _step(round_: int, first: float) -> float:
     return first / 4.0**round_
 
 
-def _best(search: SetSearch, found: Iterable[ScoredSet]) -> tuple[ScoredSet, ...]:
-    """The best of each set of options, by objective; ties go to the smaller set, then to the first."""
+def _best_of_each_set(search: SetSearch, found: Iterable[ScoredSet]) -> tuple[ScoredSet, ...]:
+    """The best of each set of options, ordered by objective; ties go to the smaller set, then to the first."""
     of_set: dict[tuple[int, ...], ScoredSet] = {}
     for f in found:
         options = tuple(index for index, _ in f.items)
         if options not in of_set or f.residual < of_set[options].residual:
             of_set[options] = f
     ranked = sorted(of_set.values(), key=lambda f: (set_objective(search, f), len(f.items)))
-    return tuple(ranked[:_KEPT])
+    return tuple(ranked[:_POOL_SIZE])
 
 
 def set_probabilities(search: SetSearch, state: SetSearchState, weight: float) -> np.ndarray:
-    """Share of each of the pool's hypotheses, (len(pool),): exp(-weight objective), summing to 1.
+    """Probabilities (len(pool),) of the pool's hypotheses, proportional to exp(-weight objective).
 
-    Not calibrated: residuals of neighbouring samples are not independent, so `weight` is far below their number.
+    They are not calibrated. Residuals of neighbouring samples are correlated, so `weight` is far below their number.
     """
     values = np.array([set_objective(search, f) for f in state.pool])
     shares = np.exp(-weight * (values - values[0]))

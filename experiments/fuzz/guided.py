@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 def main() -> None:
     """Fuzz one kind until time is up or something breaks."""
-    import atheris  # pyright: ignore (an extra for development)
+    import atheris  # pyright: ignore[reportMissingModuleSource] (an extra for development)
 
     from experiments.fuzz.run import good_results
 
@@ -25,7 +25,7 @@ def main() -> None:
     good = ROOT / "out" / "experiments" / "fuzz" / "good"
     if kind == "run_folder":
         good_results(good)
-    with atheris.instrument_imports(
+    with atheris.instrument_imports(  # pyright: ignore[reportAttributeAccessIssue] (not in its stub)
         include=["estexp_jax.recordings", "estexp_jax.api", "estexp_jax.physics.model_text"]
     ):
         import estexp_jax.api.inputs  # noqa: F401

@@ -34,7 +34,7 @@ def controller(robot: Robot) -> Controller:
 
 
 @pytest.fixture(scope="module")
-def foretold(controller: Controller) -> Trial:
+def predicted(controller: Controller) -> Trial:
     return walked(controller, phase=1.3)
 
 
@@ -70,13 +70,13 @@ def later(do: Callable[[], object], when: Path) -> threading.Thread:
 def test_a_trial_is_asked_for_and_awaited(
     hardware: HardwareTarget,
     controller: Controller,
-    foretold: Trial,
+    predicted: Trial,
     columns: dict[str, np.ndarray],
     tmp_path: Path,
     told: io.StringIO,
 ) -> None:
     thread = later(lambda: write_csv(tmp_path / "trial_2.csv", columns), tmp_path / "controller_2.npz")
-    trial = hardware.perform(2, controller, foretold)
+    trial = hardware.perform(2, controller, predicted)
     thread.join()
     np.testing.assert_allclose(trial.readings, walked(controller).readings, atol=1e-12)
     assert trial.distance("x") == pytest.approx(1.18)
@@ -84,13 +84,13 @@ def test_a_trial_is_asked_for_and_awaited(
     commands = np.genfromtxt(tmp_path / "commands_2.csv", delimiter=",", names=True, deletechars="")
     assert commands.dtype.names is not None
     assert commands.dtype.names[:2] == ("time", "ctrl.hip_f") and len(commands) == STEPS
-    np.testing.assert_allclose(commands["ctrl.hip_f"], foretold.commands[:, 0])
+    np.testing.assert_allclose(commands["ctrl.hip_f"], predicted.commands[:, 0])
     np.testing.assert_array_equal(ee.load_controller(tmp_path / "controller_2.npz").weights, controller.weights)
     assert not list(tmp_path.glob("*.part"))
 
 
 def test_a_file_that_is_still_being_written_is_waited_for(
-    hardware: HardwareTarget, controller: Controller, foretold: Trial, columns: dict[str, np.ndarray], tmp_path: Path
+    hardware: HardwareTarget, controller: Controller, predicted: Trial, columns: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
     write_csv(tmp_path / "whole.csv", columns)
     text = (tmp_path / "whole.csv").read_text()
@@ -103,13 +103,13 @@ def test_a_file_that_is_still_being_written_is_waited_for(
                 time.sleep(0.06)
 
     thread = later(slowly, tmp_path / "controller_0.npz")
-    trial = hardware.perform(0, controller, foretold)
+    trial = hardware.perform(0, controller, predicted)
     thread.join()
     assert len(trial.time) == STEPS
 
 
 def test_a_bad_file_is_told_and_its_correction_is_read(
-    hardware: HardwareTarget, controller: Controller, foretold: Trial, columns: dict[str, np.ndarray], tmp_path: Path
+    hardware: HardwareTarget, controller: Controller, predicted: Trial, columns: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
     log = tmp_path / "trial_0.csv"
     write_csv(tmp_path / "good.csv", columns)
@@ -117,30 +117,30 @@ def test_a_bad_file_is_told_and_its_correction_is_read(
     bad = [*good[:5], "zero" + good[5][good[5].index(",") :], *good[6:]]
     thread = later(lambda: log.write_text("\n".join(bad)), tmp_path / "controller_0.npz")
     with pytest.raises(InputError, match=r"trial_0\.csv, row 6, column 'time': 'zero' is not a number"):
-        hardware.perform(0, controller, foretold)
+        hardware.perform(0, controller, predicted)
     thread.join()
     log.write_text("\n".join(good))
-    assert hardware.perform(0, controller, foretold).heard is None
+    assert hardware.perform(0, controller, predicted).open_loop_readings is None
 
 
 def test_a_recording_of_another_controller_is_refused(
     robot: Robot,
     hardware: HardwareTarget,
     controller: Controller,
-    foretold: Trial,
+    predicted: Trial,
     columns: dict[str, np.ndarray],
     tmp_path: Path,
 ) -> None:
     log = tmp_path / "trial_0.csv"
     write_csv(log, columns)
     with pytest.raises(InputError, match=r"trial_0\.csv: is there, and controller_0\.npz of this run is not"):
-        hardware.perform(0, controller, foretold)
+        hardware.perform(0, controller, predicted)
     log.unlink()
     thread = later(lambda: write_csv(log, columns), tmp_path / "controller_0.npz")
-    hardware.perform(0, controller, foretold)
+    hardware.perform(0, controller, predicted)
     thread.join()
     with pytest.raises(InputError, match="another run's"):
-        hardware.perform(0, controller_of(robot, seed=1), foretold)
+        hardware.perform(0, controller_of(robot, seed=1), predicted)
     assert log.exists()
 
 
@@ -148,20 +148,20 @@ def test_the_distance_may_be_unknown_unless_it_is_what_counts(
     robot: Robot,
     hardware: HardwareTarget,
     controller: Controller,
-    foretold: Trial,
+    predicted: Trial,
     columns: dict[str, np.ndarray],
     tmp_path: Path,
     told: io.StringIO,
 ) -> None:
     less = {name: values for name, values in columns.items() if not name.startswith("qpos.")}
     thread = later(lambda: write_csv(tmp_path / "trial_0.csv", less), tmp_path / "controller_0.npz")
-    assert np.isnan(hardware.perform(0, controller, foretold).distance("x"))
+    assert np.isnan(hardware.perform(0, controller, predicted).distance("x"))
     thread.join()
     assert "distance is not known" in told.getvalue()
     settings = Settings(situation=None, steps=STEPS, metric="distance")
     picky = HardwareTarget(robot, settings, tmp_path, ProgressDisplay(told, told), poll=0.01, patience=0.0)
     with pytest.raises(InputError, match="--metric distance"):
-        picky.perform(0, controller, foretold)
+        picky.perform(0, controller, predicted)
 
 
 def test_a_folder_of_another_run_is_refused(tmp_path: Path) -> None:

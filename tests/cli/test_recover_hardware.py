@@ -135,7 +135,7 @@ def test_from_a_bad_recording_over_an_interruption_to_the_end(
     assert tried(exchange, out, "--resume") == 0
     told = capsys.readouterr().out
     assert "the damaged robot walks an unknown distance" in told and "diagnosis 1:" in told
-    assert "trial 1 an unknown distance (foretold" in told
+    assert "trial 1 an unknown distance (predicted" in told
     run = json.loads((out / "run.json").read_text())
     assert run["config"]["robot"] == "hardware" and run["planted"] == []
     assert run["distance"] == {"before": None, "damaged": None}

@@ -110,7 +110,7 @@ class Leg:
         dof = JOINTS.index(self.place) if self.place in JOINTS else slice(None)
         match effect:
             case "viscous_friction" | "back_emf":
-                m.dof_damping[dof] += v.get("c", v.get("k"))
+                m.dof_damping[dof] += v["c"] if "c" in v else v["k"]
             case "joint_jam":  # full torque turns it by a degree a second at f = 1
                 m.dof_damping[dof] *= (m.actuator_forcerange[dof, 1] / np.deg2rad(1.0) / 0.05) ** v["f"]
             case "part_lost":

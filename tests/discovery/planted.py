@@ -216,13 +216,13 @@ def _shared(robot: Robot, effects: Catalogue, *_: Any, **__: Any) -> OpenLoopSim
 
 def problem_of(case: Case, config: ExplainConfig = CONFIG) -> Problem:
     """The comparison of a case, without compiling anew."""
-    with patch.object(comparison, "replayer", _shared):
+    with patch.object(comparison, "open_loop_simulator", _shared):
         return comparison.problem_of(case, config, {})
 
 
 def explained(case: Case, config: ExplainConfig = CONFIG) -> Diagnosis:
     """The explanation of a case, without compiling anew."""
-    with patch.object(comparison, "replayer", _shared):
+    with patch.object(comparison, "open_loop_simulator", _shared):
         return finished(explain(case, config))
 
 

@@ -34,7 +34,7 @@ def _shared(leg: Robot, effects: Catalogue, *_: object, **__: object) -> OpenLoo
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_a_concealed_effect_is_named(case: str) -> None:
-    with patch.object(comparison, "replayer", _shared):
+    with patch.object(comparison, "open_loop_simulator", _shared):
         found = finished(explain(leg_case(case, 900), CONFIG)).findings
     assert f"{found['what'][0]['effect']}@{found['what'][0]['name']}" in (case, f"{case}@None")
 

@@ -43,7 +43,7 @@ from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.package_data import schema_path
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.laws.base import JointLaw, followed
+from estexp_jax.physics.effects.laws.base import JointLaw, first_order_lag
 from estexp_jax.physics.effects.registry import catalogue, effect
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.explain.text import claim
@@ -668,7 +668,7 @@ def test_a_law_grows_no_further_than_recordings_show(share: float, level: float,
     hypothesis = explanation((warm,), 1.0).fitted.hypothesis
     fitted = Fit(hypothesis, hypothesis.with_values(warm, (share, level, 0.5)), 1.0)
     assert fitted.vector[-3:].tolist() == [share, level, 0.5], "within the bounds"
-    hottest = followed(there.motor[:, 1] ** 2, there.time - there.time[0], 0.5).max()
+    hottest = first_order_lag(there.motor[:, 1] ** 2, there.time - there.time[0], 0.5).max()
     loses, until, T = held(nominal("two"), [there], fitted).vector[-3:]
     assert loses / until == pytest.approx(share / level) and T == 0.5, "the same as far as was seen"
     assert until == pytest.approx(level if seen else hottest), "and beyond it nothing is added"

@@ -1,47 +1,34 @@
-"""What `ExplainedSimulator.rollout` simulates: contacts that occur in a motion, and no others."""
-
-from unittest.mock import patch
+"""A population in one batch: each robot walks as it would alone."""
 
 import numpy as np
 import pytest
 
-from estexp_jax.api import simulator as module
-from estexp_jax.api.simulator import ExplainedSimulator
+from estexp_jax.errors import InputError
+from estexp_jax.physics.effects.changes import Change, parse_change
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.population_rollout import population_rollout
+from estexp_jax.recovery.simulator import DamageSimulator
 
-LEGS = Robot.from_string(
-    """
-<mujoco><option timestep="0.004"/><worldbody>
-  <body name="left">
-    <joint name="l" axis="0 1 0" damping="0.2"/><geom size="0.05" mass="1" pos="0 0 -0.5"/>
-  </body>
-  <body name="right" pos="0.3 0 0">
-    <joint name="r" axis="0 1 0" damping="0.2"/><geom size="0.05" mass="1" pos="0 0 -0.5"/>
-  </body></worldbody>
-  <actuator><motor name="l" joint="l"/><motor name="r" joint="r"/></actuator>
-</mujoco>""",
-    "legs.xml",
-)
+STEPS = 30
 
 
-@pytest.mark.parametrize(
-    ("torque", "engines"),
-    [(0.3, ["lanes"]), (0.52, ["lanes"]), (3.0, ["lanes", "mjx"])],
-    ids=["apart", "all but touching", "touching"],
-)
-def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: list[str]) -> None:
-    used, make = [], module.replayer
+def controllers(n: int, world: DamageSimulator) -> np.ndarray:
+    return np.random.default_rng(0).integers(-100, 101, (n, world.n_weights)) / 100
 
-    def noting(*arguments, **options):
-        found = make(*arguments, **options)
-        used.append(found.choice.engine)
-        return found
 
-    commands = np.tile([-torque, torque], (100, 1))
-    with patch.object(module, "replayer", noting):
-        traces = ExplainedSimulator(LEGS, ()).rollout(commands, period=0.01)
-    assert used == engines
-    feet = [x + 0.5 * -np.sin(traces.qpos[:, i]) for i, x in enumerate((0.0, 0.3))]
-    gap = feet[1] - feet[0] - 0.1
-    assert gap.min() > -0.02 and (gap.min() < 0.005) == (torque > 1.0)
-    assert (gap.min() < 0.02) == (torque > 0.4)
+def test_rollout_refuses_shapes_that_do_not_fit(quadruped: Robot) -> None:
+    with pytest.raises(InputError, match="one row of 68 weights for each of the 2 robots"):
+        population_rollout(quadruped, [[], ["motor_weakness@knee_f loss=0.5"]], np.zeros((1, 68)), steps=30)
+
+
+def test_rollout_is_each_robots_own_trial(quadruped: Robot, world: DamageSimulator) -> None:
+    weights, edits = (
+        controllers(3, world),
+        [[], ["motor_weakness@knee_f loss=0.5"], [Change("gravity_tilt", None, {"angle": 0.3})]],
+    )
+    walks = population_rollout(quadruped, edits, weights, steps=STEPS, settle_steps=10)
+    assert walks.readings.shape == (3, STEPS, 8) and walks.position.shape == (3, STEPS, 3)
+    weak = parse_change("motor_weakness@knee_f loss=0.5", quadruped)
+    for i, changes in enumerate([(), (weak,), (edits[2][0],)]):
+        assert np.array_equal(walks.readings[i], world.trial(changes, weights[i], STEPS).readings)
+    assert not walks.failed.any()

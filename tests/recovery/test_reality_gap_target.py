@@ -19,7 +19,7 @@ STEPS = 60
 @pytest.fixture
 def controller(world: DamageSimulator) -> Controller:
     weights = np.random.default_rng(2).integers(-100, 101, world.n_weights) / 100
-    return replace(world.controller(weights, STEPS), interface=world.walker.interface)
+    return replace(world.controller(weights, STEPS), interface=world.closed_loop.interface)
 
 
 def test_it_walks_much_like_the_simulator_but_not_quite(
@@ -27,7 +27,7 @@ def test_it_walks_much_like_the_simulator_but_not_quite(
 ) -> None:
     trial = RealityGapTarget(quadruped, (), 1, 10)(controller)
     twin = world.trial((), controller.weights, 30)
-    angles = ~world.walker.interface.is_touch
+    angles = ~world.closed_loop.interface.is_touch
     error = np.abs(trial.readings[:20, angles] - twin.readings[:20, angles])
     assert 1e-4 < error.mean() < 0.08
     assert np.all(np.isfinite(trial.position))
@@ -47,7 +47,7 @@ def test_every_situation_can_be_planted(quadruped: Robot, controller: Controller
 
 def test_a_lost_leg_is_silent(quadruped: Robot, world: DamageSimulator, controller: Controller) -> None:
     trial = RealityGapTarget(quadruped, [Change("part_lost", "upper_b", {"lost": 1.0})], 1, 10)(controller)
-    names = world.walker.interface.names
+    names = world.closed_loop.interface.names
     assert np.all(trial.readings[:, names.index("touch_b")] == -1.0)
     assert np.all(trial.readings[:, names.index("angle_b")] == 0.0)
 

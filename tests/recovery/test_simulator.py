@@ -7,8 +7,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, parse_change
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.edits import Place, change_of
-from estexp_jax.recovery.population_rollout import population_rollout
+from estexp_jax.recovery.estimation.edits import DamageSite, change_of
 from estexp_jax.recovery.simulator import DamageSimulator, damage_simulator
 
 STEPS = 30
@@ -20,15 +19,15 @@ def controllers(n: int, world: DamageSimulator) -> np.ndarray:
 
 def test_a_walk_does_not_depend_on_its_place_in_the_batch(world: DamageSimulator) -> None:
     weights, start = controllers(40, world), world.settled([()])
-    walks, order = world.walks([()], start, weights, STEPS), np.random.default_rng(1).permutation(40)
-    assert np.array_equal(walks.position[:, order], world.walks([()], start, weights[order], STEPS).position)
+    walks, order = world.rollouts([()], start, weights, STEPS), np.random.default_rng(1).permutation(40)
+    assert np.array_equal(walks.position[:, order], world.rollouts([()], start, weights[order], STEPS).position)
     assert np.array_equal(walks.readings[0, 33], world.trial((), weights[33], STEPS).readings)
 
 
 def test_trials_of_many_robots_are_those_of_each(world: DamageSimulator, quadruped: Robot) -> None:
     sets = [
         (),
-        (change_of(quadruped, Place("part_lost", "upper_l"), 1.0),),
+        (change_of(quadruped, DamageSite("part_lost", "upper_l"), 1.0),),
         (Change("gravity_tilt", None, {"angle": 0.3}),),
     ]
     weights = controllers(2, world)
@@ -40,9 +39,9 @@ def test_trials_of_many_robots_are_those_of_each(world: DamageSimulator, quadrup
 
 
 def test_a_lost_leg_shows_its_sensors_at_rest(world: DamageSimulator, quadruped: Robot) -> None:
-    lost = change_of(quadruped, Place("part_lost", "upper_l"), 1.0)
+    lost = change_of(quadruped, DamageSite("part_lost", "upper_l"), 1.0)
     trial = world.trial([lost], controllers(1, world)[0], STEPS)
-    names = world.walker.interface.names
+    names = world.closed_loop.interface.names
     assert np.all(trial.readings[:, names.index("touch_l")] == -1.0)
     assert np.all(trial.readings[:, names.index("angle_l")] == 0.0)
     assert np.ptp(trial.readings[:, names.index("angle_r")]) > 0.01
@@ -52,21 +51,3 @@ def test_effects_without_a_place_in_closed_loop_are_refused(quadruped: Robot) ->
     late = parse_change("command_delay@knee_f delay=0.02", quadruped)
     with pytest.raises(InputError, match="closed loop"):
         damage_simulator(quadruped, Settings(), [late])
-
-
-def test_rollout_refuses_shapes_that_do_not_fit(quadruped: Robot) -> None:
-    with pytest.raises(InputError, match="one row of 68 weights for each of the 2 robots"):
-        population_rollout(quadruped, [[], ["motor_weakness@knee_f loss=0.5"]], np.zeros((1, 68)), steps=30)
-
-
-def test_rollout_is_each_robots_own_trial(quadruped: Robot, world: DamageSimulator) -> None:
-    weights, edits = (
-        controllers(3, world),
-        [[], ["motor_weakness@knee_f loss=0.5"], [Change("gravity_tilt", None, {"angle": 0.3})]],
-    )
-    walks = population_rollout(quadruped, edits, weights, steps=STEPS, settle_steps=10)
-    assert walks.readings.shape == (3, STEPS, 8) and walks.position.shape == (3, STEPS, 3)
-    weak = parse_change("motor_weakness@knee_f loss=0.5", quadruped)
-    for i, changes in enumerate([(), (weak,), (edits[2][0],)]):
-        assert np.array_equal(walks.readings[i], world.trial(changes, weights[i], STEPS).readings)
-    assert not walks.failed.any()

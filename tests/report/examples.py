@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from estexp_jax.discovery.contest import Contest, Rival
+from estexp_jax.discovery.contest import CompetingModel, CompetingModels
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection
@@ -141,10 +141,10 @@ def proposal(apart: tuple[float, float, float] = (9.0, 0.2, 12.0)) -> ProposedEx
     readings = np.stack([angle, angle + 0.09 * time, angle + 0.002], axis=0)[:, :, None]
     changes = [Change(e, LONG, {p: 0.3}) for e, p in (("coulomb_friction", "T"), ("viscous_friction", "c"))]
     changes.append(Change("sensor_bias", "<i>angle</i>$\\x$", {"bias": 0.002}))
-    rivals = [Rival((c,), (c,), p, 1.0) for c, p in zip(changes, (0.6, 0.395, 0.005), strict=True)]
+    rivals = [CompetingModel((c,), (c,), p, 1.0) for c, p in zip(changes, (0.6, 0.395, 0.005), strict=True)]
     logs = (("a.csv", "train"), ("b.csv", "test"))
     one, names = np.array([0.01]), ("<i>angle</i>$\\x$",)
-    contest = Contest(tuple(rivals), names, one, 100.0, np.array([[-1.0, 1.0]]), one, logs)
+    contest = CompetingModels(tuple(rivals), names, one, 100.0, np.array([[-1.0, 1.0]]), one, logs)
     between = np.zeros((3, 3))
     between[np.triu_indices(3, 1)] = apart
     shown, commands = PredictedReadings(readings, between, 0.05), np.cos(3.0 * time)[:, None]

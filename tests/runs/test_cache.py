@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import jax
 import pytest
@@ -71,7 +72,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path, compiled):
 
 
 def test_programs_are_forgotten_before_a_process_has_too_many_memory_maps(monkeypatch):
-    doubled = jax.jit(lambda x: 2.0 * x)
+    doubled: Any = jax.jit(lambda x: 2.0 * x)
     doubled(1.0)
     monkeypatch.setattr(cache, "_memory_maps", lambda: (32000, 65530))
     assert not forget_programs() and doubled._cache_size() == 1

@@ -1,38 +1,16 @@
 """Laws of the paper's genetic algorithm."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from estexp_jax.search.driver import evolve
-from estexp_jax.search.genetic import Genetic, Population, ask_genetic, begin_genetic, tell_genetic
+from estexp_jax.search.genetic import Genetic, ask_genetic, begin_genetic, tell_genetic
 
 GENETIC = Genetic(length=12, population=40, seed=3, tags=(1, 2))
 
 
 def sphere(genomes: np.ndarray) -> np.ndarray:
     return np.sum((genomes - 0.37) ** 2, axis=1)
-
-
-def counting(score: Callable[[np.ndarray], np.ndarray]) -> tuple[list[int], Callable[[np.ndarray], np.ndarray]]:
-    counts: list[int] = []
-
-    def counted(genomes: np.ndarray) -> np.ndarray:
-        counts.append(len(genomes))
-        return score(genomes)
-
-    return counts, counted
-
-
-def same(a: Population, b: Population) -> bool:
-    return all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
-
-
-def test_only_new_genomes_are_simulated() -> None:
-    counts, score = counting(sphere)
-    list(evolve(GENETIC, score, 5))
-    assert counts == [40, 20, 20, 20, 20]
 
 
 def test_the_best_half_survives_with_its_scores() -> None:
@@ -53,13 +31,6 @@ def test_values_are_hundredths_in_range() -> None:
     state = list(evolve(GENETIC, sphere, 10))[-1]
     assert np.all(np.abs(state.genomes) <= 1.0)
     assert np.allclose(100 * state.genomes, np.round(100 * state.genomes), atol=1e-12)
-
-
-@pytest.mark.parametrize("stop", [1, 4, 7])
-def test_going_on_from_any_generation_gives_the_same_bits(stop: int) -> None:
-    states = list(evolve(GENETIC, sphere, 8))
-    kept = Population.from_tree(states[stop - 1].to_tree())
-    assert same(list(evolve(GENETIC, sphere, 8, state=kept))[-1], states[-1])
 
 
 def test_other_seeds_and_tags_give_other_populations() -> None:

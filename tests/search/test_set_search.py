@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from estexp_jax.search.set_moves import Items, Option
+from estexp_jax.search.set_moves import Option, OptionSet
 from estexp_jax.search.set_search import (
     SetSearch,
     SetSearchState,
@@ -20,7 +20,7 @@ OPTIONS = (Option(1.0, 1.0, (1.0,)), *(Option(0.0, 1.0, (0.2, 0.4, 0.7, 1.0)) fo
 SEARCH = SetSearch(OPTIONS)
 
 
-def world(truth: dict[int, float], error: float = 0.0) -> Callable[[Items], float]:
+def world(truth: dict[int, float], error: float = 0.0) -> Callable[[OptionSet], float]:
     """Mean absolute difference of amounts: each option acts on a sensor of its own."""
     return lambda items: (
         error + float(np.mean([abs(dict(items).get(i, 0.0) - truth.get(i, 0.0)) for i in range(len(OPTIONS))]))
@@ -28,7 +28,7 @@ def world(truth: dict[int, float], error: float = 0.0) -> Callable[[Items], floa
 
 
 def search(
-    residual: Callable[[Items], float], state: SetSearchState | None = None, seeds: tuple[Items, ...] = ()
+    residual: Callable[[OptionSet], float], state: SetSearchState | None = None, seeds: tuple[OptionSet, ...] = ()
 ) -> list[SetSearchState]:
     states = [begin_set_search() if state is None else state]
     while not done(states[-1]):

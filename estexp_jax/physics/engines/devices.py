@@ -34,5 +34,6 @@ def exact_products() -> None:
     GPUs round their factors to ten bits of mantissa by default: MJX's velocities after a control step of the quadruped
     were then 2e-4 off (median, H100), instead of 2e-7. On CPUs nothing changes.
     """
-    if accelerated() and jax.config.jax_default_matmul_precision is None:
+    chosen = jax.config.jax_default_matmul_precision  # pyright: ignore[reportAttributeAccessIssue] (made at run time)
+    if accelerated() and chosen is None:
         jax.config.update("jax_default_matmul_precision", "highest")

@@ -202,8 +202,8 @@ def _arrow_numbers(values: Any) -> np.ndarray:
 
     if not types.is_nested(values.type):
         return np.array(values.cast(pyarrow.float64(), safe=False).to_numpy(zero_copy_only=False), dtype=np.float64)
-    lengths = compute.list_value_length(values)
-    width = compute.min_max(lengths).as_py()
+    lengths = compute.call_function("list_value_length", [values])
+    width = compute.call_function("min_max", [lengths]).as_py()
     if values.null_count or width["min"] != width["max"]:
         raise ValueError("its lists differ in length")
     flat = _arrow_numbers(values.flatten())

@@ -1,4 +1,4 @@
-"""What a robot's trial leaves behind, and the controller that drove it."""
+"""The record of a robot's trial, and the controller that drove it."""
 
 from __future__ import annotations
 
@@ -15,56 +15,60 @@ from estexp_jax.recovery.control.network import HIDDEN, Network, decode, n_weigh
 
 AXES = {"x": (0, 1.0), "-x": (0, -1.0), "y": (1, 1.0), "-y": (1, -1.0)}
 """Axis of travel: component of the root's position, and sign."""
+_TABLES = ("time", "readings", "commands", "position")
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One recorded walk; rows are control steps.
+    """One recorded trial; rows are control steps.
 
     Attributes:
         time: (rows,) s.
         readings: (rows, n_inputs) raw readings before the row's command acts; touch as +1/-1.
         commands: (rows, nu) in each actuator's unit.
-        position: (rows, 3) of the root, m; NaN where nothing measured it.
-        heard: (rows, n_inputs) readings for which the network gives the commands, where they are not its own: commands
-            that were played open loop; None: its own.
+        position: (rows, 3) of the root, m; NaN where not measured.
+        open_loop_readings: (rows, n_inputs) readings for which the network gives the commands, if these were played
+            open loop; None if the loop was closed.
+
+    Raises:
+        InputError: the tables differ in length.
     """
 
     time: np.ndarray
     readings: np.ndarray
     commands: np.ndarray
     position: np.ndarray
-    heard: np.ndarray | None = None
+    open_loop_readings: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         rows = len(self.time)
-        if any(len(table) != rows for table in (self.readings, self.commands, self.position, self.network_heard)):
+        if any(len(table) != rows for table in (self.readings, self.commands, self.position, self.network_readings)):
             raise InputError("a trial's time, readings, commands and position differ in length", where="trial")
 
     @property
-    def network_heard(self) -> np.ndarray:
+    def network_readings(self) -> np.ndarray:
         """Readings (rows, n_inputs) for which the network gives the commands."""
-        return self.readings if self.heard is None else self.heard
+        return self.readings if self.open_loop_readings is None else self.open_loop_readings
 
     def distance(self, axis: str) -> float:
-        """How far the root came along an axis, m; NaN where nobody knows."""
+        """Distance that the root travelled along an axis, m; NaN if unknown."""
         return float(distances_along(self.position, axis))
 
     def to_tree(self) -> dict[str, np.ndarray]:
-        """What a checkpoint holds."""
-        return {name: getattr(self, name) for name in ("time", "readings", "commands", "position", "heard")}
+        """The tree of plain data that a checkpoint holds."""
+        return {name: getattr(self, name) for name in (*_TABLES, "open_loop_readings")}
 
     @classmethod
     def from_tree(cls, tree: dict[str, Any]) -> Trial:
         """The inverse of `to_tree`."""
-        heard = tree.get("heard")
-        tables = (np.asarray(tree[name]) for name in ("time", "readings", "commands", "position"))
-        return cls(*tables, heard=None if heard is None else np.asarray(heard))
+        given = tree.get("open_loop_readings")
+        tables = (np.asarray(tree[name]) for name in _TABLES)
+        return cls(*tables, open_loop_readings=None if given is None else np.asarray(given))
 
 
 def distances_along(position: np.ndarray, axis: str) -> np.ndarray:
-    """How far roots came along an axis, m: (..., rows, 3) to (...)."""
+    """Distances (...) that roots at positions (..., rows, 3) travelled along an axis, m."""
     component, sign = AXES[axis]
     return sign * (position[..., -1, component] - position[..., 0, component])
 
@@ -76,7 +80,7 @@ class Controller:
 
     Attributes:
         weights: (n_weights,) in [-1, 1].
-        interface: what it sees and moves.
+        interface: its sensors and motors.
         gain: of the neurons' tanh.
         control_step: time between two commands, s.
         steps: commands of a trial.
@@ -96,7 +100,7 @@ class Controller:
         return decode(jnp.asarray(self.weights, jnp.float32), face.n_inputs, face.n_outputs)
 
     def rest(self) -> np.ndarray:
-        """What the hidden neurons hold before the first step, (HIDDEN,)."""
+        """Hidden outputs (HIDDEN,) before the first step."""
         return np.zeros(HIDDEN, np.float32)
 
     def respond(self, hidden: np.ndarray, readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -113,7 +117,7 @@ class Controller:
 
 
 class Scales(NamedTuple):
-    """Of an `Interface`, what a controller calculates with; see there."""
+    """The arrays of an `Interface` that a controller computes with; see there."""
 
     centre: np.ndarray
     scale: np.ndarray
@@ -126,10 +130,10 @@ class Scales(NamedTuple):
 def controller_step(
     network: Network, interface: Interface | Scales, gain: float, hidden: np.ndarray, readings: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `Controller.respond`, for a network that may carry a fault.
+    """As `Controller.respond`, for a network that may have a fault.
 
-    The equations of `controllers.respond` and `Interface` once more, in numpy: for one robot, calling JAX at each step
-    takes longer than simulating it.
+    It repeats the equations of `network.respond` and `Interface` in numpy: for a single robot, calling JAX at each step
+    takes longer than simulating the step.
     """
     face, network = interface, jax.tree.map(np.asarray, network)
     inputs = np.clip((np.asarray(readings) - face.centre) / face.scale, -1.0, 1.0)

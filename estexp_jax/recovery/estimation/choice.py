@@ -1,4 +1,4 @@
-"""Which estimation a run uses, and what it judges hypotheses by."""
+"""Choice of a run's estimation method and of its cost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from estexp_jax.recovery.simulator import DamageSimulator
 
 
 def estimation_of(simulator: DamageSimulator, settings: Settings, number: int) -> Estimation:
-    """The estimation of one pass, counted from 1."""
+    """The estimation method of pass `number`, counted from 1."""
     if settings.paper:
         return PaperEstimation(simulator, settings, number)
     return ReplayEstimation(simulator, settings, number) if _replays(settings) else SetEstimation(simulator, settings)
@@ -30,14 +30,14 @@ def hypothesis_cost_of(
     trials: Sequence[Trial],
     healthy: Sequence[tuple[np.ndarray, Trial]] = (),
 ) -> HypothesisCost:
-    """What hypotheses are judged by: all trials so far.
+    """The cost of hypotheses on all trials so far.
 
     Args:
         simulator: of the robot.
         settings: of the run.
-        controllers: (n_weights,) each, as many as trials.
-        trials: what the damaged robot did under them.
-        healthy: controllers and trials before the damage; only a rough simulator needs them.
+        controllers: (n_weights,) each, one for each trial.
+        trials: of the damaged robot.
+        healthy: controllers and trials before the damage; used for simulators with errors only.
     """
     if _replays(settings):
         return EnsembleLikelihood(simulator, settings, controllers, trials, healthy)
@@ -45,4 +45,4 @@ def hypothesis_cost_of(
 
 
 def _replays(settings: Settings) -> bool:
-    return not settings.paper and settings.rough > 0.0 and settings.metric == "rolling-mean"
+    return not settings.paper and settings.relative_error > 0.0 and settings.metric == "rolling-mean"

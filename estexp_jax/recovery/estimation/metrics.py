@@ -1,4 +1,4 @@
-"""How far a simulated trial is from the recorded one: the paper's two metrics. Lower is better.
+"""The paper's two metrics of the error of a simulated trial. Lower is better.
 
 Source: Bongard and Lipson 2004, section 2.2, equations 1 to 3.
 """
@@ -14,8 +14,8 @@ def rolling_mean(physical: np.ndarray, simulated: np.ndarray, *, header: int = 2
     f = sum_i sum_j sum_{k = w/2}^{h - w/2} d(i, j, k) / (c n (h - w)),
     d(i, j, k) = sum_{t = k - w/2}^{k + w/2} |s_phy - s_sim| / w.
 
-    Both sums have one term more than they are divided by; that is the paper's, a constant factor. They are taken
-    together here: sample t lies in as many windows as `weights` says.
+    Both sums have one term more than they are divided by, as in the paper; this is a constant factor. Here they are
+    one sum: sample t is in `weights[t]` windows.
 
     Args:
         physical: (trials, samples, sensors) inputs of the controller, in [-1, 1]; at least header + 1 samples.
@@ -24,7 +24,7 @@ def rolling_mean(physical: np.ndarray, simulated: np.ndarray, *, header: int = 2
         window: w, samples, even.
 
     Returns:
-        (...): not finite where the simulation blew up.
+        (...): not finite where the simulation diverged.
     """
     weights = window_weights(header, window)
     n = header + 1
@@ -34,7 +34,7 @@ def rolling_mean(physical: np.ndarray, simulated: np.ndarray, *, header: int = 2
 
 
 def window_weights(header: int, window: int) -> np.ndarray:
-    """In how many windows each sample lies, (header + 1,)."""
+    """Number of windows that contain each sample, (header + 1,)."""
     middles = np.arange(window // 2, header - window // 2 + 1)
     t = np.arange(header + 1)[:, None]
     return np.sum(np.abs(t - middles) <= window // 2, axis=1).astype(float)
@@ -46,5 +46,8 @@ def distance_error(physical: np.ndarray, simulated: np.ndarray) -> np.ndarray:
     Args:
         physical: (trials,) m.
         simulated: (..., trials) m.
+
+    Returns:
+        (...) m.
     """
     return np.mean(np.abs(np.asarray(physical, float) - np.asarray(simulated, float)), axis=-1)

@@ -11,8 +11,8 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, Round
-from estexp_jax.recovery.estimation.genome import LENGTH, Codec, key
+from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, IterationSummary
+from estexp_jax.recovery.estimation.genome import LENGTH, GenomeDecoder, hypothesis_key
 from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import genetic
 from estexp_jax.search.genetic import Genetic, Population
@@ -23,10 +23,10 @@ TAG = 2
 
 @final
 class PaperEstimation(Estimation):
-    """The paper's genetic algorithm; genomes that say the same are simulated once a pass."""
+    """The paper's genetic algorithm. Equivalent genomes are simulated once a pass."""
 
     def __init__(self, simulator: DamageSimulator, settings: Settings, number: int) -> None:
-        self._codec = Codec(simulator.robot)
+        self._codec = GenomeDecoder(simulator.robot)
         self._generations = settings.generations
         self._genetic = Genetic(LENGTH, settings.population, settings.seed, (TAG, number), settings.mutation)
 
@@ -40,18 +40,18 @@ class PaperEstimation(Estimation):
         population = Population.from_tree(state["population"])
         genomes = genetic.ask_genetic(self._genetic, population, state["seeds"])
         items = [self._codec.items(genome) for genome in genomes]
-        new = {key(i): i for i in items if key(i) not in state["known"]}
+        new = {hypothesis_key(i): i for i in items if hypothesis_key(i) not in state["known"]}
         values = residuals(list(new.values())) if new else np.zeros(0)
         known = {**state["known"], **{k: float(v) for k, v in zip(new, values, strict=True)}}
-        scores = np.array([known[key(i)] for i in items])
-        told = genetic.tell_genetic(self._genetic, population, genomes, scores)
-        return {**state, "population": told.to_tree(), "known": known}
+        scores = np.array([known[hypothesis_key(i)] for i in items])
+        next_population = genetic.tell_genetic(self._genetic, population, genomes, scores)
+        return {**state, "population": next_population.to_tree(), "known": known}
 
     def done(self, state: dict[str, Any]) -> bool:
         """See `Estimation`."""
         return state["population"]["generation"] >= self._generations
 
-    def rounds(self) -> int | None:
+    def n_iterations(self) -> int | None:
         """See `Estimation`."""
         return self._generations
 
@@ -64,7 +64,7 @@ class PaperEstimation(Estimation):
         """See `Estimation`."""
         return state["population"]["genomes"][0]
 
-    def summary(self, state: dict[str, Any]) -> Round:
+    def summary(self, state: dict[str, Any]) -> IterationSummary:
         """See `Estimation`."""
         population = Population.from_tree(state["population"])
-        return Round(float(population.scores[0]), float(np.median(population.scores)), population.dominants)
+        return IterationSummary(float(population.scores[0]), float(np.median(population.scores)), population.dominants)

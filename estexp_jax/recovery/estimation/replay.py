@@ -1,7 +1,8 @@
-"""Estimation for a robot that its simulator describes only roughly: a set search under replay.
+"""Estimation for simulators with errors: a set search with replayed readings.
 
-Costs depend on what the simulator's own errors do, and that depends on what is broken. So the search is repeated about
-its own result until the set stays the same; then the finalists are judged, each about itself.
+Costs depend on the influence of the simulator's errors, and this influence depends on the damage. So the search is
+repeated with errors linearised about its last result until the set of sites does not change. Then each finalist is
+evaluated with errors linearised about itself.
 """
 
 from __future__ import annotations
@@ -12,34 +13,33 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, Round
-from estexp_jax.recovery.estimation.edits import Place
-from estexp_jax.recovery.estimation.error_model import TEMPER
-from estexp_jax.recovery.estimation.genome import Items
+from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, IterationSummary
+from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.error_model import TEMPERATURE
+from estexp_jax.recovery.estimation.genome import DamageHypothesis
 from estexp_jax.recovery.estimation.options import DamageOptions, damage_options
 from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import set_search
-from estexp_jax.search.set_moves import Items as Indexed
-from estexp_jax.search.set_moves import pruned
+from estexp_jax.search.set_moves import OptionSet, pruned
 from estexp_jax.search.set_search import SetSearch
 
 _PRICE, _PRICE_OF_TRIAL = 40.0, 20.0
-"""Cost of one more change, at least, and for each trial: errors of the simulator that its ensemble misses are alike in
-all samples of a trial."""
+"""Price of one more change: a constant, and an amount for each trial, because errors of the simulator that the ensemble
+lacks are correlated over all samples of a trial."""
 _SEARCHES, _KEPT, _FINALISTS, _LAST = 3, 12, 8, 6
 _REFINED, _STEPS, _MOVES = 3, (0.15, 0.05, 0.02), 3
-"""Finalists that are refined; by what shares of an amount's range, and how often by each at most."""
+"""Number of finalists that are refined; step sizes as shares of an amount's range; steps of each size at most."""
 _FEWER: dict[str, Any] = {"bases": 2, "beam": 10, "scanned": 0, "finalists": 3, "refinements": 3, "polishes": 2}
-"""Settings of each search: the first ones only have to find the neighbourhood."""
+"""Settings of each search, smaller than the defaults: the finalists are refined afterwards."""
 _ALARM = 2.0
-"""Cost of a sample above which no hypothesis of the catalogue reproduces the recordings."""
-_RIVALS, _UNLIKELY = 3, 0.01
-"""Rivals told at most, and the probability below which they are not."""
+"""Misfit above which no hypothesis of the catalogue reproduces the recordings."""
+_MAX_ALTERNATIVES, _LEAST_PROBABILITY = 3, 0.01
+"""Alternatives reported at most, and the least probability of a reported one."""
 
 
 @final
 class ReplayEstimation(Estimation):
-    """See the module."""
+    """The set search with replayed readings: see the module."""
 
     def __init__(self, simulator: DamageSimulator, settings: Settings, number: int) -> None:
         self._menu = damage_options(simulator.robot, settings.catalogue)
@@ -49,137 +49,143 @@ class ReplayEstimation(Estimation):
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""
         search = set_search.begin_set_search().to_tree()
-        first = {"searches": 1, "told": [np.inf, np.inf, 0], "judged": None}
-        return {"search": search, "seeds": list(seeds), "about": [], **first}
+        first = {"searches": 1, "summary": [np.inf, np.inf, 0], "finalists": None}
+        return {"search": search, "seeds": list(seeds), "reference": [], **first}
 
     def advance(self, state: dict[str, Any], residuals: HypothesisCost) -> dict[str, Any]:
         """See `Estimation`."""
         before = set_search.SetSearchState.from_tree(state["search"])
-        about = self._menu.items(_plain(state["about"]))
+        reference = self._menu.items(_option_set(state["reference"]))
         if set_search.done(before):
-            return self._judged(state, before, residuals)
-        asked = set_search.ask_set_search(self._search, before, [_plain(seed) for seed in state["seeds"]])
-        values = residuals([self._menu.items(items) for items in asked], about)
+            return self._score_finalists(state, before, residuals)
+        asked = set_search.ask_set_search(self._search, before, [_option_set(seed) for seed in state["seeds"]])
+        values = residuals([self._menu.items(items) for items in asked], reference)
         after = set_search.tell_set_search(self._search, before, asked, values)
         least = min((f.residual for f in before.pool), default=-np.inf)
         costs, new = [f.residual for f in after.pool], int(np.sum(np.asarray(values) < least))
-        state = {**state, "search": after.to_tree(), "told": [costs[0], float(np.median(costs)), new]}
-        return self._again(state, after) if set_search.done(after) else state
+        state = {**state, "search": after.to_tree(), "summary": [costs[0], float(np.median(costs)), new]}
+        return self._search_again(state, after) if set_search.done(after) else state
 
     def done(self, state: dict[str, Any]) -> bool:
         """See `Estimation`."""
-        return state["judged"] is not None
+        return state["finalists"] is not None
 
-    def rounds(self) -> int | None:
+    def n_iterations(self) -> int | None:
         """See `Estimation`."""
         return None
 
     def diagnosis(self, state: dict[str, Any]) -> DamageDiagnosis:
         """See `Estimation`."""
-        judged = [(self._menu.items(_plain(j["items"])), j["cost"], j["misfit"]) for j in state["judged"]]
-        worth = np.array([cost for _, cost, _ in judged]) - judged[0][1]
-        shares = np.exp(-worth / (2.0 * TEMPER))
+        scored = [(self._menu.items(_option_set(j["items"])), j["cost"], j["misfit"]) for j in state["finalists"]]
+        excess = np.array([cost for _, cost, _ in scored]) - scored[0][1]
+        shares = np.exp(-excess / (2.0 * TEMPERATURE))
         shares /= shares.sum()
-        rivals = [(items, float(p)) for (items, _, _), p in zip(judged, shares, strict=True)][1:]
-        told = tuple((items, p) for items, p in rivals if p >= _UNLIKELY)[:_RIVALS]
-        items, _, misfit = judged[0]
-        return DamageDiagnosis(items, misfit, float(shares[0]), told, misfit > _ALARM)
+        others = [(items, float(p)) for (items, _, _), p in zip(scored, shares, strict=True)][1:]
+        alternatives = tuple((items, p) for items, p in others if p >= _LEAST_PROBABILITY)[:_MAX_ALTERNATIVES]
+        items, _, misfit = scored[0]
+        return DamageDiagnosis(items, misfit, float(shares[0]), alternatives, misfit > _ALARM)
 
     def seed(self, state: dict[str, Any]) -> Any:
         """See `Estimation`."""
-        return state["judged"][0]["items"]
+        return state["finalists"][0]["items"]
 
-    def summary(self, state: dict[str, Any]) -> Round:
+    def summary(self, state: dict[str, Any]) -> IterationSummary:
         """See `Estimation`."""
-        best, median, dominants = state["told"]
-        return Round(best, median, dominants)
+        best, median, dominants = state["summary"]
+        return IterationSummary(best, median, dominants)
 
-    def _again(self, state: dict[str, Any], found: set_search.SetSearchState) -> dict[str, Any]:
-        """Search once more about the result, unless it is the same set as before."""
+    def _search_again(self, state: dict[str, Any], found: set_search.SetSearchState) -> dict[str, Any]:
+        """The state of one more search about the result, unless the set of sites is the same as before."""
         best = [list(item) for item in found.pool[0].items]
-        same = [i for i, _ in best] == [i for i, _ in state["about"]]
+        same = [i for i, _ in best] == [i for i, _ in state["reference"]]
         if same or state["searches"] >= _SEARCHES:
             return state
         seeds = [[list(item) for item in f.items] for f in found.pool[:_KEPT]]
-        again = {"search": set_search.begin_set_search().to_tree(), "about": best, "searches": state["searches"] + 1}
+        again = {
+            "search": set_search.begin_set_search().to_tree(),
+            "reference": best,
+            "searches": state["searches"] + 1,
+        }
         return {**state, **again, "seeds": seeds}
 
-    def _judged(
+    def _score_finalists(
         self, state: dict[str, Any], found: set_search.SetSearchState, residuals: HypothesisCost
     ) -> dict[str, Any]:
-        """The finalists and what is left of the best without each member, each about itself; the best then refined.
+        """Evaluate the finalists, and the best ones without each member, each about itself; then refine the best.
 
-        The last few are judged by many more of the simulator's errors: a robot on three legs may tip over or not, and
-        where a small ensemble holds none that does, what happened looks impossible.
+        The last few are evaluated with a larger ensemble. A robot on three legs may or may not tip over, and with a
+        small ensemble in which none does, the recording would seem impossible.
         """
         first = [f.items for f in found.pool[:_FINALISTS]]
-        judged = LinearisedCandidates(self._menu, self._search.price, residuals)
+        scored = LinearisedCandidates(self._menu, self._search.price, residuals)
         for items in [*first, *pruned(first[:_REFINED])]:
-            judged.worth(items)
-        for items in judged.ranked()[:_REFINED]:
-            judged.refine(items)
+            scored.score(items)
+        for items in scored.ranked()[:_REFINED]:
+            scored.refine(items)
         last = LinearisedCandidates(self._menu, self._search.price, residuals, thorough=True)
-        best, *others = judged.ranked()
+        best, *others = scored.ranked()
         for items in [best, *pruned([best]), *others[: _LAST - 1]]:
-            last.worth(items)
-        return {**state, "judged": last.to_tree()}
+            last.score(items)
+        return {**state, "finalists": last.to_tree()}
 
 
 @final
 class LinearisedCandidates:
-    """Hypotheses, the simulator's errors judged about each itself: a reference draws amounts towards its own.
+    """Hypotheses with the simulator's errors linearised about each; a common reference would bias their amounts.
 
     Args:
-        menu: what hypotheses count.
+        menu: options of the robot.
         price: of one more change.
-        residuals: what they are judged by.
+        residuals: cost of hypotheses.
         thorough: see `HypothesisCost`.
     """
 
     def __init__(self, menu: DamageOptions, price: float, residuals: HypothesisCost, *, thorough: bool = False) -> None:
         self._menu, self._price, self._residuals, self._thorough = menu, price, residuals, thorough
-        self._known: dict[Items, tuple[Indexed, float, float]] = {}
+        self._known: dict[DamageHypothesis, tuple[OptionSet, float, float]] = {}
 
-    def worth(self, hypothesis: Indexed) -> float:
-        """Cost and price of a hypothesis; lower is better."""
+    def score(self, hypothesis: OptionSet) -> float:
+        """Cost of a hypothesis with the price of its changes; lower is better."""
         items = self._menu.items(hypothesis)
         if items not in self._known:
-            cost, misfit = self._residuals.alone(items, thorough=self._thorough)
+            cost, misfit = self._residuals.evaluate(items, thorough=self._thorough)
             self._known[items] = (hypothesis, cost + self._price * len(items), misfit)
         return self._known[items][1]
 
-    def ranked(self) -> list[Indexed]:
-        """The best of each set of places, best first.
+    def ranked(self) -> list[OptionSet]:
+        """The best hypothesis of each set of sites, best first.
 
-        Two sets of options may say the same: a leg is lost, and that its foot is lost with it.
+        Different sets of options may be equivalent, such as a lost leg with and without its lost foot.
         """
-        best: dict[tuple[Place, ...], Indexed] = {}
+        best: dict[tuple[DamageSite, ...], OptionSet] = {}
         for items, known in sorted(self._known.items(), key=lambda entry: entry[1][1]):
             best.setdefault(tuple(place for place, _ in items), known[0])
         return list(best.values())
 
-    def refine(self, hypothesis: Indexed) -> None:
-        """Move one amount after the other, by smaller and smaller steps, as long as that helps."""
+    def refine(self, hypothesis: OptionSet) -> None:
+        """Minimise the score over one amount after the other, by decreasing steps."""
         for step in _STEPS:
-            for place in range(len(hypothesis)):
+            for position in range(len(hypothesis)):
                 for sign in (1.0, -1.0):
                     for _ in range(_MOVES):
-                        moved = self._moved(hypothesis, place, sign * step)
-                        if self.worth(moved) >= self.worth(hypothesis):
+                        moved = self._moved(hypothesis, position, sign * step)
+                        if self.score(moved) >= self.score(hypothesis):
                             break
                         hypothesis = moved
 
     def to_tree(self) -> list[dict[str, Any]]:
-        """The best of each set, best first."""
+        """The best of each set, best first, as plain data."""
         known = [self._known[self._menu.items(hypothesis)] for hypothesis in self.ranked()]
-        return [{"items": [list(i) for i in items], "cost": worth, "misfit": misfit} for items, worth, misfit in known]
+        return [
+            {"items": [list(i) for i in items], "cost": excess, "misfit": misfit} for items, excess, misfit in known
+        ]
 
-    def _moved(self, hypothesis: Indexed, place: int, share: float) -> Indexed:
-        index, amount = hypothesis[place]
+    def _moved(self, hypothesis: OptionSet, position: int, share: float) -> OptionSet:
+        index, amount = hypothesis[position]
         option = self._menu.options[index]
         moved = float(np.clip(amount + share * (option.high - option.low), option.low, option.high))
-        return (*hypothesis[:place], (index, round(moved, 4)), *hypothesis[place + 1 :])
+        return (*hypothesis[:position], (index, round(moved, 4)), *hypothesis[position + 1 :])
 
 
-def _plain(items: Any) -> Indexed:
+def _option_set(items: Any) -> OptionSet:
     return tuple((int(option), float(amount)) for option, amount in items)

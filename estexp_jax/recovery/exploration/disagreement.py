@@ -1,12 +1,12 @@
-"""The next trial to learn most from: the one on which explanations that are not excluded yet disagree most.
+"""The most informative next trial: the one on which the remaining explanations disagree most.
 
-If the likeliest explanation is right, a trial under a controller shows what that one foretells; each rival, replayed
-with those readings, is then off by some cost, and loses probability accordingly. The controller that would leave the
-rivals least is the most telling one.
+If the likeliest explanation is right, a trial gives the readings that it predicts. Each alternative, simulated with
+these readings as inputs, then has a cost and loses probability accordingly. The most informative controller is the one
+that would leave the alternatives the least probability.
 
 Source: Bongard, Zykov and Lipson, Resilient machines through continuous self-modeling (2006): actions on which
-candidate models disagree; here among controllers that walk, and under replay, as errors feed on themselves in closed
-loop.
+candidate models disagree. Here they are chosen among controllers that walk, and readings are replayed, as errors grow
+in closed loop.
 """
 
 from __future__ import annotations
@@ -17,46 +17,48 @@ import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.error_model import SAMPLES, TEMPER, angle_cost, linearise_errors_at, touch_cost
+from estexp_jax.recovery.estimation.error_model import SAMPLES, TEMPERATURE, angle_cost, linearise_errors_at, touch_cost
 from estexp_jax.recovery.model_error import perturbed_robots
 from estexp_jax.recovery.simulator import DamageSimulator
 
 _MEMBERS = 16
-_ALIKE = 0.02
-"""Shares left to the rivals that are this near tell controllers no more apart."""
+_TIE = 0.02
+"""Differences of the remaining probability below this do not distinguish controllers."""
 
-RivalDamage = tuple[tuple[Change, ...], float]
-"""What differs, and its probability."""
+AlternativeDamage = tuple[tuple[Change, ...], float]
+"""Changes of the nominal model, and the probability of this explanation."""
 
 
 def remaining_probability(
-    simulator: DamageSimulator, settings: Settings, controllers: np.ndarray, explanations: Sequence[RivalDamage]
+    simulator: DamageSimulator, settings: Settings, controllers: np.ndarray, explanations: Sequence[AlternativeDamage]
 ) -> np.ndarray:
-    """Share (controllers,) of the rivals' probability that would be left to them after a trial under each controller.
+    """Share (controllers,) of their probability that the alternatives would keep after a trial of each controller.
 
     Args:
         simulator: of the robot.
         settings: of the run.
         controllers: (controllers, n_weights).
-        explanations: the likeliest first, then at least one rival.
+        explanations: the likeliest first, then at least one alternative.
     """
-    told, n = [changes for changes, _ in explanations], len(explanations)
-    steps, touch = min(SAMPLES, settings.steps), simulator.walker.interface.is_touch
-    heard = np.asarray(simulator.trials(told[:1], controllers, steps).readings[0])
-    off = [(*told[0], *member) for member in perturbed_robots(simulator.robot, settings.rough, _MEMBERS)]
-    walk = np.asarray(simulator.trials([*told, *off], controllers, steps, heard).readings, float)
+    damages, n = [changes for changes, _ in explanations], len(explanations)
+    steps, touch = min(SAMPLES, settings.steps), simulator.closed_loop.interface.is_touch
+    readings = np.asarray(simulator.trials(damages[:1], controllers, steps).readings[0])
+    perturbed = [
+        (*damages[0], *member) for member in perturbed_robots(simulator.robot, settings.relative_error, _MEMBERS)
+    ]
+    replayed = np.asarray(simulator.trials([*damages, *perturbed], controllers, steps, readings).readings, float)
     shares = np.array([p for _, p in explanations[1:]])
-    left = []
-    for each in np.moveaxis(walk, 1, 0)[:, :, None]:  # (sets, one trial, steps, n_inputs)
-        first, rivals = each[0], each[1:n]
-        about = linearise_errors_at(np.concatenate([each[:1], each[n:]]), touch, np.zeros((_MEMBERS, 0)))
-        cost = angle_cost(about, (first - rivals)[..., ~touch].reshape(n - 1, -1))
-        cost += touch_cost(about, first[..., touch], rivals[..., touch])
-        cost = np.nan_to_num(cost, nan=np.inf)  # a rival that blows up would be excluded
-        left.append(np.sum(shares * np.exp(-cost / (2.0 * TEMPER))) / shares.sum())
-    return np.array(left)
+    remaining = []
+    for each in np.moveaxis(replayed, 1, 0)[:, :, None]:  # (sets, one trial, steps, n_inputs)
+        first, alternatives = each[0], each[1:n]
+        error_model = linearise_errors_at(np.concatenate([each[:1], each[n:]]), touch, np.zeros((_MEMBERS, 0)))
+        cost = angle_cost(error_model, (first - alternatives)[..., ~touch].reshape(n - 1, -1))
+        cost += touch_cost(error_model, first[..., touch], alternatives[..., touch])
+        cost = np.nan_to_num(cost, nan=np.inf)  # a diverged simulation excludes its explanation
+        remaining.append(np.sum(shares * np.exp(-cost / (2.0 * TEMPERATURE))) / shares.sum())
+    return np.array(remaining)
 
 
-def most_informative(left: np.ndarray) -> int:
-    """Index of the first controller, in the order given, that leaves the rivals about as little as any does."""
-    return int(np.flatnonzero(left <= np.min(left) + _ALIKE)[0])
+def most_informative(remaining: np.ndarray) -> int:
+    """Index of the first controller whose remaining probability (controllers,) is about the lowest."""
+    return int(np.flatnonzero(remaining <= np.min(remaining) + _TIE)[0])

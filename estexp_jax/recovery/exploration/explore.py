@@ -1,8 +1,7 @@
-"""The exploration phase: evolve a controller that carries the simulated robot far.
+"""The exploration phase: evolve a controller that moves the simulated robot far.
 
-Sources: Bongard and Lipson 2004, section 2.2, "The Exploration Phase"; several simulators that differ at random, so
-that a controller also works outside them: Jakobi, Evolutionary robotics and the radical envelope of noise hypothesis
-(1997).
+Sources: Bongard and Lipson 2004, section 2.2, "The Exploration Phase". Random variation of the simulators, so that
+controllers transfer to the robot: Jakobi, Evolutionary robotics and the radical envelope of noise hypothesis (1997).
 """
 
 from __future__ import annotations
@@ -20,12 +19,12 @@ from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search.genetic import Genetic, Population
 
 TAG = 1
-_JURY = 32
-"""Simulators that judge after the search. Seen on development seeds: with them the robot comes a tenth farther."""
+_VALIDATION_SIMULATORS = 32
+"""Simulators that validate controllers after the search. On development seeds the robot then went a tenth farther."""
 
 
 def exploration_algorithm(simulator: DamageSimulator, settings: Settings, number: int) -> Genetic:
-    """The genetic algorithm of one pass, counted from 0."""
+    """The genetic algorithm of pass `number`, counted from 0."""
     return Genetic(
         length=simulator.n_weights,
         population=settings.population,
@@ -38,30 +37,31 @@ def exploration_algorithm(simulator: DamageSimulator, settings: Settings, number
 def exploration_score(
     simulator: DamageSimulator, settings: Settings, changes: Sequence[Change], draw: int = 0
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Score of controllers on the robot as diagnosed: minus the distance along the axis, m; +inf if it blew up.
+    """The score function of controllers on the robot as diagnosed.
 
-    Where the simulator is rough, each walks on several that differ as much as it may be off, with noisy sensors, and
-    the mean distance counts: what exploits one simulator's errors loses its way on the others, as on the robot.
+    It maps weights (n, n_weights) to minus the distances along the axis (n,), m; +inf where a simulation diverged. If
+    the simulator has errors, the mean over several perturbed simulators with noisy sensors counts. A controller that
+    exploits the errors of one simulator then fails on the others, as it would on the robot.
 
     Args:
         simulator: of the robot.
         settings: of the run.
         changes: the diagnosis.
-        draw: of the rough simulators; others for each number.
+        draw: number of the draw of perturbed simulators; each gives others.
     """
     sets: list[tuple[Change, ...]] = [tuple(changes)]
-    heard: ReadingOverride | None = None
-    if settings.members > 1:
-        off = perturbed_robots(simulator.robot, settings.rough, settings.members, draw)
-        sets = [(*changes, *member) for member in off]
-        told = sensor_noise(simulator.walker.interface, settings.members, settings.steps, draw)
-        heard = ReadingOverride(told.factor[:, None], told.added[:, None])
+    noise: ReadingOverride | None = None
+    if settings.ensemble_size > 1:
+        perturbed = perturbed_robots(simulator.robot, settings.relative_error, settings.ensemble_size, draw)
+        sets = [(*changes, *member) for member in perturbed]
+        noise_of = sensor_noise(simulator.closed_loop.interface, settings.ensemble_size, settings.steps, draw)
+        noise = ReadingOverride(noise_of.factor[:, None], noise_of.added[:, None])
     start = simulator.settled(sets)
 
     def score(weights: np.ndarray) -> np.ndarray:
-        walk = simulator.walks(sets, start, weights, settings.steps, heard)
-        mean = np.mean(distances_along(walk.position, settings.axis), axis=0)
-        return np.where(np.any(walk.failed, axis=0), np.inf, -mean)
+        rollout = simulator.rollouts(sets, start, weights, settings.steps, noise)
+        mean = np.mean(distances_along(rollout.position, settings.axis), axis=0)
+        return np.where(np.any(rollout.failed, axis=0), np.inf, -mean)
 
     return score
 
@@ -75,11 +75,11 @@ def rank_controllers(
     *,
     last: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What the next trial is chosen from, and the scores, best first: the last generation of an exact simulator.
+    """Candidates for the next trial with their scores, best first.
 
-    The best of many is best on the simulators that it was selected on, less so on the robot. Where the simulator is
-    rough, a jury of others judges the generation's better half anew. The last trial may be one that the robot has had,
-    if nothing new promises more; before that, it would teach nothing.
+    For an exact simulator these are the last generation. Otherwise its better half is evaluated anew on further
+    perturbed simulators, because the best of many is overfitted to those of the search. Controllers that the robot has
+    tried are candidates for the last trial only: before it, they would give no new information.
 
     Args:
         simulator: of the robot.
@@ -87,13 +87,16 @@ def rank_controllers(
         changes: the diagnosis.
         population: the last generation.
         tried: controllers (n_weights,) of the trials before.
-        last: whether it is for the last trial.
+        last: whether the last trial is chosen.
+
+    Returns:
+        Genomes (n, n_weights) and scores (n,).
     """
-    if settings.members == 1:
+    if settings.ensemble_size == 1:
         return population.genomes, population.scores
     known = {w.tobytes() for w in tried}
     new = [w for w in population.genomes if w.tobytes() not in known] or list(population.genomes)
-    n = len(population.genomes) - len(population.genomes) // 2  # as many as are new in a generation: compiled already
+    n = len(population.genomes) - len(population.genomes) // 2  # the batch size of a generation: already compiled
     again = list(tried)[-(n // 2) :] if last else []
     genomes = np.array([*new[: n - len(again)], *again])
     draws = range(1, validation_ensemble(settings) + 1)
@@ -103,5 +106,5 @@ def rank_controllers(
 
 
 def validation_ensemble(settings: Settings) -> int:
-    """Sets of rough simulators, as large as that of the search, on which controllers are judged after it."""
-    return 0 if settings.members == 1 else max(1, round(_JURY / settings.members))
+    """Number of further ensembles, each as large as that of the search, that validate controllers after it."""
+    return 0 if settings.ensemble_size == 1 else max(1, round(_VALIDATION_SIMULATORS / settings.ensemble_size))

@@ -1,4 +1,4 @@
-"""A controller as plain arrays: what another computer needs to run it, and nothing else.
+"""A controller as plain arrays, for a computer without the simulator.
 
 One control step, u_k being the inputs, h_k the hidden neurons (h_-1 = 0), c_k the commands:
 
@@ -6,7 +6,7 @@ One control step, u_k being the inputs, h_k the hidden neurons (h_-1 = 0), c_k t
     h_k = tanh(gain (w_hidden [u_k, 1] + w_recurrent h_k-1))
     c_k = clip(ctrl_centre + ctrl_scale tanh(gain w_output [h_k, 1]), ctrl_low, ctrl_high)
 
-Source: Bongard and Lipson 2004, section 2.2 and Figure 4; see `physics.controllers`.
+Source: Bongard and Lipson 2004, section 2.2 and Figure 4; see `recovery.control.network`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ARRAYS = (*_NETWORK, *Scales._fields, *_OTHERS)
 @final
 @dataclass(frozen=True, eq=False)
 class OnboardController:
-    """A controller that needs no simulator; its file has the same names.
+    """A controller without a simulator; its file has the same names.
 
     Attributes:
         w_hidden: (3, n_inputs + 1) weights of the hidden neurons, of the inputs and, last, the bias.
@@ -38,13 +38,13 @@ class OnboardController:
         scales: six arrays in the file: `centre`, `scale` (n_inputs,) of the readings, in their unit; `ctrl_centre`,
             `ctrl_scale`, `ctrl_low`, `ctrl_high` (n_outputs,) of the commands, in each actuator's unit.
         inputs: (n_inputs,) names of the sensors, in the order of the readings.
-        is_touch: (n_inputs,) which are touch sensors: their readings are +1 (contact) or -1, not forces.
-        rest: (n_inputs,) the reading of a sensor that is gone.
+        is_touch: (n_inputs,) whether it is a touch sensor, which reads +1 (contact) or -1, not a force.
+        rest: (n_inputs,) the reading of a sensor that is lost.
         actuators: (n_outputs,) names, in the order of the commands.
         gain: of the neurons' tanh.
         control_step: time between two commands, s.
         steps: commands of a trial.
-        weights: (n_weights,) the genome, of which the three tables are parts.
+        weights: (n_weights,) the genome, which contains the three tables.
     """
 
     w_hidden: np.ndarray
@@ -80,7 +80,7 @@ class OnboardController:
         )
 
     def hidden(self) -> np.ndarray:
-        """What the hidden neurons hold before the first step, (3,)."""
+        """Hidden outputs (3,) before the first step."""
         return np.zeros(HIDDEN, np.float32)
 
     def respond(self, hidden: np.ndarray, readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -108,7 +108,7 @@ class OnboardController:
 
         Raises:
             KeyError: an array is missing.
-            ValueError: shapes do not fit each other.
+            ValueError: the shapes do not match.
         """
         n, m = len(arrays["inputs"]), len(arrays["actuators"])
         shapes = {"w_hidden": (HIDDEN, n + 1), "w_recurrent": (HIDDEN, HIDDEN), "w_output": (m, HIDDEN + 1)}

@@ -9,7 +9,7 @@ from typing import Any
 from estexp_jax.discovery.diagnosis import Diagnosis
 from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.estimation.windows import FINER
-from estexp_jax.physics.effects.laws.base import UNKNOWN
+from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.report.drawing.film import source
 from estexp_jax.report.explain.competing_models import NAMES, figure_competing_models
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where
@@ -76,7 +76,7 @@ def explain_headline(findings: Mapping[str, Any]) -> str:
 
 
 def _claim(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
-    laws = [law for law in diagnosis.laws if entry["effect"] == UNKNOWN and law.joint == entry["name"]]
+    laws = [law for law in diagnosis.laws if entry["effect"] == UNKNOWN_LAW and law.joint == entry["name"]]
     numbers = [
         {"name": name, "unit": p["unit"], **{key: format_number(p[key]) for key in ("value", "low", "high")}}
         for name, p in entry["parameters"].items()

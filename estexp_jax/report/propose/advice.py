@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from estexp_jax.experiment_design.propose import PLAIN, ProposedExperiment
+from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, ProposedExperiment
 from estexp_jax.report.propose.text import (
     again,
     caution,
@@ -33,7 +33,7 @@ def propose_advice(proposed: ProposedExperiment) -> str:
 def _rivals(proposed: ProposedExperiment) -> str:
     lines = [
         f"{n}. `{rival.label}` ({standing(rival)}): {rival.sentence}."
-        for n, rival in enumerate(proposed.contest.rivals, start=1)
+        for n, rival in enumerate(proposed.competing_models.models, start=1)
     ]
     return f"## Explanations\n\n{opening(proposed)}\n\n" + "\n".join(lines)
 
@@ -49,7 +49,7 @@ def _motion(proposed: ProposedExperiment) -> str:
 def _pairs(proposed: ProposedExperiment) -> str:
     lines = [
         "One deviation is a reading's noise, or an ordinary error (3 %) of one value of the model, all the time. From"
-        f" {PLAIN:g} on, two explanations are plainly apart.",
+        f" {CLEAR_SEPARATION:g} on, two explanations are plainly apart.",
         "",
         "| explanations | apart | by random motions | differ most |",
         "|---|---|---|---|",

@@ -48,8 +48,8 @@ def figure_predictions(proposed: ProposedExperiment) -> Figure:
     figure = Figure(figsize=(_WIDTH, 1.1 + 2.0 * len(chosen)), layout="constrained")
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (channel, moments) in zip(panels, chosen.items(), strict=True):
-        index = proposed.contest.channels.index(channel)
-        for n, readings in enumerate(proposed.shown.readings):
+        index = proposed.competing_models.channels.index(channel)
+        for n, readings in enumerate(proposed.predicted.readings):
             style, colour = _STYLES[n % len(_STYLES)], _COLOURS[n % len(_COLOURS)]
             axes.plot(proposed.time, readings[:, index], ls=style, color=colour, lw=1.4, label=f"{n + 1}")
         for moment in moments:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from estexp_jax.discovery.contest import Rival
-from estexp_jax.experiment_design.propose import PLAIN, ProposedExperiment
+from estexp_jax.discovery.contest import CompetingModel
+from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, ProposedExperiment
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.report.pages import capital, format_number, image, render_page
 from estexp_jax.report.propose.figures import figure_commands, figure_predictions
@@ -31,11 +31,11 @@ def propose_page(proposed: ProposedExperiment) -> str:
         headline=propose_headline(proposed),
         verdict=propose_verdict(proposed),
         opening=opening(proposed),
-        rivals=[_rival(n, rival) for n, rival in enumerate(proposed.contest.rivals, start=1)],
+        rivals=[_rival(n, rival) for n, rival in enumerate(proposed.competing_models.models, start=1)],
         motion=motion_sentence(proposed),
         caution=caution(proposed),
         reaches=reaches(proposed),
-        plain=f"{PLAIN:g}",
+        plain=f"{CLEAR_SEPARATION:g}",
         pairs=[_pair(pair) for pair in propose_rows(proposed)],
         signs=signs(proposed),
         command=again(proposed),
@@ -57,7 +57,7 @@ def propose_headline(proposed: ProposedExperiment) -> str:
     return "No motion found within the limits tells the explanations plainly apart."
 
 
-def _rival(place: int, rival: Rival) -> dict[str, Any]:
+def _rival(place: int, rival: CompetingModel) -> dict[str, Any]:
     return {
         "number": place,
         "label": rival.label,

@@ -8,9 +8,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from estexp_jax.discovery.contest import Rival
+from estexp_jax.discovery.contest import CompetingModel
 from estexp_jax.discovery.findings import TOLD
-from estexp_jax.experiment_design.propose import PLAIN, SLACK, ProposedExperiment
+from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, LIMIT_TOLERANCE, ProposedExperiment
 from estexp_jax.physics.effects.units import unit_at
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.pages import probability
@@ -61,8 +61,8 @@ def _on_joint(robot: Robot, joint: int, unit: str) -> str:
 
 def propose_rows(proposed: ProposedExperiment) -> list[dict[str, Any]]:
     """One row for each pair of rivals: how far apart, and the moment and sensor at which they differ most."""
-    contest, shown, found = proposed.contest, proposed.shown, []
-    for i, j in zip(*np.triu_indices(len(contest.rivals), 1), strict=True):
+    contest, shown, found = proposed.competing_models, proposed.predicted, []
+    for i, j in zip(*np.triu_indices(len(contest.models), 1), strict=True):
         difference = shown.readings[j] - shown.readings[i]
         share = np.abs(_in_deviations(proposed, difference))
         row, c = np.unravel_index(int(np.argmax(share)), share.shape)
@@ -70,9 +70,9 @@ def propose_rows(proposed: ProposedExperiment) -> list[dict[str, Any]]:
             {
                 "rival": int(i) + 1,
                 "other": int(j) + 1,
-                "separation": float(shown.apart[i, j]),
-                "random": float(proposed.usual[i, j]),
-                "told_apart": bool(shown.apart[i, j] >= PLAIN),
+                "separation": float(shown.separation[i, j]),
+                "random": float(proposed.random_separation[i, j]),
+                "told_apart": bool(shown.separation[i, j] >= CLEAR_SEPARATION),
                 "sensor": contest.channels[c],
                 "time": float(proposed.time[row]),
                 "difference": float(difference[row, c]),
@@ -84,13 +84,13 @@ def propose_rows(proposed: ProposedExperiment) -> list[dict[str, Any]]:
 
 
 def _in_deviations(proposed: ProposedExperiment, readings: np.ndarray) -> np.ndarray:
-    deviations = proposed.contest.deviations
+    deviations = proposed.competing_models.deviations
     return readings / np.where(deviations > 0.0, deviations, np.inf)
 
 
 def propose_summary(proposed: ProposedExperiment) -> str:
     """The rivals, and how far apart the motion brings each pair; several lines."""
-    rivals = enumerate(proposed.contest.rivals, start=1)
+    rivals = enumerate(proposed.competing_models.models, start=1)
     lines = [opening(proposed), *(f"  {n}. {rival.label} ({standing(rival)})" for n, rival in rivals)]
     lines += [propose_verdict(proposed)]
     for pair in propose_rows(proposed):
@@ -101,7 +101,7 @@ def propose_summary(proposed: ProposedExperiment) -> str:
 
 def opening(proposed: ProposedExperiment) -> str:
     """How much is open."""
-    left = sum(rival.open for rival in proposed.contest.rivals[1:])
+    left = sum(rival.open for rival in proposed.competing_models.models[1:])
     if left:
         return f"Beside the chosen explanation (1), {left} {'is' if left == 1 else 'are'} left:"
     return (
@@ -109,7 +109,7 @@ def opening(proposed: ProposedExperiment) -> str:
     )
 
 
-def standing(rival: Rival) -> str:
+def standing(rival: CompetingModel) -> str:
     """How probable it is."""
     if rival.probability >= TOLD:
         return f"probability {probability(rival.probability)}"
@@ -125,7 +125,7 @@ def propose_verdict(proposed: ProposedExperiment) -> str:
         return f"The proposed motion tells them apart: any two differ by {least:.3g} deviations or more."
     still = _STILL if max(pair["separation"] for pair in faint) >= 1.0 else ""
     if len(faint) == len(pairs):
-        told = f"none brings two of them {PLAIN:g} deviations apart"
+        told = f"none brings two of them {CLEAR_SEPARATION:g} deviations apart"
         return f"No motion found within the limits tells them plainly apart: {told}. {still}{_ELSE}"
     same = ", ".join(f"{pair['rival']} and {pair['other']}" for pair in faint)
     told = f"tells {len(pairs) - len(faint)} of {len(pairs)} pairs apart"
@@ -143,7 +143,7 @@ def propose_table(proposed: ProposedExperiment) -> str:
     found = propose_rows(proposed)
     head = "".join(f"<th>{escape(name)}</th>" for name in found[0])
     body = "".join("<tr>" + "".join(f"<td>{_cell(v)}</td>" for v in row.values()) + "</tr>" for row in found)
-    rivals = "".join(f"<li>{escape(r.label)} ({standing(r)})</li>" for r in proposed.contest.rivals)
+    rivals = "".join(f"<li>{escape(r.label)} ({standing(r)})</li>" for r in proposed.competing_models.models)
     return f"<p><b>{escape(propose_verdict(proposed))}</b></p><ol>{rivals}</ol><table><tr>{head}</tr>{body}</table>"
 
 
@@ -164,9 +164,9 @@ def motion_sentence(proposed: ProposedExperiment) -> str:
 
 def caution(proposed: ProposedExperiment) -> str:
     """What is beyond a limit; empty where nothing is."""
-    if proposed.shown.excess <= SLACK:
+    if proposed.predicted.excess <= LIMIT_TOLERANCE:
         return ""
-    beyond = f"goes {proposed.shown.excess:.0%} beyond a limit of joint or speed, or brings parts together,"
+    beyond = f"goes {proposed.predicted.excess:.0%} beyond a limit of joint or speed, or brings parts together,"
     told = f"{beyond} under at least one explanation"
     return f"no motion found stays within the limits; this one {told}."
 
@@ -179,11 +179,11 @@ def reaches(proposed: ProposedExperiment) -> list[tuple[str, str, str]]:
 
 def signs(proposed: ProposedExperiment) -> list[dict[str, str]]:
     """What each rival alone predicts: where it is farthest from the nearest other one."""
-    shown, contest = proposed.shown.readings, proposed.contest
+    shown, contest = proposed.predicted.readings, proposed.competing_models
     scaled = _in_deviations(proposed, shown)
     found = []
-    for n in range(len(contest.rivals)):
-        others = np.delete(np.arange(len(contest.rivals)), n)
+    for n in range(len(contest.models)):
+        others = np.delete(np.arange(len(contest.models)), n)
         nearest = np.abs(scaled[others] - scaled[n]).min(axis=0)
         row, c = np.unravel_index(int(np.argmax(nearest)), nearest.shape)
         unit, values = unit_of(proposed.robot, contest.channels[c]), shown[others, row, c]
@@ -191,11 +191,13 @@ def signs(proposed: ProposedExperiment) -> list[dict[str, str]]:
         elsewhere = low if low == high else f"{low} to {high}"
         told = {"number": f"{n + 1}", "time": f"{proposed.time[row]:.2f}", "sensor": contest.channels[c]}
         both = {"own": f"{shown[n, row, c]:.3g} {unit}".rstrip(), "others": f"{elsewhere} {unit}".rstrip()}
-        found.append({**told, **both, "label": contest.rivals[n].label})
+        found.append({**told, **both, "label": contest.models[n].label})
     return found
 
 
 def again(proposed: ProposedExperiment) -> str:
     """The command that takes the new recording in."""
-    train, test = (" ".join(n for n, r in proposed.contest.recordings if r == role) for role in ("train", "test"))
+    train, test = (
+        " ".join(n for n, r in proposed.competing_models.recordings if r == role) for role in ("train", "test")
+    )
     return f"estexp explain MODEL.xml {train} proposed.csv --test {test} --out out/again"

@@ -43,7 +43,7 @@ def run_record(
                 "probability": each.probability,
                 "rivals": [
                     {"diagnosis": [change.to_json() for change in diagnosis], "probability": p}
-                    for diagnosis, p in each.rivals
+                    for diagnosis, p in each.alternatives
                 ],
                 "alarm": each.alarm,
                 "hardware_m": each.hardware,

@@ -96,7 +96,7 @@ def filmed_walks(job: Job, state: RunState) -> list[FilmedWalk]:
 
 def _dear(job: Job) -> bool:
     """Whether each picture takes long to simulate."""
-    return isinstance(job.target, SameTarget) and job.simulator.walker.choice.engine == "mjx"
+    return isinstance(job.target, SameTarget) and job.simulator.closed_loop.choice.engine == "mjx"
 
 
 def _motions(job: Job, walks: Sequence[FilmedWalk], rows: list[int]) -> list[np.ndarray]:

@@ -19,7 +19,7 @@ from estexp_jax.report.recover.film import Film
 _RECOVERED, _PARTLY = 0.9, 0.5
 """Shares of what the damage cost from which on a robot has recovered, or in part."""
 _BELIED = 0.25
-"""Share of the distance before the damage by which a trial may miss what was foretold."""
+"""Share of the distance before the damage by which a trial may miss the prediction."""
 
 
 def recover_page(
@@ -61,7 +61,7 @@ def recover_page(
         stands_in=stands_in,
         paths=image(path_figure(state, axis, stands_in=stands_in)) if _way_known(state) else None,
         rows=table(state, axis),
-        others=[] if last is None else [_other(diagnosis, p) for diagnosis, p in last.rivals],
+        others=[] if last is None else [_other(diagnosis, p) for diagnosis, p in last.alternatives],
         advice=recover_advice(state, axis),
         strip="" if film is None else source(film.strip, "image/jpeg"),
         video="" if film is None or film.video is None else source(film.video, "video/mp4"),
@@ -140,10 +140,10 @@ def recover_advice(state: RunState, axis: str) -> list[str]:
         )
     if gap > _BELIED:
         told.append(
-            f"The last trial missed what was foretold by {percent(gap, 0)} of the distance before the damage: the "
+            f"The last trial missed the predicted distance by {percent(gap, 0)} of the distance before the damage: the "
             "simulator lacks more than the diagnosis. Recordings of the robot and `estexp explain` show what."
         )
-    if last.rivals:
+    if last.alternatives:
         told.append("More passes (--passes) give the search more trials to exclude the other diagnoses by.")
     return told + _more(last, _regained(state, axis))
 

@@ -18,7 +18,7 @@ from estexp_jax.report.recover.figure import path_figure, progress_figure
 from estexp_jax.report.recover.film import Film, film_of
 from estexp_jax.report.recover.page import recover_headline, table
 
-_HEADS = ("pass", "diagnosis", "probability", "foretold (m)", "trial (m)")
+_HEADS = ("pass", "diagnosis", "probability", "predicted (m)", "trial (m)")
 
 
 @final

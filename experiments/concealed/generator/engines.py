@@ -69,7 +69,7 @@ class HandEngine:
 
     def state(self) -> tuple[list[float], list[float]]:
         """Positions and speeds."""
-        y = self.solver.y.tolist()
+        y = np.asarray(self.solver.y).tolist()
         return y[:2], y[2:]
 
     def whole(self) -> tuple[np.ndarray, np.ndarray]:

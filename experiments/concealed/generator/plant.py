@@ -90,7 +90,7 @@ class Plant:
         waiting = sorted((e for e in self.effects), key=lambda e: e.start)
         command, enable = [0.0] * len(self.motors.gain), 1.0
         rowed, stepped = _Log(), _Log()
-        last = engine.state()[1]
+        last, seen = engine.state()[1], [0.0] * len(command)
         for k in range(steps + 1):
             t = (k - first) * dt
             while waiting and (t >= waiting[0].start or waiting[0].start <= 0.0):

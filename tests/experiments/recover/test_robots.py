@@ -29,7 +29,7 @@ def test_a_lost_leg_of_the_hexapod_is_found(tmp_path: Path) -> None:
     row = outcome(case, tmp_path)
     assert row["right"] and row["right_after"] == 1
     assert outcome(case, tmp_path) == row  # kept, not run again
-    assert job(case).simulator.walker.choice.engine == "lanes"
+    assert job(case).simulator.closed_loop.choice.engine == "lanes"
     assert len(distances_figure([row]).axes) == 1
 
 

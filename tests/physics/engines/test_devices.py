@@ -8,10 +8,14 @@ from estexp_jax.physics.engines.lanes.closed_loop import lanes_width
 from estexp_jax.physics.engines.mjx.closed_loop import mjx_width
 
 
+def _precision():
+    return jax.config.jax_default_matmul_precision  # pyright: ignore[reportAttributeAccessIssue] (made at run time)
+
+
 @pytest.fixture
 def precision():
     """JAX's own setting, put back afterwards."""
-    before = jax.config.jax_default_matmul_precision
+    before = _precision()
     yield
     jax.config.update("jax_default_matmul_precision", before)
 
@@ -33,15 +37,15 @@ def test_products_are_exact_on_an_accelerator_unless_the_user_chose_otherwise(mo
     monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
     jax.config.update("jax_default_matmul_precision", None)
     exact_products()
-    assert jax.config.jax_default_matmul_precision == "highest"
+    assert _precision() == "highest"
     jax.config.update("jax_default_matmul_precision", "high")
     exact_products()
-    assert jax.config.jax_default_matmul_precision == "high"
+    assert _precision() == "high"
 
 
 def test_on_a_cpu_nothing_changes(monkeypatch, precision):
     monkeypatch.setattr(jax, "default_backend", lambda: "cpu")
     jax.config.update("jax_default_matmul_precision", None)
     exact_products()
-    assert jax.config.jax_default_matmul_precision is None
+    assert _precision() is None
     assert max(lanes_width(10**6), mjx_width(10**6)) <= 104

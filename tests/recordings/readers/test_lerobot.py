@@ -63,8 +63,8 @@ def test_a_data_file_alone_is_a_log_too(folder):
 
 def test_the_older_layout_is_read(folder, tmp_path):
     template = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
-    whole = parquet.read_table(folder / "data" / "chunk-000" / "file-000.parquet")
-    one = whole.filter(pyarrow.compute.equal(whole["episode_index"], 1))
+    whole = folder / "data" / "chunk-000" / "file-000.parquet"
+    one = parquet.read_table(whole, filters=[("episode_index", "==", 1)])
     parquet.write_table(one, folder / "data" / "chunk-000" / "episode_000001.parquet")
     _info(folder, codebase_version="v2.1", data_path=template)
     np.testing.assert_array_equal(read_table(folder, Selection(episode=1)).column("action", 1), np.ones(30))

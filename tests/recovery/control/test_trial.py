@@ -8,7 +8,7 @@ from estexp_jax.recovery.simulator import DamageSimulator
 
 
 def test_a_controller_responds_as_the_simulated_ones_do(world: DamageSimulator) -> None:
-    random, face = np.random.default_rng(1), world.walker.interface
+    random, face = np.random.default_rng(1), world.closed_loop.interface
     controller = world.controller(random.integers(-100, 101, world.n_weights) / 100, 30)
     hidden, readings = random.uniform(-1, 1, 3), random.uniform(-1.2, 1.2, face.n_inputs)
     inputs = face.inputs(jnp.asarray(readings, jnp.float32))

@@ -3,7 +3,7 @@
 from estexp_jax.physics.effects.changes import encode
 from estexp_jax.physics.effects.registry import damages, paper
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import Place, change_of, merged
+from estexp_jax.recovery.estimation.edits import change_of
 from estexp_jax.recovery.estimation.options import damage_options
 
 
@@ -22,14 +22,3 @@ def test_the_papers_catalogue_is_its_six_modifications_with_growing_masses(quadr
     masses = [o for p, o in zip(found.places, found.options, strict=True) if p.effect == "body_mass"]
     assert all(option.low == 0.0 for option in masses)
     assert damage_options(quadruped, "full").places[: len(found.places)] == found.places
-
-
-def test_a_motor_repeats_one_other(quadruped: Robot) -> None:
-    ties = [(Place("tied_outputs", "hip_f", partner), 1.0) for partner in (2, 3)]
-    assert merged(quadruped, ties) == (ties[0],)
-    assert merged(quadruped, [*ties, (Place("part_lost", "upper_f"), 1.0)]) == ((Place("part_lost", "upper_f"), 1.0),)
-
-
-def test_a_sensor_can_be_stuck_at_zero(quadruped: Robot) -> None:
-    stuck = ((Place("sensor_stuck", "angle_f"), 0.0),)
-    assert merged(quadruped, stuck) == stuck

@@ -5,14 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.cycle import Job, run_cycle
-from estexp_jax.recovery.estimation.base import DamageDiagnosis
-from estexp_jax.recovery.estimation.edits import Place
-from estexp_jax.recovery.estimation.genome import Items
-from estexp_jax.recovery.estimation.set import SetEstimation
 from estexp_jax.recovery.exploration.disagreement import most_informative, remaining_probability
 from estexp_jax.recovery.simulator import DamageSimulator
 
@@ -54,31 +48,3 @@ def test_rivals_count_by_their_probability(world: DamageSimulator, settings: Set
 def test_of_those_that_tell_about_as_much_the_first_counts() -> None:
     assert most_informative(np.array([0.5, 0.011, 0.3, 0.0])) == 1
     assert most_informative(np.array([0.5, 0.05, 0.3, 0.0])) == 3
-
-
-def test_the_robot_tries_what_tells_most_and_at_last_what_comes_farthest(
-    job: Job, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A diagnosis that leaves rivals: among controllers nearly as good as the best, another one is tried."""
-    weak: Items = ((Place("motor_weakness", "knee_f"), 0.6),)
-    doubtful = DamageDiagnosis((), 0.0, 0.5, ((weak, 0.5),), alarm=False)
-    monkeypatch.setattr(SetEstimation, "diagnosis", lambda *_: doubtful)
-    asked: list[np.ndarray] = []
-
-    def least_for_the_last(_: object, __: object, genomes: np.ndarray, explanations: object) -> np.ndarray:
-        asked.append(genomes)
-        return np.arange(len(genomes))[::-1].astype(float)
-
-    monkeypatch.setattr("estexp_jax.recovery.cycle.undecided", least_for_the_last)
-    settings = replace(job.settings, next_trial="telling", generations=3)
-    *_, last = run_cycle(replace(job, settings=settings))
-    bests = {row.number: row.best for row in last.history if row.phase == "exploration"}
-    assert len(asked) == settings.passes - 1
-    np.testing.assert_array_equal(last.controllers[1], asked[0][-1])
-    assert last.simulated[1] >= 0.8 * bests[1]
-    assert last.simulated[settings.passes] == bests[settings.passes]
-
-
-def test_the_papers_search_keeps_no_rivals() -> None:
-    with pytest.raises(InputError, match="next-trial"):
-        Settings(next_trial="telling", paper=True)

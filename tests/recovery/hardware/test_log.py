@@ -31,7 +31,7 @@ def wanted(controller: Controller) -> ExpectedTrial:
 
 def test_rows_at_the_control_steps_are_the_trial(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     found, notes = trial_of_recording(quadruped, recorded(quadruped, wanted.controller, trial), wanted, "trial_0.csv")
-    assert notes == () and found.heard is None
+    assert notes == () and found.open_loop_readings is None
     for name in ("time", "readings", "commands", "position"):
         np.testing.assert_allclose(getattr(found, name), getattr(trial, name), atol=1e-12)
 
@@ -53,16 +53,16 @@ def test_other_clocks_give_the_same_trial(
     assert np.mean(found.readings[:, touch] != trial.readings[:, touch]) < 0.02
     np.testing.assert_allclose(found.commands, trial.commands, atol=1e-12)
     assert found.distance("x") == pytest.approx(trial.distance("x"), abs=0.02)
-    assert found.heard is None
+    assert found.open_loop_readings is None
 
 
 def test_commands_that_were_played_are_heard_as_foretold(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
-    played = replace(recorded(quadruped, wanted.controller, trial), ctrl=wanted.foretold.commands)
+    played = replace(recorded(quadruped, wanted.controller, trial), ctrl=wanted.predicted.commands)
     found, _ = trial_of_recording(quadruped, played, wanted, "trial_0.csv")
-    assert found.heard is wanted.foretold.readings
+    assert found.open_loop_readings is wanted.predicted.readings
     np.testing.assert_allclose(found.readings, trial.readings, atol=1e-12)
     kept = Trial.from_tree(found.to_tree())
-    np.testing.assert_array_equal(kept.network_heard, wanted.foretold.readings)
+    np.testing.assert_array_equal(kept.network_readings, wanted.predicted.readings)
 
 
 def test_commands_of_nobody_are_refused(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
@@ -91,7 +91,7 @@ def test_gaps_are_filled_where_nothing_is_compared(quadruped: Robot, trial: Tria
     with pytest.raises(InputError, match=r"'sensor\.angle_f': no sample for 0\.11 s, 0\.09 s after the first row"):
         trial_of_recording(quadruped, log, wanted, "trial_0.csv")
     log.sensor[:, column] = np.nan
-    with pytest.raises(InputError, match="has no sample; the controller hears"):
+    with pytest.raises(InputError, match="has no sample; the controller reads"):
         trial_of_recording(quadruped, log, wanted, "trial_0.csv")
 
 
@@ -103,16 +103,17 @@ def test_a_distance_may_be_measured_by_hand_or_not_at_all(
     found, notes = trial_of_recording(quadruped, log, wanted, "trial_0.csv")
     assert np.isnan(found.distance("x")) and "distance is not known" in notes[0] and "qpos.root.0" in notes[0]
     with pytest.raises(InputError, match=r"--metric distance compares it; .*qpos\.\w+\.0"):
-        trial_of_recording(quadruped, log, replace(wanted, measured=True), "trial_0.csv")
+        trial_of_recording(quadruped, log, replace(wanted, needs_distance=True), "trial_0.csv")
     log.qpos[[0, -1], 0] = 0.0, 0.43
-    assert trial_of_recording(quadruped, log, replace(wanted, measured=True), "trial_0.csv").trial.distance("x") == 0.43
+    found, _ = trial_of_recording(quadruped, log, replace(wanted, needs_distance=True), "trial_0.csv")
+    assert found.distance("x") == 0.43
     log.qpos[30:, 0] = np.nan  # lost on the way
     assert np.isnan(trial_of_recording(quadruped, log, wanted, "trial_0.csv").trial.distance("x"))
 
 
 def test_rows_further_apart_than_control_steps_are_told(quadruped: Robot, trial: Trial, wanted: ExpectedTrial) -> None:
     time = np.arange(0.0, STEPS * PERIOD, 0.02)
-    steady = replace(wanted, foretold=trial)
+    steady = replace(wanted, predicted=trial)
     assert (
         "0.02 s apart"
         in trial_of_recording(quadruped, recorded(quadruped, wanted.controller, trial, time), steady, "").notes[0]

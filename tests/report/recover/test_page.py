@@ -75,7 +75,7 @@ def test_the_verdict_is_what_the_last_trial_won_back(state: RunState) -> None:
 
 def test_advice_follows_from_alarm_rivals_and_what_was_foretold(state: RunState) -> None:
     assert recover_advice(state, "x") == []
-    doubtful = replace(state, alarms=(True,), rivals=((((LOST,), 0.2),),), simulated=(2.0, 0.6))
+    doubtful = replace(state, alarms=(True,), alternatives=((((LOST,), 0.2),),), simulated=(2.0, 0.6))
     told = " ".join(recover_advice(doubtful, "x"))
     assert "--model-error" in told and "55 %" in told and "--passes" in told
     html = recover_page("run", [LOST], doubtful, "x", {})

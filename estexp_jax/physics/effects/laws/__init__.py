@@ -1,1 +1,1 @@
-"""The library from which laws that no catalogue holds are put together."""
+"""The library of terms from which unknown laws are composed."""

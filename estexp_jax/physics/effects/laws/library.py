@@ -5,20 +5,8 @@ elements than joints: each is claimed as an effect is, not put together of terms
 """
 
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.effects.laws.of_commands import LawDeafMotor, LawLateCommand
-from estexp_jax.physics.effects.laws.of_friction import LawBristles, LawFrictionWave, LawTightSpot, LawTwoWayFriction
-from estexp_jax.physics.effects.laws.of_motors import (
-    LawClippedMotor,
-    LawLoadFriction,
-    LawMotorBrake,
-    LawSag,
-    LawSlowMotor,
-    LawSoftMotor,
-    LawWarmMotor,
-    LawWeakMotor,
-)
-from estexp_jax.physics.effects.laws.of_others import (
-    LawDriven,
+from estexp_jax.physics.effects.laws.commands import LawDeafMotor, LawLateCommand
+from estexp_jax.physics.effects.laws.coupling import (
     LawFling,
     LawSquareFling,
     LawStir,
@@ -26,23 +14,37 @@ from estexp_jax.physics.effects.laws.of_others import (
     LawTow,
     LawWhirl,
 )
-from estexp_jax.physics.effects.laws.of_plain import (
+from estexp_jax.physics.effects.laws.friction import LawBristles, LawFrictionWave, LawTightSpot, LawTwoWayFriction
+from estexp_jax.physics.effects.laws.motors import (
+    LawClippedMotor,
+    LawSag,
+    LawSlowMotor,
+    LawSoftMotor,
+    LawWarmMotor,
+    LawWeakMotor,
+)
+from estexp_jax.physics.effects.laws.named_effects import (
     LawDamping,
     LawDrag,
+    LawDriven,
     LawDryFriction,
     LawInertia,
+    LawLoadFriction,
+    LawMotorBrake,
     LawPush,
     LawSpring,
     LawWave,
 )
-from estexp_jax.physics.effects.laws.of_position import (
+from estexp_jax.physics.effects.laws.position import (
     LawBump,
     LawCube,
     LawDetent,
+    LawLowerSpring,
     LawSquare,
+    LawUpperSpring,
 )
-from estexp_jax.physics.effects.laws.of_sensors import LawDrift
-from estexp_jax.physics.effects.laws.of_speed import (
+from estexp_jax.physics.effects.laws.sensors import LawDrift
+from estexp_jax.physics.effects.laws.speed import (
     LawCubicDrag,
     LawFallingFriction,
     LawHump,
@@ -50,8 +52,7 @@ from estexp_jax.physics.effects.laws.of_speed import (
     LawPlaceDamping,
     LawSmoothFriction,
 )
-from estexp_jax.physics.effects.laws.of_time import LawCreep, LawRhythm, LawThinning
-from estexp_jax.physics.effects.laws.one_sided import LawLowerSpring, LawUpperSpring
+from estexp_jax.physics.effects.laws.time_dependent import LawCreep, LawRhythm, LawThinning
 from estexp_jax.physics.effects.registry import every, register
 
 for _law in (

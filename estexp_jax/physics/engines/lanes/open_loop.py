@@ -119,8 +119,9 @@ class LanesOpenLoop(OpenLoopSimulator):
 
         def step(carry: tuple[LaneState, Any, Hidden], now: CommandSteps) -> Any:
             lanes, felt, hidden = carry
-            moves = now.length > 0.0
-            length = jnp.where(moves, now.length, plan.model.opt.timestep).astype(now.length.dtype)
+            left: jax.Array = now.length
+            moves = left > 0.0
+            length = jnp.where(moves, left, plan.model.opt.timestep).astype(left.dtype)
             qpos, qvel, _ = from_lanes(plan, lanes)
             told, added, after = acting.act(lanes, now.ctrl, now.enable, length, hidden)
             stepped, instant = stepper.step(lanes, told, length, added)

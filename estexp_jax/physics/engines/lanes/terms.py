@@ -108,10 +108,12 @@ class ActiveEffects:
         position, speed = self._moments.coordinates(state)
         hidden: Hidden = {}
         for e in (*self._laws, *self._terms):
+            if not e.n_states:
+                continue
             p = self._parameters(e.name)
-            if e.n_states and isinstance(e, CommandLaw):
+            if isinstance(e, CommandLaw):
                 hidden[e.name] = e.initial(p, jnp.stack([rows[a] for a in e.actuators(self._robot)]))
-            elif e.n_states:
+            else:
                 hidden[e.name] = e.initial(p, *stacked(e.dofs(self._robot), position, speed))
         return hidden
 

@@ -104,7 +104,7 @@ def _passed_over(model: mujoco.MjModel) -> Iterator[str]:
     for field, what in _UNKNOWN.items():
         if np.any(getattr(model, field)):
             yield what
-    round_joints = ~np.isin(model.jnt_type, (_JOINT.mjJNT_HINGE, _JOINT.mjJNT_SLIDE))
+    round_joints = ~np.isin(model.jnt_type, (int(_JOINT.mjJNT_HINGE), int(_JOINT.mjJNT_SLIDE)))
     if np.any(model.jnt_stiffnesspoly[round_joints]):
         yield "stiffness polynomials of ball and free joints"
     if np.any(np.isfinite(model.jnt_springyield) & (model.jnt_springyield > 0)):

@@ -116,7 +116,8 @@ def _arm_forces(robot: Robot, model: mujoco.MjModel) -> None:
 
 def _rows(model: mujoco.MjModel) -> int:
     """How many constraint rows MJX lays out for a model."""
-    return mjx.make_data(model)._impl.efc_force.size
+    impl: Any = mjx.make_data(model)._impl  # MJX's own; its C and Warp siblings have no such rows
+    return impl.efc_force.size
 
 
 def with_motors_switched(model: mjx.Model, enable) -> mjx.Model:  # noqa: ANN001

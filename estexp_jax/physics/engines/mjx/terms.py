@@ -211,8 +211,9 @@ def _applied(step: _Step, does: JointForce, dofs: np.ndarray, there: Drives) -> 
 def _pulled(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, now: MjxStepStart) -> jax.Array:
     pull = jnp.zeros((robot.model.nbody, 6), now.qvel.dtype)
     pulls = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
-    if pulls:
-        place = mjx.kinematics(model, mjx.make_data(robot.model).replace(qpos=now.qpos)).xipos
+    if not pulls:
+        return pull
+    place = mjx.kinematics(model, mjx.make_data(robot.model).replace(qpos=now.qpos)).xipos
     for e in pulls:
         bodies = np.array([robot.index("body", site) for site in e.sites(robot)], dtype=int)
         x, y, z = (place[bodies, axis] for axis in range(3))

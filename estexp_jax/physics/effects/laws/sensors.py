@@ -1,4 +1,4 @@
-"""Laws of sensors that no catalogue holds."""
+"""Unknown laws of sensors."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter, ReadingDrift
-from estexp_jax.physics.effects.laws.base import signed
+from estexp_jax.physics.effects.laws.base import signed_text
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -29,14 +29,14 @@ class LawDrift(ReadingDrift):
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         shows_position = robot.model.sensor_type[robot.index("sensor", site)] == mujoco.mjtSensor.mjSENS_JOINTPOS
-        most = 0.2 if shows_position else 4.0
-        return ((-most, most),)
+        largest = 0.2 if shows_position else 4.0
+        return ((-largest, largest),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the sensor {site} wanders by {values['a']:+.3g} a second, as no effect of the catalogue does"
 
     def numbered(self, values: Mapping[str, float]) -> str:
-        return f"reading = true {signed(values['a'], 't')}, t the time since the recording began"
+        return f"reading = true {signed_text(values['a'], 't')}, t the time since the recording began"
 
     def rate(self, robot: Robot, values: np.ndarray) -> np.ndarray:
         gained = np.zeros((*values.shape[:-2], robot.model.nsensordata))

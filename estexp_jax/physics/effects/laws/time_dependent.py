@@ -1,4 +1,4 @@
-"""Forces that depend on more than the moment: on the time, or on what the joint did before."""
+"""Forces that depend on time or on the earlier motion of a joint: terms with hidden variables."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -6,28 +6,28 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 import numpy as np
 
-from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter
+from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter
 from estexp_jax.physics.effects.laws.base import (
-    ROUND,
+    PHASE_BOUNDS,
     Bounds,
-    Course,
     JointLaw,
-    Reach,
+    JointTrajectory,
+    MotionRange,
     amplitude,
-    followed,
+    first_order_lag,
     half_span,
-    signed,
-    torque,
+    largest_torque,
+    signed_text,
 )
 from estexp_jax.physics.model.robot import Robot
 
-_RATES = (0.15, 8.0)
-"""Frequencies of rhythms that are looked for, Hz."""
+_FREQUENCIES = (0.15, 8.0)
+"""Bounds of the frequency of a periodic force, Hz."""
 
 
 @final
 class LawRhythm(JointLaw):
-    """tau = A sin(2 pi f t + phase), t the time since the recording began: a thing beside the robot goes round."""
+    """tau = A sin(2 pi f t + phase), t the time since the recording began: a periodic disturbance from outside."""
 
     name: ClassVar[str] = "law_rhythm"
     parameters: ClassVar[tuple[Parameter, ...]] = (
@@ -40,24 +40,21 @@ class LawRhythm(JointLaw):
     symbols: ClassVar[str] = "t the time since the recording began"
     n_states: ClassVar[int] = 1
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return largest_torque(robot, joint)
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return _RATES, ROUND
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
+        return _FREQUENCIES, PHASE_BOUNDS
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        rates = np.arange(_RATES[0], _RATES[1], 0.2 / reach.length).tolist()
-        return [(f, phase) for f in rates for phase in (-np.pi / 4, 0.0, np.pi / 4, np.pi / 2)]
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        frequencies = np.arange(_FREQUENCIES[0], _FREQUENCIES[1], 0.2 / motion.duration).tolist()
+        return [(f, phase) for f in frequencies for phase in (-np.pi / 4, 0.0, np.pi / 4, np.pi / 2)]
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(values["A"], f"sin({2.0 * np.pi * values['f']:.4g} t {signed(values['phase'], '')})")
+        return signed_text(values["A"], f"sin({2.0 * np.pi * values['f']:.4g} t {signed_text(values['phase'], '')})")
 
-    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
-        return (course.time,)
-
-    def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
-        return (jnp.zeros_like(q),)
+    def hidden_along(self, p: tuple[float, ...], trajectory: JointTrajectory) -> tuple[np.ndarray, ...]:
+        return (trajectory.time,)
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, f, phase = p
@@ -78,21 +75,21 @@ class LawCreep(JointLaw):
     resembles: ClassVar[str] = "a spring that creeps"
     n_states: ClassVar[int] = 1
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint) / (0.1 * half_span(robot, joint))
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return largest_torque(robot, joint) / (0.1 * half_span(robot, joint))
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
         return ((0.02, 20.0),)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
         return [(T,) for T in (0.05, 0.15, 0.5, 1.5, 5.0)]
 
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- F with dF/dt = {values['k']:.3g} w - F/{values['T']:.3g}"
 
-    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
+    def hidden_along(self, p: tuple[float, ...], trajectory: JointTrajectory) -> tuple[np.ndarray, ...]:
         k, T = p
-        return (followed(k * T * course.w, course.time, T),)
+        return (first_order_lag(k * T * trajectory.w, trajectory.time, T),)
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         k, T = p
@@ -104,7 +101,7 @@ class LawCreep(JointLaw):
 
 @final
 class LawThinning(JointLaw):
-    """tau = -c w / (1 + a H), dH/dt = (w^2 - H) / T: a resistance that gives way as motion warms it, like grease.
+    """tau = -c w / (1 + a H), dH/dt = (w^2 - H) / T: a damping that falls as motion warms it, like that of grease.
 
     Source: Carvalho Bittencourt and Axelsson, IEEE/ASME Transactions on Mechatronics 19 (2014).
     """
@@ -119,21 +116,21 @@ class LawThinning(JointLaw):
     resembles: ClassVar[str] = "a damper that thins as it warms"
     n_states: ClassVar[int] = 1
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return torque(robot, joint)
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return largest_torque(robot, joint)
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
         return (0.0, 1e3), (0.05, 20.0)
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        return [(share / reach.speed**2, T) for share in (1.0, 4.0, 16.0) for T in (0.3, 1.0, 3.0)]
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        return [(share / motion.speed**2, T) for share in (1.0, 4.0, 16.0) for T in (0.3, 1.0, 3.0)]
 
     def formula(self, values: Mapping[str, float]) -> str:
         thinner = f"(1 + {values['a']:.3g} H)"
-        return f"{signed(-values['c'], f'w / {thinner}')} with dH/dt = (w^2 - H)/{values['T']:.3g}"
+        return f"{signed_text(-values['c'], f'w / {thinner}')} with dH/dt = (w^2 - H)/{values['T']:.3g}"
 
-    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
-        return (followed(course.w**2, course.time, p[2]),)
+    def hidden_along(self, p: tuple[float, ...], trajectory: JointTrajectory) -> tuple[np.ndarray, ...]:
+        return (first_order_lag(trajectory.w**2, trajectory.time, p[2]),)
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         c, a, T = p

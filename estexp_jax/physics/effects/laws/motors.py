@@ -1,4 +1,4 @@
-"""A motor that gives less than its model says, by how hard or how fast it works."""
+"""A motor that gives less torque than its model says, depending on its torque, its speed or its heat."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -7,44 +7,48 @@ import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.catalogue.motor_fade import MotorFade
+from estexp_jax.physics.effects.catalogue.motor_weakness import MotorWeakness
+from estexp_jax.physics.effects.catalogue.torque_saturation import TorqueSaturation
 from estexp_jax.physics.effects.laws.base import (
+    AmplitudeOnly,
     Bounds,
-    Course,
-    Reach,
-    Shapeless,
+    JointTrajectory,
+    MotionRange,
     amplitude,
-    followed,
-    signed,
-    torque,
+    first_order_lag,
+    largest_torque,
+    signed_text,
 )
-from estexp_jax.physics.effects.laws.with_motors import MOTOR, Remembering, Threshold
+from estexp_jax.physics.effects.laws.from_effect import EffectLaw
+from estexp_jax.physics.effects.laws.motor_base import MOTOR_TORQUE, LaggedMotorLaw, MotorThresholdLaw
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 _WARMING = (0.1, 100.0)
-"""Time constants of a motor that warms, s."""
+"""Bounds of the time constant of a warming motor, s."""
 _SMALL = 1e-6
-"""A torque that is next to none, N m or N."""
+"""A negligible torque, N m or N: keeps divisors from zero."""
 
 
-class _MotorLaw(Shapeless):
-    """Without other shapes."""
+class _MotorLaw(AmplitudeOnly):
+    """A term of the motor's torque without shape parameters."""
 
-    symbols: ClassVar[str] = MOTOR
+    symbols: ClassVar[str] = MOTOR_TORQUE
 
 
 @final
 class LawSoftMotor(_MotorLaw):
-    """tau = -(1 - 1 / sqrt(1 + c m^2)) m of motor torque m: a limit that is reached gradually, at c^(-1/2)."""
+    """tau = -(1 - 1 / sqrt(1 + c m^2)) m of motor torque m: a gradual limit at about c^(-1/2)."""
 
     name: ClassVar[str] = "law_soft_motor"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("c", "1/(N m)2", signed=False),)
     equation: ClassVar[str] = "tau = -(1 - 1 / sqrt(1 + c m^2)) m, m the motor's torque"
     resembles: ClassVar[str] = "a motor that gives way gradually, the more is asked of it"
 
-    def most(self, robot: Robot, joint: int) -> float:
-        return 400.0 / torque(robot, joint) ** 2
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
+        return 400.0 / largest_torque(robot, joint) ** 2
 
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- (1 - 1/sqrt(1 + {values['c']:.3g} m^2)) m"
@@ -55,14 +59,14 @@ class LawSoftMotor(_MotorLaw):
 
 @final
 class LawSlowMotor(_MotorLaw):
-    """tau = -min(a |w|, 1) m of motor torque m: a motor that gives less, the faster it turns."""
+    """tau = -min(a |w|, 1) m of motor torque m: the faster the motor turns, the less it gives."""
 
     name: ClassVar[str] = "law_slow_motor"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("a", "s/rad", signed=False),)
     equation: ClassVar[str] = "tau = -min(a |w|, 1) m, m the motor's torque"
     resembles: ClassVar[str] = "a motor that gives less, the faster it turns"
 
-    def most(self, robot: Robot, joint: int) -> float:
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
         return 1.0
 
     def formula(self, values: Mapping[str, float]) -> str:
@@ -73,61 +77,44 @@ class LawSlowMotor(_MotorLaw):
 
 
 @final
-class LawWeakMotor(_MotorLaw):
+class LawWeakMotor(_MotorLaw, EffectLaw, effect=MotorWeakness):
     """tau = -a m of motor torque m."""
 
     name: ClassVar[str] = "law_weak_motor"
     parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("a", ""),)
     equation: ClassVar[str] = "tau = -a m, m the motor's torque"
     resembles: ClassVar[str] = "a motor that gives another share of its torque"
-    stands_for: ClassVar[str] = "motor_weakness"
 
-    def most(self, robot: Robot, joint: int) -> float:
+    def largest_amplitude(self, robot: Robot, joint: int) -> float:
         return 1.0
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["a"], "m")
+        return signed_text(-values["a"], "m")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect edits one actuator of the model; here all motors of the joint lose a share, of either sign.
         return JointForce(motor=1.0 - p[0]), state
 
 
 @final
-class LawMotorBrake(Shapeless):
-    """tau = -k w while the motor is on."""
-
-    name: ClassVar[str] = "law_motor_brake"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("k", "N m s/rad", signed=False),)
-    equation: ClassVar[str] = "tau = -k w while the motor is on"
-    resembles: ClassVar[str] = "a motor that brakes in proportion to speed"
-    stands_for: ClassVar[str] = "back_emf"
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["k"], "w while the motor is on")
-
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] * moment.on), state
-
-
-@final
-class LawClippedMotor(Threshold):
-    """tau = -a max(1 - m_0 / |m|, 0) m of motor torque m: of what is asked beyond m_0 a share is lost."""
+class LawClippedMotor(MotorThresholdLaw, EffectLaw, effect=TorqueSaturation):
+    """tau = -a max(1 - m_0 / |m|, 0) m of motor torque m: a share of the torque beyond m_0 is lost."""
 
     name: ClassVar[str] = "law_clipped_motor"
     equation: ClassVar[str] = "tau = -a max(1 - m_0 / |m|, 0) m, m the motor's torque"
     resembles: ClassVar[str] = "a motor that gives no more beyond some torque"
-    stands_for: ClassVar[str] = "torque_saturation"
 
     def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["a"], f"max(1 - {values['m_0']:.3g}/|m|, 0) m")
+        return signed_text(-values["a"], f"max(1 - {values['m_0']:.3g}/|m|, 0) m")
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect is a force range in the model; here only a share of the torque beyond the limit is lost.
         beyond = jnp.maximum(1.0 - p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 0.0)
         return JointForce(motor=1.0 - p[0] * beyond), state
 
 
 @final
-class LawWarmMotor(Remembering):
+class LawWarmMotor(LaggedMotorLaw, EffectLaw, effect=MotorFade):
     """tau = -a min(H / H_0, 1) m of motor torque m, dH/dt = (m^2 - H) / T: a motor that loses a share as it warms."""
 
     name: ClassVar[str] = "law_warm_motor"
@@ -138,54 +125,33 @@ class LawWarmMotor(Remembering):
     )
     equation: ClassVar[str] = "tau = -a min(H / H_0, 1) m, dH/dt = (m^2 - H) / T, m the motor's torque"
     resembles: ClassVar[str] = "a motor that loses strength as it warms"
-    stands_for: ClassVar[str] = "motor_fade"
 
-    def shapes(self, robot: Robot, joint: int) -> Bounds:
-        return (1e-5 * torque(robot, joint) ** 2, torque(robot, joint) ** 2), _WARMING
+    def shape_bounds(self, robot: Robot, joint: int) -> Bounds:
+        return (1e-5 * largest_torque(robot, joint) ** 2, largest_torque(robot, joint) ** 2), _WARMING
 
-    def tried(self, reach: Reach) -> list[tuple[float, ...]]:
-        power = (0.3 * reach.motor) ** 2  # about the mean
-        warming = self.constants(*_WARMING) if power > 0.0 else []
+    def initial_shapes(self, motion: MotionRange) -> list[tuple[float, ...]]:
+        power = (0.3 * motion.motor_torque) ** 2  # about the mean square
+        warming = self.time_constants(*_WARMING) if power > 0.0 else []
         return [(share * power, T) for share in (0.1, 0.5, 2.0) for T in warming]
 
     def formula(self, values: Mapping[str, float]) -> str:
         share = f"{values['a']:.3g} min(H/{values['H_0']:.3g}, 1)"
         return f"- {share} m with dH/dt = (m^2 - H)/{values['T']:.3g}"
 
-    def remembered(self, p: tuple[float, ...], course: Course) -> tuple[np.ndarray, ...]:
-        return (followed(course.motor**2, course.time, p[2]),)
+    def hidden_along(self, p: tuple[float, ...], trajectory: JointTrajectory) -> tuple[np.ndarray, ...]:
+        return (first_order_lag(trajectory.motor_torque**2, trajectory.time, p[2]),)
 
-    def held(self, p: tuple[float, ...], reached: tuple[float, ...]) -> tuple[float, ...]:
-        (a, level, T), [hottest] = p, reached
+    def saturated_at(self, p: tuple[float, ...], largest: tuple[float, ...]) -> tuple[float, ...]:
+        (a, level, T), [hottest] = p, largest
         share = min(max(hottest, _SMALL**2) / level, 1.0)
         return a * share, level * share, T
 
     def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        # The effect's heat counts the torque as a share of its limit; here it is in (N m)2, and the loss has an end.
         (a, level, T), (heat,) = p, state
         power = jnp.square(moment.torque)
         after = power + (heat - power) * jnp.exp(-moment.dt / T)
         return JointForce(motor=1.0 - a * jnp.minimum(heat / level, 1.0)), (after,)
-
-
-@final
-class LawLoadFriction(_MotorLaw):
-    """tau = -mu |m| sign(w) of motor torque m: teeth that rub the more, the more they carry."""
-
-    name: ClassVar[str] = "law_load_friction"
-    parameters: ClassVar[tuple[Parameter, ...]] = (amplitude("mu", "", signed=False),)
-    equation: ClassVar[str] = "tau = -mu |m| sign(w), m the motor's torque"
-    resembles: ClassVar[str] = "friction in proportion to the motor's torque"
-    stands_for: ClassVar[str] = "load_dependent_friction"
-    arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
-
-    def most(self, robot: Robot, joint: int) -> float:
-        return 0.95
-
-    def formula(self, values: Mapping[str, float]) -> str:
-        return signed(-values["mu"], "|m| sign(w)")
-
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(friction=p[0] * jnp.abs(moment.torque)), state
 
 
 @final
