@@ -9,17 +9,28 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from estexp_jax.api.controller import load_controller
-    from estexp_jax.api.effects import register
+    from estexp_jax.api.effects import effects, register
     from estexp_jax.api.explain import explain
     from estexp_jax.api.propose import propose
     from estexp_jax.api.recover import recover, rollout
     from estexp_jax.api.simulator import load_explained
     from estexp_jax.physics.model.robot import Robot
 
-__all__ = ["Robot", "explain", "load_controller", "load_explained", "propose", "recover", "register", "rollout"]
+__all__ = [
+    "Robot",
+    "effects",
+    "explain",
+    "load_controller",
+    "load_explained",
+    "propose",
+    "recover",
+    "register",
+    "rollout",
+]
 
 _DOORS = {
     "Robot": "estexp_jax.physics.model.robot",
+    "effects": "estexp_jax.effects",
     "explain": "estexp_jax.api.explain",
     "load_controller": "estexp_jax.api.controller",
     "load_explained": "estexp_jax.api.simulator",
@@ -38,7 +49,8 @@ def __getattr__(name: str) -> Any:
     from estexp_jax.runs.cache import quiet_xla
 
     quiet_xla()  # the doors load JAX; afterwards it would be too late
-    return getattr(import_module(_DOORS[name]), name)
+    module = import_module(_DOORS[name])
+    return module if module.__name__ == f"{__name__}.{name}" else getattr(module, name)  # `effects` is a module
 
 
 def __dir__() -> list[str]:

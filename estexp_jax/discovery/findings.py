@@ -37,7 +37,7 @@ def presence(selection: Selection, shares: np.ndarray, change: Change) -> float:
 
 def told_change(change: Change) -> Change:
     """A change under the name and with the values that it is reported with."""
-    name, values = effect(change.effect).told(change.parameters)
+    name, values = effect(change.effect).reported_as(change.parameters)
     return Change(name, change.name, dict(values))
 
 
@@ -79,7 +79,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         "probability": probability,
         "in_mjcf": effect(told.effect).in_mjcf,
         "sentence": units.unit_at(robot, e.kind, change.name, told.sentence()),
-        "equation": effect(told.effect).numbered(told.parameters),
+        "equation": effect(told.effect).equation_with_values(told.parameters),
         "parameters": parameters,
     }
 

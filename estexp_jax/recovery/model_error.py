@@ -5,15 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.damage import ModelError
-from estexp_jax.physics.effects.registry import every
+from estexp_jax.physics.effects.registry import model_errors
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.engines.closed_loop import ReadingOverride
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.model.robot import Robot
 
-_KINDS = ("body", "actuator", "joint", "environment", "sensor", "controller")
-"""Kinds of elements in the order in which their errors are drawn."""
 _TAG, _NOISE_TAG = 41, 43
 ANGLE_NOISE, FLIP_PROBABILITY = 0.005, 0.02
 """Standard deviation of an angle's noise, rad, and probability that a touch reading has the wrong sign."""
@@ -37,12 +34,6 @@ def sensor_noise(face: Interface, members: int, steps: int, draw: int = 0) -> Re
     random, shape = np.random.default_rng([_NOISE_TAG, draw]), (members, steps, face.n_inputs)
     angles, flips = ANGLE_NOISE * random.standard_normal(shape), random.random(shape) < FLIP_PROBABILITY
     return ReadingOverride(np.where(face.is_touch & flips, -1.0, 1.0), np.where(face.is_touch, 0.0, angles))
-
-
-def model_errors() -> tuple[ModelError, ...]:
-    """The effects that change what simulators are a little wrong in, in the order in which errors are drawn."""
-    found = [e for e in every() if isinstance(e, ModelError)]
-    return tuple(sorted(found, key=lambda e: _KINDS.index(e.kind)))
 
 
 def _perturbed(robot: Robot, error: float, random: np.random.Generator) -> tuple[Change, ...]:

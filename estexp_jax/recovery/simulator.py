@@ -14,7 +14,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.changes import Change, Values, encode_all
 from estexp_jax.physics.effects.controller_fault import ControllerFault
-from estexp_jax.physics.effects.registry import catalogue, damages, effect, paper
+from estexp_jax.physics.effects.registry import catalogue, damages, effect, model_errors, paper
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import (
     BodyState,
@@ -26,7 +26,6 @@ from estexp_jax.physics.engines.closed_loop import (
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Controller, Trial
-from estexp_jax.recovery.model_error import model_errors
 
 
 @final

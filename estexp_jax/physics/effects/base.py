@@ -98,15 +98,15 @@ class Term(Effect):
     #: Hidden variables of its own at each site.
     n_states: ClassVar[int] = 0
     #: Which of them is the torque of a motor that turns something else than the joint: sensors of the motor show it.
-    shows: ClassVar[int | None] = None
+    motor_torque_state: ClassVar[int | None] = None
 
     @abc.abstractmethod
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         """What happens in one step.
 
         Args:
             p: the parameters, one array each, in the order of `parameters`.
-            moment: the joints.
+            joint: the joints.
             state: the hidden variables, one array each.
 
         Returns:
@@ -128,7 +128,7 @@ class BodyForce(Effect):
     """Acts during each step, elementwise over bodies: where a body is -> a force on it."""
 
     @abc.abstractmethod
-    def pull(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    def force_on_body(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         """Force at the centre of mass, N, from the position of the centre of mass, m, both in world axes."""
 
 

@@ -163,8 +163,8 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             before = mjx.put_model(model)
             return before, e.edit(robot, before, values)
         case Term():
-            moment = sample_joint_state(n)
-            force, _ = e.act(p, moment, e.initial(p, moment.q, moment.w))
+            joint = sample_joint_state(n)
+            force, _ = e.act(p, joint, e.initial(p, joint.q, joint.w))
             nothing = JointForce()
             return jax.tree.map(lambda x: jnp.broadcast_to(x, n), (nothing, force))
         case Distortion():
@@ -183,7 +183,7 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             return line, e.act(p, line, 0.3 * line, 0.002, e.initial(p, line))[0]
         case BodyForce():
             nothing, place = jnp.zeros(n), jnp.ones(n)
-            return (nothing,) * 3, e.pull(p, (place, place, place))
+            return (nothing,) * 3, e.force_on_body(p, (place, place, place))
         case _:
             raise TypeError("it is no Edit, Term, BodyForce, CommandLaw, CommandShift, ReadingShift or Distortion")
 

@@ -122,11 +122,11 @@ class Effect(abc.ABC):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         """What it says about the robot, in plain words with numbers."""
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         """The name under which it is reported at these values, and those of them that this name has."""
         return self.name, values
 
-    def numbered(self, values: Mapping[str, float]) -> str:
+    def equation_with_values(self, values: Mapping[str, float]) -> str:
         """What it does, as text, with its numbers where it has no name to know it by."""
         return self.equation
 

@@ -10,13 +10,17 @@ from collections.abc import Iterable
 from typing import TypeVar
 
 from estexp_jax.errors import InputError, known
-from estexp_jax.physics.effects.damage import Damage
+from estexp_jax.physics.effects.damage import Damage, ModelError
 from estexp_jax.physics.effects.effect import Effect
 
 Catalogue = tuple[Effect, ...]
 _E = TypeVar("_E", bound=Effect | type[Effect])
 
 _EFFECTS: dict[str, Effect] = {}
+_DAMAGED = ("controller", "actuator", "sensor", "environment", "joint", "body")
+"""Kinds of elements in the order in which damages beyond the paper's are tried."""
+_OFF = ("body", "actuator", "joint", "environment", "sensor", "controller")
+"""Kinds of elements in the order in which errors of undamaged robots are drawn."""
 _PACKAGE = f"{__name__.partition('.')[0]}."
 
 
@@ -71,14 +75,16 @@ def damages() -> tuple[Damage, ...]:
     return (*paper(), *sorted((e for e in found if e.gene is None), key=lambda e: _DAMAGED.index(e.kind)))
 
 
-_DAMAGED = ("controller", "actuator", "sensor", "environment", "joint", "body")
-"""Kinds of elements in the order in which damages beyond the paper's are tried."""
-
-
 def paper() -> tuple[Damage, ...]:
     """The six edits of the paper's estimation phase, in the order of its genome."""
     genes = {e.gene: e for e in every() if isinstance(e, Damage) and e.gene is not None}
     return tuple(genes[gene] for gene in sorted(genes))
+
+
+def model_errors() -> tuple[ModelError, ...]:
+    """The effects that change what simulators are a little wrong in, in the order in which errors are drawn."""
+    found = [e for e in every() if isinstance(e, ModelError)]
+    return tuple(sorted(found, key=lambda e: _OFF.index(e.kind)))
 
 
 def effect(name: str) -> Effect:

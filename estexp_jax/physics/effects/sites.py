@@ -19,14 +19,14 @@ def scalar_joint_sites(robot: Robot) -> tuple[str, ...]:
     return tuple(names[i] for i in robot.scalar_joints)
 
 
-_TOLD_APART = 3
-"""Up to so many joints that all rub are told one by one."""
+_MOST_SINGLE = 3
+"""Up to so many joints with friction are reported one by one."""
 
 
 def friction_sites(robot: Robot) -> tuple[str, ...]:
     """`scalar_joint_sites`, and of many all of them alike: what is missing at one is mostly missing at each."""
     names, kinds = scalar_joint_sites(robot), set(robot.model.jnt_type[list(robot.scalar_joints)].tolist())
-    return with_all(names) if len(names) > _TOLD_APART and len(kinds) == 1 else names
+    return with_all(names) if len(names) > _MOST_SINGLE and len(kinds) == 1 else names
 
 
 def joints_at(robot: Robot, site: str) -> tuple[str, ...]:

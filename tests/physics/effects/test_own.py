@@ -32,8 +32,8 @@ class _Drag(Term):
     def sentence(self, site, values):
         return f"the joint {site} is slowed by {values['c']} N m at 1 rad/s"
 
-    def act(self, p, moment, state):
-        return JointForce(damping=p[0] * moment.w**2), state
+    def act(self, p, joint, state):
+        return JointForce(damping=p[0] * joint.w**2), state
 
 
 @pytest.fixture(autouse=True)

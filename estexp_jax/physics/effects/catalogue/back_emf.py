@@ -44,6 +44,6 @@ class BackEmf(Term):
     def advice(self, recordings: Sequence[Recording]) -> tuple[str, ...]:
         return friction_advice(recordings)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (k,) = p
-        return JointForce(damping=k * moment.on), state
+        return JointForce(damping=k * joint.on), state

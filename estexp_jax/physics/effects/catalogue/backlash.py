@@ -30,7 +30,7 @@ class Play(Term):
     equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     n_states: ClassVar[int] = 4
-    shows: ClassVar[int | None] = 2
+    motor_torque_state: ClassVar[int | None] = 2
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return driven_joint_sites(robot)
@@ -41,9 +41,9 @@ class Play(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
 
-    def rotor(self, p: Arrays, moment: JointState) -> Array:
+    def rotor(self, p: Arrays, joint: JointState) -> Array:
         """The rotor's inertia, kg m2."""
-        return moment.armature
+        return joint.armature
 
     def restitution(self, p: Arrays) -> Array:
         """Share of the speed at which they meet that the rotor leaves the joint with."""
@@ -52,39 +52,39 @@ class Play(Term):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return jnp.zeros_like(q), w, jnp.zeros_like(q), jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         gap = p[0]
         x, a, _, thrown = state
         bounces = thrown != 0.0
-        x, a = x * (1.0 - _FREE * bounces), a + bounces * (moment.w + thrown - a)
-        q, w, inertia, h = moment.q, moment.w, self.rotor(p, moment), moment.dt / _SUBSTEPS
-        thrown = push = braking = apart = shown = jnp.zeros_like(q)
+        x, a = x * (1.0 - _FREE * bounces), a + bounces * (joint.w + thrown - a)
+        q, w, inertia, h = joint.q, joint.w, self.rotor(p, joint), joint.dt / _SUBSTEPS
+        thrown = push = braking = separated = motor_torque = jnp.zeros_like(q)
         for _ in range(_SUBSTEPS):
             q = q + h * w
             touched = jnp.abs(x) >= gap
-            _, a, slope = rotor_step(moment, q + x, jnp.where(touched, w, a), h, inertia)
+            _, a, slope = rotor_step(joint, q + x, jnp.where(touched, w, a), h, inertia)
             x = x + h * (a - w)
             touches = jnp.abs(x) >= gap
             x = jnp.clip(x, -gap, gap)
-            torque = moment.torque_at(q + x, w)
-            shown = shown + torque / _SUBSTEPS
+            torque = joint.torque_at(q + x, w)
+            motor_torque = motor_torque + torque / _SUBSTEPS
             stays = (touched & touches & (torque * x >= 0.0)) / _SUBSTEPS
             hits, back = touches & ~touched, self.restitution(p) * (a - w)
             # A flight shorter than a step is none.
-            back = back * (hits & (2.0 * inertia * jnp.abs(back) > jnp.abs(torque) * moment.dt))
+            back = back * (hits & (2.0 * inertia * jnp.abs(back) > jnp.abs(torque) * joint.dt))
             thrown = thrown - back
-            push = push + stays * torque + hits * inertia * (a - w + back) / moment.dt
+            push = push + stays * torque + hits * inertia * (a - w + back) / joint.dt
             braking = braking - stays * slope
-            apart = apart + ~(touched | touches) / _SUBSTEPS
+            separated = separated + ~(touched | touches) / _SUBSTEPS
             a = jnp.where(touches, w, a)
-        has_play, lost = gap > 0.0, jnp.minimum(inertia, moment.armature)
+        has_play, lost = gap > 0.0, jnp.minimum(inertia, joint.armature)
         does = JointForce(
             force=jnp.where(has_play, push + braking * w, 0.0),
             damping=jnp.where(has_play, braking, 0.0),
-            inertia=jnp.where(has_play, inertia * (apart != 1.0) - lost, 0.0),
+            inertia=jnp.where(has_play, inertia * (separated != 1.0) - lost, 0.0),
             motor=jnp.where(has_play, 0.0, 1.0),
         )
-        return does, (x, a, jnp.where(has_play, shown, 0.0), thrown)
+        return does, (x, a, jnp.where(has_play, motor_torque, 0.0), thrown)
 
 
 @register

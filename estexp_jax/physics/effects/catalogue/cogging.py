@@ -57,6 +57,6 @@ class Cogging(Term):
         low, high = observed.joint_range(robot, site)
         return not values["n"] * (high - low) < np.pi  # half a wave is the least
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, n, phase = p
-        return JointForce(force=A * jnp.sin(n * moment.q + phase)), state
+        return JointForce(force=A * jnp.sin(n * joint.q + phase)), state

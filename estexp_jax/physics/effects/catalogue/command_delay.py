@@ -29,10 +29,8 @@ class CommandDelay(CommandShift):
         return ((0.0, 0.2),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        late = f"{1000 * values['delay']:.3g} ms late"
-        return (
-            f"all motors ({site}) obey {late}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {late}"
-        )
+        how = f"{1000 * values['delay']:.3g} ms late"
+        return f"all motors ({site}) obey {how}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {how}"
 
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
         own, alike = np.split(values[..., 0], [robot.model.nu], axis=-1)

@@ -40,6 +40,6 @@ class Crosstalk(Term):
         others = other_elements(robot, "joint", site)
         return list(product(others, (-0.3, -0.1, 0.1, 0.3)))
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         source, g = p
-        return JointForce(force=g * moment.torque_of(source)), state
+        return JointForce(force=g * joint.torque_of(source)), state

@@ -13,7 +13,7 @@ from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot
 
 _REACH, _CONSTANT = 1.0, 0.05
-"""Over so many metres (m) a spring that changes by this share of its pull is told as a constant force."""
+"""Over so many metres (m) a spring that changes by this share of its pull is reported as a constant force."""
 
 
 @register
@@ -51,6 +51,6 @@ class ExternalForce(BodyForce):
     def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
         return along_axes(self.bounds(robot, site), 0.1)
 
-    def pull(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    def force_on_body(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         x, y, z, k = p
         return x - k * position[0], y - k * position[1], z - k * position[2]

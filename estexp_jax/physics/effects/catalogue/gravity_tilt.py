@@ -50,8 +50,8 @@ class GravityTilt(Edit, Damage):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         angle, axis = np.rad2deg(values["angle"]), np.rad2deg(values["axis"])
-        about = "x" if axis == 0.0 else f"an axis {axis:.3g} degrees from x"
-        return f"the ground tilts by {angle:.3g} degrees about {about}"
+        axis_name = "x" if axis == 0.0 else f"an axis {axis:.3g} degrees from x"
+        return f"the ground tilts by {angle:.3g} degrees about {axis_name}"
 
     def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
         return list(product((-0.1, 0.1), (-np.pi / 4, 0.0, np.pi / 4, np.pi / 2)))

@@ -61,12 +61,12 @@ class GroundFriction(Edit, Damage, ModelError):
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         mu = values[0, 0] if len(values) else jnp.asarray(NEVER)
-        touching = np.flatnonzero(_touching(robot.model))
+        colliding = np.flatnonzero(_colliding(robot.model))
 
         def sliding(friction: jax.Array) -> jax.Array:
             return jnp.where(mu < NEVER, mu, friction)
 
-        geoms = model.geom_friction.at[touching, 0].set(sliding(model.geom_friction[touching, 0]))
+        geoms = model.geom_friction.at[colliding, 0].set(sliding(model.geom_friction[colliding, 0]))
         pairs = model.pair_friction.at[:, :2].set(sliding(model.pair_friction[:, :2]))
         return model.replace(geom_friction=geoms, pair_friction=pairs)
 
@@ -77,7 +77,7 @@ class GroundFriction(Edit, Damage, ModelError):
             pair.friction = np.array([values["mu"], values["mu"], *pair.friction[2:]])
 
 
-def _touching(model: mujoco.MjModel) -> np.ndarray:
+def _colliding(model: mujoco.MjModel) -> np.ndarray:
     """(ngeom,) bool: can touch anything."""
     return (model.geom_contype != 0) | (model.geom_conaffinity != 0)
 
@@ -85,7 +85,7 @@ def _touching(model: mujoco.MjModel) -> np.ndarray:
 def _touches_ground(model: mujoco.MjModel) -> bool:
     """Whether something fixed and something that moves can touch."""
     fixed = model.body_weldid[model.geom_bodyid] == 0
-    return bool(np.any(_touching(model) & fixed) and np.any(_touching(model) & ~fixed))
+    return bool(np.any(_colliding(model) & fixed) and np.any(_colliding(model) & ~fixed))
 
 
 def _grip(robot: Robot) -> float:

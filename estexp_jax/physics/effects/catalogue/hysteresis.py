@@ -59,13 +59,13 @@ class Hysteresis(Term):
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(values["T"],)]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         at_once = values["T"] <= _AT_ONCE * values["sigma"]
         return ("coulomb_friction", {"T": values["T"]}) if at_once else (self.name, values)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, sigma = p
-        return bristle_friction(T, jnp.maximum(T, 1e-9) / sigma, moment, state)
+        return bristle_friction(T, jnp.maximum(T, 1e-9) / sigma, joint, state)

@@ -37,7 +37,7 @@ class Compliance(Term):
     equation: ClassVar[str] = "tau = k (r - q) + d (a - w), I da/dt = motor torque - tau, dr/dt = a"
     source: ClassVar[str] = "Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109 (1987)"
     n_states: ClassVar[int] = 3
-    shows: ClassVar[int | None] = 2
+    motor_torque_state: ClassVar[int | None] = 2
     nested_in: ClassVar[str] = "armature"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
@@ -69,22 +69,22 @@ class Compliance(Term):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return q, w, jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        (k, d, inertia), (r, a, _), (q, w) = p, state, (moment.q, moment.w)
-        moment = moment if self.collocated else holding_force(moment)
-        is_soft, h = k < NEVER, moment.dt / _SUBSTEPS
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        (k, d, inertia), (r, a, _), (q, w) = p, state, (joint.q, joint.w)
+        joint = joint if self.collocated else holding_force(joint)
+        is_soft, h = k < NEVER, joint.dt / _SUBSTEPS
         spring = torque = 0.0
         for _ in range(_SUBSTEPS):
             q = q + h * w
-            torque = torque + moment.torque_at(r, a) / _SUBSTEPS
-            r, a, _ = rotor_step(moment, r, a, h, inertia, (k, q), (d, w))
+            torque = torque + joint.torque_at(r, a) / _SUBSTEPS
+            r, a, _ = rotor_step(joint, r, a, h, inertia, (k, q), (d, w))
             spring = spring + (k * (r - q) + d * a) / _SUBSTEPS
         does = JointForce(
             force=jnp.where(is_soft, spring, 0.0),
             damping=jnp.where(is_soft, d, 0.0),
             motor=jnp.where(is_soft, 0.0, 1.0),
         )
-        return does, (jnp.where(is_soft, r, moment.q), jnp.where(is_soft, a, w), jnp.where(is_soft, torque, 0.0))
+        return does, (jnp.where(is_soft, r, joint.q), jnp.where(is_soft, a, w), jnp.where(is_soft, torque, 0.0))
 
 
 @register

@@ -1,4 +1,4 @@
-"""Load-dependent friction of bristles, told as load-dependent friction."""
+"""Load-dependent friction of bristles, reported as load-dependent friction."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -40,12 +40,12 @@ class LoadBristles(Term):
     def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
         return [(mu, 2e-3) for mu in (0.03, 0.1, 0.3)]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "load_dependent_friction", {"mu": values["mu"]}
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         mu, x = p
-        return bristle_friction(mu * jnp.abs(moment.torque), x, moment, state)
+        return bristle_friction(mu * jnp.abs(joint.torque), x, joint, state)

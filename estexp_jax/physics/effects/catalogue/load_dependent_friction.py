@@ -38,6 +38,6 @@ class LoadDependentFriction(Term):
     def advice(self, recordings: Sequence[Recording]) -> tuple[str, ...]:
         return friction_advice(recordings)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (mu,) = p
-        return JointForce(friction=mu * jnp.abs(moment.torque)), state
+        return JointForce(friction=mu * jnp.abs(joint.torque)), state

@@ -59,8 +59,8 @@ class MotorFade(Term):
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(values["loss"],), (0.5 * values["loss"],)]
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (loss, tau), (heat,) = p, state
-        load = jnp.minimum(jnp.square(moment.torque / jnp.maximum(moment.limit, 1e-9)), 1.0)
-        after = load + (heat - load) * jnp.exp(-moment.dt / tau)
+        load = jnp.minimum(jnp.square(joint.torque / jnp.maximum(joint.limit, 1e-9)), 1.0)
+        after = load + (heat - load) * jnp.exp(-joint.dt / tau)
         return JointForce(motor=1.0 - loss * heat), (after,)

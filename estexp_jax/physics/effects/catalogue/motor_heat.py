@@ -1,4 +1,4 @@
-"""A motor that is hot long before it has given its largest torque, told as a motor that fades."""
+"""A motor that is hot long before it has given its largest torque, reported as a motor that fades."""
 
 from collections.abc import Mapping
 from itertools import product
@@ -53,11 +53,11 @@ class MotorHeat(Term):
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(values["loss"], values["tau"])]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "motor_fade", {name: values[name] for name in ("loss", "tau")}
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (loss, tau, share), (heat,) = p, state
-        load = jnp.square(moment.torque / jnp.maximum(share * moment.limit, 1e-9))
-        after = load + (heat - load) * jnp.exp(-moment.dt / tau)
+        load = jnp.square(joint.torque / jnp.maximum(share * joint.limit, 1e-9))
+        after = load + (heat - load) * jnp.exp(-joint.dt / tau)
         return JointForce(motor=1.0 - loss * jnp.minimum(heat, 1.0)), (after,)

@@ -32,7 +32,7 @@ class OuterBacklash(Term):
     The rotor is x ahead of the joint, s = sign x, and turns at a; d = 2 zeta (k I)^(1/2). The motor's own loop sees the
     joint, by an encoder behind the play, so that it hunts; how fast depends on how the rotor rebounds. The rotor's
     inertia is taken from the joint's armature. It begins where the motor pushes it, and takes implicit sub-steps while
-    the joint moves on at its speed; the joint gets their mean torque, with the damper's share implicitly. Told as
+    the joint moves on at its speed; the joint gets their mean torque, with the damper's share implicitly. Reported as
     backlash.
     """
 
@@ -47,7 +47,7 @@ class OuterBacklash(Term):
     equation: ClassVar[str] = "tau = k (x - half_gap) + d (a - w) where the rotor is x > half_gap ahead and pushes"
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     n_states: ClassVar[int] = 3
-    shows: ClassVar[int | None] = 2
+    motor_torque_state: ClassVar[int | None] = 2
     variant_of: ClassVar[str] = "backlash"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
@@ -66,16 +66,16 @@ class OuterBacklash(Term):
         [rotor], plays = spread(inertia, 1), np.geomspace(0.03, 0.5, 5) * play[1]
         return [(gap, rotor, k, _DAMPED) for gap, k in product(plays.tolist(), spread(stiffness, 2))]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "backlash", {"half_gap": values["half_gap"]}
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return jnp.full_like(q, NEVER), w, jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        (gap, inertia, k, zeta), (x, a, _), (q, w) = p, state, (moment.q, moment.w)
-        x = jnp.where(x == NEVER, jnp.sign(moment.torque) * gap, x)
-        d, motor, h = 2.0 * zeta * jnp.sqrt(k * inertia), holding_force(moment), moment.dt / _SUBSTEPS
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        (gap, inertia, k, zeta), (x, a, _), (q, w) = p, state, (joint.q, joint.w)
+        x = jnp.where(x == NEVER, jnp.sign(joint.torque) * gap, x)
+        d, motor, h = 2.0 * zeta * jnp.sqrt(k * inertia), holding_force(joint), joint.dt / _SUBSTEPS
         push = braking = jnp.zeros_like(q)
         for _ in range(_SUBSTEPS):
             r, q, end = q + x, q + h * w, jnp.where(x > 0.0, gap, -gap)
@@ -90,7 +90,7 @@ class OuterBacklash(Term):
         does = JointForce(
             force=jnp.where(has_play, push, 0.0),
             damping=jnp.where(has_play, braking, 0.0),
-            inertia=jnp.where(has_play, -jnp.minimum(inertia, moment.armature), 0.0),
+            inertia=jnp.where(has_play, -jnp.minimum(inertia, joint.armature), 0.0),
             motor=jnp.where(has_play, 0.0, 1.0),
         )
-        return does, (jnp.where(has_play, x, 0.0), jnp.where(has_play, a, w), jnp.where(has_play, moment.torque, 0.0))
+        return does, (jnp.where(has_play, x, 0.0), jnp.where(has_play, a, w), jnp.where(has_play, joint.torque, 0.0))

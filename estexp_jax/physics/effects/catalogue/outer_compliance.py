@@ -10,11 +10,11 @@ from estexp_jax.physics.effects.registry import register
 @register
 @final
 class OuterCompliance(Compliance):
-    """The motor's own loop sees the joint, by an encoder behind the spring; told as joint compliance."""
+    """The motor's own loop sees the joint, by an encoder behind the spring; reported as joint compliance."""
 
     name: ClassVar[str] = "outer_compliance"
     collocated: ClassVar[bool] = False
     variant_of: ClassVar[str] = "joint_compliance"
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "joint_compliance", values

@@ -1,4 +1,4 @@
-"""A part lost but for a stub, told as a part lost: the motor goes on turning what is left at its joint."""
+"""A part lost but for a stub, reported as a part lost: the motor goes on turning what is left at its joint."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -29,7 +29,7 @@ class PartStub(Loss):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the part {site} broke off but for a stub that its motor turns"
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "part_lost", dict(values)
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:

@@ -38,9 +38,9 @@ class QuadraticDrag(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} resists motion with {values['c']:.3g} N m at 1 rad/s, growing with the speed squared"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (c,) = p
-        return JointForce(damping=c * jnp.abs(moment.w)), state
+        return JointForce(damping=c * jnp.abs(joint.w)), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         add_damper(robot, spec, site, (0.0, values["c"], 0.0))

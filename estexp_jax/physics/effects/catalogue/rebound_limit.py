@@ -1,4 +1,4 @@
-"""A stop that throws the joint back, told as a joint limit: the model's own stop hardly bounces."""
+"""A stop that throws the joint back, reported as a joint limit: the model's own stop hardly bounces."""
 
 from collections.abc import Mapping
 from itertools import product
@@ -63,7 +63,7 @@ class ReboundLimit(Edit):
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(values["low"], values["high"])]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "joint_limit", {side: values[side] for side in ("low", "high")}
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:

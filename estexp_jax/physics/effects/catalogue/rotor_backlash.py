@@ -20,7 +20,7 @@ _REBOUND = 0.35
 @register
 @final
 class RotorBacklash(Play):
-    """With a rotor that rebounds, as steel on steel does, and is but part of the joint's armature; told as backlash.
+    """With a rotor that rebounds, as steel does, and is but part of the joint's armature; reported as backlash.
 
     Where the model gives the joint no armature, the rotor has an inertia of its own.
     """
@@ -44,11 +44,11 @@ class RotorBacklash(Play):
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(values["half_gap"],)]
 
-    def rotor(self, p: Arrays, moment: JointState) -> Array:
+    def rotor(self, p: Arrays, joint: JointState) -> Array:
         return p[1]
 
     def restitution(self, p: Arrays) -> Array:
         return p[2]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "backlash", {"half_gap": values["half_gap"]}

@@ -21,7 +21,7 @@ from estexp_jax.physics.model.robot import Robot, spec_element
 class ServoDamping(Edit):
     """tau = -k w within the motor's force and its limits: `kv` is larger by k over the squared gear.
 
-    Unlike back-EMF it shows in a torque reading; the two are told under that name.
+    Unlike back-EMF it shows in a torque reading; the two are reported under that name.
     """
 
     name: ClassVar[str] = "servo_damping"
@@ -50,7 +50,7 @@ class ServoDamping(Edit):
     def nominal_value(self, robot: Robot, site: str) -> float:
         return servo_damping_at(robot, site)
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "back_emf", values
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:

@@ -1,4 +1,4 @@
-"""Stribeck friction of bristles, told as Stribeck friction."""
+"""Stribeck friction of bristles, reported as Stribeck friction."""
 
 from collections.abc import Mapping
 from itertools import product
@@ -8,7 +8,7 @@ import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
-from estexp_jax.physics.effects.catalogue.stribeck_friction import told_levels
+from estexp_jax.physics.effects.catalogue.stribeck_friction import reported_levels
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register
@@ -61,12 +61,12 @@ class StribeckBristles(Term):
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(t, t / values["x"]) for t in (values["T"], values["T"] + values["S"])]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return told_levels(values)
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return reported_levels(values)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s, x = p
-        return bristle_friction(T + S * jnp.exp(-jnp.square(moment.w / w_s)), x, moment, state)
+        return bristle_friction(T + S * jnp.exp(-jnp.square(joint.w / w_s)), x, joint, state)

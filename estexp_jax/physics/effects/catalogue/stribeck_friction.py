@@ -18,7 +18,7 @@ _ONE_LEVEL = 0.02
 """Share of T that S is at most where anyone would call it Coulomb friction."""
 
 
-def told_levels(values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+def reported_levels(values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
     """The name, and its values, of friction with these levels: Coulomb friction, where they are one."""
     if 0.0 < values["T"] and values["S"] <= _ONE_LEVEL * values["T"]:
         return "coulomb_friction", {"T": values["T"]}
@@ -67,9 +67,9 @@ class StribeckFriction(Term):
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(values["T"] + share * values["S"],) for share in (0.0, 0.5, 1.0)]
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return told_levels(values)
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return reported_levels(values)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s = p
-        return JointForce(friction=T + S * jnp.exp(-jnp.square(moment.w / w_s))), state
+        return JointForce(friction=T + S * jnp.exp(-jnp.square(joint.w / w_s))), state

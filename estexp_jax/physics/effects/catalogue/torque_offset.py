@@ -32,6 +32,6 @@ class TorqueOffset(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"a constant torque of {values['T']:+.3g} N m acts on the joint {site}"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (T,) = p
         return JointForce(force=T), state

@@ -35,7 +35,7 @@ class LawDrift(ReadingDrift):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the sensor {site} wanders by {values['a']:+.3g} a second, as no effect of the catalogue does"
 
-    def numbered(self, values: Mapping[str, float]) -> str:
+    def equation_with_values(self, values: Mapping[str, float]) -> str:
         return f"reading = true {signed_text(values['a'], 't')}, t the time since the recording began"
 
     def rate(self, robot: Robot, values: np.ndarray) -> np.ndarray:
