@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from estexp_jax.api.check import check
     from estexp_jax.api.controller import load_controller
-    from estexp_jax.api.effects import register
+    from estexp_jax.api.effects import effects, register
     from estexp_jax.api.explain import explain
     from estexp_jax.api.propose import propose
     from estexp_jax.api.record import record
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _DOORS = {
     "Robot": "estexp_jax.physics.model.robot",
     "check": "estexp_jax.api.check",
+    "effects": "estexp_jax.effects",
     "explain": "estexp_jax.api.explain",
     "load_controller": "estexp_jax.api.controller",
     "load_explained": "estexp_jax.api.simulator",
@@ -36,6 +37,7 @@ _DOORS = {
 __all__ = [
     "Robot",
     "check",
+    "effects",
     "explain",
     "load_controller",
     "load_explained",
@@ -59,7 +61,8 @@ def __getattr__(name: str) -> Any:
     from estexp_jax.runs.cache import quiet_xla
 
     quiet_xla()  # the doors load JAX; afterwards it would be too late
-    return getattr(import_module(_DOORS[name]), name)
+    module = import_module(_DOORS[name])
+    return module if module.__name__ == f"{__name__}.{name}" else getattr(module, name)  # `effects` is a module
 
 
 def __dir__() -> list[str]:

@@ -28,7 +28,7 @@ def test_every_page_with_examples_is_run():
 @pytest.mark.parametrize("page", WITH_EXAMPLES)
 def test_examples_run_one_after_another(page, tmp_path, monkeypatch, request):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(registry, "_OWN", {})  # an example registers an effect
+    monkeypatch.setattr(registry, "_EFFECTS", dict(registry._EFFECTS))  # an example registers an effect
     if page == "report.md":
         shutil.copytree(request.getfixturevalue("explained"), tmp_path / "explain")
     script = "\n".join(blocks(page))

@@ -12,6 +12,10 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
+from estexp_jax.physics.effects.catalogue.body_mass import BodyMass
+from estexp_jax.physics.effects.catalogue.gravity_tilt import GravityTilt
+from estexp_jax.physics.effects.catalogue.joint_jam import JointJam
+from estexp_jax.physics.effects.catalogue.motor_weakness import MotorWeakness
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.sites import actuator_sites, body_sites, scalar_joint_sites
 from estexp_jax.physics.engines.agreement import SampledStates, sample_states
@@ -22,7 +26,7 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.model.travel import root_position_map
 from estexp_jax.recovery.control.network import RecurrentPolicy
 
-EFFECTS = ("body_mass", "motor_weakness", "joint_jam", "gravity_tilt")
+EFFECTS = (BodyMass.name, MotorWeakness.name, JointJam.name, GravityTilt.name)
 """What differs from robot to robot: masses and inertias, gains and force ranges, damping, gravity."""
 _STATES, _DRAWN, _REST = 256, 200, 0.5
 """States in which engines are compared; different robots in a population; time to come to rest before a race, s."""
@@ -107,10 +111,10 @@ def load(model: str | None, *, feet: bool) -> Robot:
 
 def small_changes(robot: Robot, rng: np.random.Generator) -> list[Change]:
     """One robot's own edits: masses and motor strengths +-10 %, some jam in each joint, a tilt of up to 3 degrees."""
-    changes = [Change("gravity_tilt", None, {"angle": rng.uniform(-0.05, 0.05)})]
+    changes = [Change(GravityTilt.name, None, {"angle": rng.uniform(-0.05, 0.05)})]
     for name in body_sites(robot):
         mass = float(robot.model.body_mass[robot.index("body", name)])
-        changes.append(Change("body_mass", name, {"dm": mass * rng.uniform(-0.1, 0.1)}))
-    changes += [Change("motor_weakness", name, {"loss": rng.uniform(-0.1, 0.1)}) for name in actuator_sites(robot)]
-    changes += [Change("joint_jam", name, {"f": rng.uniform(0.0, 0.05)}) for name in scalar_joint_sites(robot)]
+        changes.append(Change(BodyMass.name, name, {"dm": mass * rng.uniform(-0.1, 0.1)}))
+    changes += [Change(MotorWeakness.name, name, {"loss": rng.uniform(-0.1, 0.1)}) for name in actuator_sites(robot)]
+    changes += [Change(JointJam.name, name, {"f": rng.uniform(0.0, 0.05)}) for name in scalar_joint_sites(robot)]
     return changes

@@ -35,9 +35,6 @@ _MANY = 3
 _HEAP = 5
 """Numbers more than a term's that names have only where they make up for it: more than a spring and cogging."""
 
-_ZERO = "joint_offset"
-"""What moves a joint's zero is no force: it is to its sensor as a bias is."""
-
 
 def is_law(place: Place) -> bool:
     """Whether a claim is a term of an unknown law."""
@@ -99,7 +96,7 @@ def _shared(robot: Robot, selection: Selection, sites: Sequence[str | None], lea
 def about_joint(robot: Robot, place: Place) -> str | None:
     """The joint whose force a claim changes, or whose sensor, body or zero it is about; None if there is none."""
     kind, name = element(robot, place)
-    if place[0] == _ZERO:
+    if effect(place[0]).moves_zero:
         return name
     if kind != "sensor" or name not in robot.names("sensor"):
         return _acts(robot, place)
@@ -111,7 +108,8 @@ def about_joint(robot: Robot, place: Place) -> str | None:
 def pushed(robot: Robot, place: Place) -> str | None:
     """The joint whose force a claim changes, itself or by its motor; None for what acts elsewhere."""
     kind, name = element(robot, place)
-    return name if kind == "joint" and effect(place[0]).side == "plant" and place[0] != _ZERO else None
+    e = effect(place[0])
+    return name if kind == "joint" and e.side == "plant" and not e.moves_zero else None
 
 
 def _acts(robot: Robot, place: Place) -> str | None:

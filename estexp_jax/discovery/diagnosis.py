@@ -11,7 +11,7 @@ from estexp_jax.discovery.contest import CompetingModels
 from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.registry import ALL, own
+from estexp_jax.physics.effects.registry import named
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -36,15 +36,9 @@ class Case:
         return [i for i, r in enumerate(self.recordings) if r.role == role]
 
 
-_ELSEWHERE = ("neuron_fault",)
-"""There is no network behind a recording's commands."""
-EXPLAINING = tuple(e.name for e in ALL if e.name not in _ELSEWHERE)
-"""The effects that recordings are explained by, beside those of the user's own."""
-
-
 def explaining() -> tuple[str, ...]:
-    """Names of the effects that recordings are explained by."""
-    return (*EXPLAINING, *(e.name for e in own()))
+    """Names of the effects that recordings are explained by: no network is behind their commands."""
+    return tuple(e.name for e in named() if e.kind != "controller")
 
 
 @final

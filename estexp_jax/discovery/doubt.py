@@ -19,6 +19,7 @@ import numpy as np
 
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.estimation.missing_commands import interpolation_error
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.model.scales import joint_span
 from estexp_jax.physics.recording import Recording
@@ -45,7 +46,7 @@ def other_starts(model: mujoco.MjModel, segments: Sequence[Window], off: float =
 
 def blinded(robot: Robot, hypothesis: Hypothesis, segments: Sequence[Window]) -> Sequence[Window]:
     """Segments with starts as uncertain as a hypothesis makes them: what a stuck sensor shows tells nothing."""
-    stuck = [robot.index("sensor", site) for name, site in hypothesis.places if name == "sensor_stuck"]
+    stuck = [robot.index("sensor", site) for name, site in hypothesis.places if effect(name).masks_readings]
     joints = [int(robot.model.sensor_objid[s]) for s in stuck if robot.model.sensor_type[s] == _POSITION]
     wide = {int(robot.model.jnt_dofadr[j]): 0.5 * (_AROUND * np.subtract(*joint_span(robot, j))) ** 2 for j in joints}
     return [replace(s, start=_widened(s.start, wide)) for s in segments] if wide else segments

@@ -30,7 +30,7 @@ from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_search import Unnamed
 from estexp_jax.discovery.laws import lacks_force, unknown_law, unknown_law_nearer
-from estexp_jax.discovery.likely_waves import COGGING, likely_waves
+from estexp_jax.discovery.likely_waves import likely_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.possible import still_throughout
@@ -42,11 +42,10 @@ from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Selection
 from estexp_jax.discovery.single_term import single_term
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.estimation.windows import fitting_window
-from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.registry import effect, every
 
 
 def explain(
@@ -110,12 +109,17 @@ def _with_waves(case: Case, whole: Problem) -> Problem:
     """The comparison with what missing forces suggest of cogging, where it is known how the robot moved."""
     train = case.indices("train")
     known = {s.recording for s in whole.segments if s.path is not None}
-    if not any(name == COGGING for name, _ in whole.places) or not known >= set(train):
+    waves = [e for e in every() if e.sinusoidal and any(name == e.name for name, _ in whole.places)]
+    if not waves or not known >= set(train):
         return whole
     seen = force_residuals(whole, [robot.model for robot in case.robots], train)
-    waves = likely_waves(case.robot, seen)
+    found = likely_waves(case.robot, seen, waves)
     return replace(
-        whole, likely={p: [*w, *starts(case.robot, effect(COGGING), p[1], whole.seen)] for p, w in waves.items()}
+        whole,
+        likely={
+            (name, site): [*best, *effect(name).initial_guesses(case.robot, site, whole.seen)]
+            for (name, site), best in found.items()
+        },
     )
 
 

@@ -12,7 +12,6 @@ from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.estimation.channels import channel_ranges
 from estexp_jax.physics.effects import units
-from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
@@ -38,7 +37,7 @@ def presence(selection: Selection, shares: np.ndarray, change: Change) -> float:
 
 def told_change(change: Change) -> Change:
     """A change under the name and with the values that it is reported with."""
-    name, values = effect(change.effect).told(change.parameters)
+    name, values = effect(change.effect).reported_as(change.parameters)
     return Change(name, change.name, dict(values))
 
 
@@ -80,7 +79,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         "probability": probability,
         "in_mjcf": effect(told.effect).in_mjcf,
         "sentence": units.unit_at(robot, e.kind, change.name, told.sentence()),
-        "equation": effect(told.effect).numbered(told.parameters),
+        "equation": effect(told.effect).equation_with_values(told.parameters),
         "parameters": parameters,
     }
 
@@ -133,17 +132,7 @@ def others(selection: Selection, shares: np.ndarray, fewest: int) -> list[tuple[
 
 def advice(verdict: str, changes: Sequence[Change], recordings: Sequence[Recording], shares: np.ndarray) -> list[str]:
     """What to record next to settle what is open."""
-    lines = []
-    claimed: list[Effect] = [effect(c.effect) for c in changes]
-    friction = any(
-        e.name in ("viscous_friction", "coulomb_friction", "load_dependent_friction", "back_emf") for e in claimed
-    )
-    if friction and all(np.all(r.enable > 0.0) for r in recordings):
-        lines.append("Record a motion with the motor off: friction stays, back-EMF and load-dependent losses vanish.")
-    if friction:
-        lines.append(
-            "Record slow and fast motions of the same path: viscous losses grow with speed, Coulomb friction does not."
-        )
+    lines = list(dict.fromkeys(line for c in changes for line in effect(c.effect).advice(recordings)))
     if shares.size and shares.max() < 0.8 and verdict == "missing_physics":
         lines.append(
             "Several explanations predict held-out data about equally well: `estexp propose` finds what to record next."

@@ -15,6 +15,7 @@ from estexp_jax.discovery.hypotheses import Hypothesis, claiming
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.physics.effects.registry import effect
 
 _MOVES = 20.0
 """Deviations of its noise by which a reading must be simulated to move in half of the windows."""
@@ -38,13 +39,13 @@ def frozen(problem: Problem, parameters: Hypothesis, selection: Selection) -> Ex
     spread = np.ma.masked_array(simulated, ~known).std(axis=1).filled(np.inf)  # of what blew up, or has no sample
     moved = spread / problem.recorded.deviation(problem.fitted, 1)[:, 0]
     for place in problem.places:  # a sensor that moves has no such place
-        if place[0] != "sensor_stuck" or place[1] not in names:
+        if not effect(place[0]).masks_readings or place[1] not in names:
             continue
         shown = problem.seen.reading[int(robot.model.sensor_adr[robot.index("sensor", place[1])])]
         if not np.isfinite(shown) or np.median(moved[:, names.index(place[1])]) < _MOVES:
             continue
         hypothesis = claiming(robot, parameters, [place])
         vector = hypothesis.start()
-        vector[[f.effect == "sensor_stuck" for f in hypothesis.free]] = shown
+        vector[[(f.effect, f.site) == place for f in hypothesis.free]] = shown
         return as_fitted(problem, [Fit(hypothesis, vector, np.inf)], folds_of(problem))[0]
     return None

@@ -18,7 +18,6 @@ from estexp_jax.discovery.rounds import at_first, fitted, refitted
 from estexp_jax.discovery.screening import extended, looked_at
 from estexp_jax.discovery.selection import Explanation, Fold, folds_of
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.physics.effects.registry import effect
 
 _NEAR, RIVALS = 2.0, 1.3
@@ -141,7 +140,7 @@ def _close(fits: Sequence[Fit], best: Fit) -> list[Fit]:
     """Those that may yet turn out as good as the best, and the simpler relatives of it and them."""
     near = [f for f in fits if f.cost <= _NEAR**2 * best.cost]
     places = [f.hypothesis.places[-1] for f in near if f.hypothesis.places]
-    relatives = {(RUNGS.get(name), site) for name, site in places}
+    relatives = {(effect(name).nested_in, site) for name, site in places}
     return near + [f for f in fits if f not in near and f.hypothesis.places and f.hypothesis.places[-1] in relatives]
 
 

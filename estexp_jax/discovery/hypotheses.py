@@ -12,64 +12,40 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.effects.catalogue.joint_jam import jam_damping
-from estexp_jax.physics.effects.catalogue.servo_damping import servo_damping
 from estexp_jax.physics.effects.changes import Change, Values, neutral
-from estexp_jax.physics.effects.registry import Catalogue, effect
-from estexp_jax.physics.effects.sites import ALL_ALIKE, joint_dofs
+from estexp_jax.physics.effects.registry import Catalogue, effect, every
+from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
 
 Place = tuple[str, str]
 """An effect's name and a site."""
 
-_BENT = {
-    ("body", "mass"): "body_mass",
-    ("joint", "damping"): "viscous_friction",
-    ("joint", "frictionloss"): "coulomb_friction",
-    ("joint", "armature"): "armature",
-}
-
-BENT = ("viscous_friction", "coulomb_friction", "armature", "motor_weakness", "body_mass", "servo_damping")
-"""The effects that change values a model has; all of them are fitted beside whatever is claimed."""
-
-VARIANTS = {
-    "stribeck_bristles": "stribeck_friction",
-    "load_bristles": "load_dependent_friction",
-    "part_stub": "part_lost",
-    "outer_compliance": "joint_compliance",
-    "outer_backlash": "backlash",
-    "rotor_backlash": "backlash",
-    "rebound_limit": "joint_limit",
-    "motor_heat": "motor_fade",
-}
-"""Other forms of effects, tried wherever these are."""
-
-NAMELESS = {"law_sag": "motor_fade", "law_drift": "sensor_bias"}
-"""Unknown laws that are claimed as effects are, tried wherever these are; told by their equations."""
-
 TOLERANCE = 0.3
 """Share by which a value of the model may be off and still count as a wrong parameter."""
 _ORDINARY = 0.03
 """Share by which values of models usually are off."""
-_JAMMED = 0.5
-"""Degree of a jam from which on damping is called one; below, it is viscous friction."""
+
+
+def model_values() -> tuple[str, ...]:
+    """Names of the effects that change values a model has; all of them are fitted beside whatever is claimed."""
+    return tuple(e.name for e in every() if e.model_attribute is not None)
 
 
 def claimable(effects: Sequence[str]) -> tuple[str, ...]:
     """Names of effects with their other forms, and unknown laws like them."""
-    return (*effects, *(other for other, name in (VARIANTS | NAMELESS).items() if name in effects))
+    related = ((e.name, e.variant_of or e.tried_beside) for e in every())
+    return (*effects, *(other for other, name in related if name in effects))
 
 
 def told_of(place: Place) -> Place:
     """The effect at the site that a form of it is told as."""
-    return VARIANTS.get(place[0], place[0]), place[1]
+    return effect(place[0]).variant_of or place[0], place[1]
 
 
 def simulated(effects: Sequence[str]) -> tuple[str, ...]:
     """Names of all that a simulator must know for these to be claimed, values of the model bent beside them."""
     claimed = claimable(effects)
-    return (*claimed, *(name for name in BENT if name not in claimed))
+    return (*claimed, *(name for name in model_values() if name not in claimed))
 
 
 @final
@@ -184,10 +160,8 @@ def known_values(robot: Robot, settings: Iterable[str]) -> set[Place]:
     for setting in settings:
         element, _, rest = setting.partition(".")
         name, _, attribute = rest.rpartition(".")
-        if element == "actuator":
-            found |= {("motor_weakness", name), ("servo_damping", name)}
-        elif (element, attribute) in _BENT:
-            found.add((_BENT[element, attribute], name))
+        given = (element, "*"), (element, attribute)
+        found |= {(e.name, name) for e in every() if e.model_attribute in given}
     return found
 
 
@@ -224,41 +198,22 @@ def _own(robot: Robot, place: Place) -> list[Free]:
     row = e.sites(robot).index(site)
     own = [
         Free(name, site, p.name, row, column, low, high, p.neutral, np.inf, chosen=bool(p.refers) or low == high)
-        for column, (p, (low, high)) in enumerate(zip(e.parameters, _bounds(robot, e, site), strict=True))
+        for column, (p, (low, high)) in enumerate(zip(e.parameters, e.searched_bounds(robot, site), strict=True))
     ]
     bent = {(f.site, f.parameter): f for f in _nuisance(robot, name)}
     known = [(f, bent.get((f.site, f.parameter), f)) for f in own]
     return [replace(f, present=value.present, loss=value.loss) for f, value in known]
 
 
-def _bounds(robot: Robot, e: Effect, site: str) -> tuple[tuple[float, float], ...]:
-    """Where an effect's parameters are looked for: what another name says better is left to that one."""
-    bounds = e.bounds(robot, site)
-    if e.name == "joint_jam":
-        return ((_JAMMED, bounds[0][1]),)
-    if e.name == "viscous_friction" and site != ALL_ALIKE:
-        return ((bounds[0][0], min(bounds[0][1], max(jam_damping(robot, site, _JAMMED), 0.01 * bounds[0][1]))),)
-    return bounds
-
-
 def _nuisance(robot: Robot, name: str) -> list[Free]:
     """The small errors of a catalogue's effect that changes a value the model already has."""
-    e, model = effect(name), robot.model
-    sites = [site for site in e.sites(robot) if site != ALL_ALIKE]
-    present = {
-        "body_mass": lambda: model.body_mass[[robot.index("body", s) for s in sites]],
-        "motor_weakness": lambda: np.ones(len(sites)),
-        "viscous_friction": lambda: model.dof_damping[joint_dofs(robot)],
-        "coulomb_friction": lambda: model.dof_frictionloss[joint_dofs(robot)],
-        "armature": lambda: model.dof_armature[joint_dofs(robot)],
-        "servo_damping": lambda: servo_damping(robot),
-    }.get(name)
-    if present is None:
+    e = effect(name)
+    if e.model_attribute is None:
         return []
-    p, loses = e.parameters[0], name == "motor_weakness"
-    reach = TOLERANCE * np.asarray(present())
+    sites = [site for site in e.sites(robot) if site != ALL_ALIKE]
+    p, reach = e.parameters[0], TOLERANCE * np.array([e.nominal_value(robot, site) for site in sites])
     return [
-        Free(name, site, p.name, row, 0, -r, r, 0.0, _ORDINARY / TOLERANCE * r, present=r / TOLERANCE, loss=loses)
+        Free(name, site, p.name, row, 0, -r, r, 0.0, _ORDINARY / TOLERANCE * r, present=r / TOLERANCE, loss=e.is_loss)
         for row, (site, r) in enumerate(zip(sites, reach, strict=True))
         if r > 0.0
     ]

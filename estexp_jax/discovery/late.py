@@ -17,13 +17,11 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection
 from estexp_jax.estimation.windows import fitting_window, window_set_of
+from estexp_jax.physics.effects.registry import effect
 
 _MEMORY = "from the onset on"
 _LIKELY = 5
 """So many of the best single claims may be the one that begins, where none was worth it from the start."""
-_GROWING = ("motor_fade", "motor_heat")
-"""Effects that come on by themselves: they make up for an onset, and for a date that is a little off.
-Where one is chosen, steady claims are dated, too; and after an onset none of them may be claimed."""
 
 
 def begun(
@@ -62,7 +60,11 @@ def begun(
 
 
 def _grows(e: Explanation) -> bool:
-    return any(name in _GROWING for name, _ in e.places)
+    """Whether it claims what comes on by itself: that makes up for an onset, and for a date that is a little off.
+
+    Where such an effect is chosen, steady claims are dated, too; and after an onset none of them may be claimed.
+    """
+    return any(effect(name).grows_in_time for name, _ in e.places)
 
 
 def starting_late(case: Case, config: ExplainConfig, problem: Problem, began: Mapping[int, float]) -> Problem:
@@ -77,7 +79,7 @@ def starting_late(case: Case, config: ExplainConfig, problem: Problem, began: Ma
     window = fitting_window(case.robot, config.window)
     cut = window_set_of(case.robots, problem.recordings, window, began)
     memory = problem.memory.setdefault(_MEMORY, {})
-    places = tuple(place for place in problem.places if place[0] not in _GROWING)
+    places = tuple(place for place in problem.places if not effect(place[0]).grows_in_time)
     return replace(problem.with_windows(cut, began), memory=memory, places=places)
 
 

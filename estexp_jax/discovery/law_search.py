@@ -9,22 +9,20 @@ from typing import TypeVar, final
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import one_more
-from estexp_jax.discovery.hypotheses import BENT, Hypothesis, Place
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, model_values
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first
 from estexp_jax.discovery.screening import keeping
 from estexp_jax.discovery.selection import Explanation, Selection
-from estexp_jax.discovery.starts import Vectors
+from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.registry import every
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 
 TERMS = 8
 """Terms that are looked at."""
-BESIDE = ("viscous_friction", "coulomb_friction", "quadratic_drag", "joint_stiffness", "cogging", "torque_offset")
-"""Named effects that may act at the same joint beside a law's terms: the library need not have them again."""
 _MEMORY, _INSTEAD = "unknown laws", "in place of names"
 _BEST = 3
 """So many named explanations, the best ones, stay alternatives, and the best one of each place."""
@@ -75,9 +73,14 @@ def announced(steps: Generator[Progress, None, _T]) -> Generator[Progress, None,
         yield stage._replace(stage=f"{_MEMORY}: {stage.stage}")
 
 
+def beside_laws() -> tuple[str, ...]:
+    """Named effects that may act at the same joint beside a law's terms: the library need not have them again."""
+    return tuple(e.name for e in every() if e.beside_laws)
+
+
 def simulated(kept: Sequence[Explanation], places: Sequence[Place]) -> list[str]:
     """Names of all effects that must be simulated, in the registry's order."""
-    names = {name for e in kept for name, _ in e.places} | {name for name, _ in places} | set(BENT)
+    names = {name for e in kept for name, _ in e.places} | {name for name, _ in places} | set(model_values())
     return [e.name for e in every() if e.name in names]
 
 

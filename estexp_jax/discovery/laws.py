@@ -22,12 +22,12 @@ from estexp_jax.discovery.growing import one_more
 from estexp_jax.discovery.horizon import as_nearer
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.law_search import (
-    BESIDE,
     TERMS,
     Unnamed,
     alternatives,
     among,
     announced,
+    beside_laws,
     simulated,
     term_instead,
 )
@@ -37,8 +37,8 @@ from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection
-from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
+from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -69,7 +69,7 @@ def unknown_law(
         starts |= likely(robot, unnamed.seen, joint, TERMS, {name for name, _ in unnamed.problem.places})
     if not starts:
         return None
-    plain = [p for p in unnamed.problem.places if p[0] in BESIDE and p[1] in joints]
+    plain = [p for p in unnamed.problem.places if p[0] in beside_laws() and p[1] in joints]
     places = tuple(dict.fromkeys((*starts, *plain, *named.chosen.places)))
     kept = alternatives(robot, named)
     problem = among(unnamed.problem, replayer(simulated(kept, places)), places, starts)

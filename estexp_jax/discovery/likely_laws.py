@@ -13,19 +13,18 @@ from typing import NamedTuple
 import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
-from estexp_jax.discovery.hypotheses import BENT, Place
+from estexp_jax.discovery.hypotheses import Place, model_values
 from estexp_jax.discovery.law_forces import Samples, force_of, samples_of
-from estexp_jax.discovery.starts import Vectors
+from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.laws.base import JointLaw
-from estexp_jax.physics.effects.registry import LAWS
+from estexp_jax.physics.effects.laws.library import law_terms
+from estexp_jax.physics.effects.registry import every
 from estexp_jax.physics.model.robot import Robot
 
 _COLUMNS, _STARTS = 64, 4
 """Values of a term that are laid beside the missing force at once, and those that are kept."""
 _ROUNDS, _NARROWER = 4, 0.4
 """Each of these is moved so often to the best of as many values around it, drawn from a range that narrows so."""
-_BENDING = (*BENT, "back_emf")
-"""Effects that wrong values of a model do, or may look like: a motor that brakes looks like damping while it is on."""
 _SAME = 1e-3
 """Values that differ by less, as a share of their bounds, are one."""
 _LITTLE = 1e-3
@@ -53,6 +52,12 @@ class _Beside(NamedTuple):
     values: tuple[float, ...]
 
 
+def resembling_model_values() -> set[str]:
+    """Effects that wrong values of a model do, or look like: a motor that brakes looks like damping while it is on."""
+    wrong = model_values()
+    return {e.name for e in every() if e.name in wrong or e.alike_while_on in wrong}
+
+
 def likely(
     robot: Robot, seen: Sequence[ForceResidual], joint: str, n: int, named: Collection[str] = ()
 ) -> dict[Place, Vectors]:
@@ -67,10 +72,11 @@ def likely(
         n: how many terms are wanted.
         named: effects of the catalogue that may be claimed: terms that say the same do not count.
     """
-    asked = [law for law in LAWS if law.stands_for not in named]
+    asked = [law for law in law_terms() if law.stands_for not in named]
     found = _looked_for(robot, seen, joint, asked)
     ranked = sorted((law for law in asked if found.get(law)), key=lambda law: -found[law][0].share)
-    wanted = [law for i, law in enumerate(ranked) if i < n or law.stands_for in _BENDING]
+    resembling = resembling_model_values()
+    wanted = [law for i, law in enumerate(ranked) if i < n or law.stands_for in resembling]
     return {(law.name, joint): [b.values for b in found[law]] for law in wanted}
 
 
@@ -85,7 +91,7 @@ def likely_values(
         joint: the joint's name.
         names: of the effects.
     """
-    found = _looked_for(robot, seen, joint, [law for law in LAWS if law.stands_for in names])
+    found = _looked_for(robot, seen, joint, [law for law in law_terms() if law.stands_for in names])
     return {(law.stands_for, joint): [b.values for b in best] for law, best in found.items()}
 
 

@@ -15,11 +15,10 @@ import numpy as np
 
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.hypotheses import Place
-from estexp_jax.discovery.starts import Vectors
-from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.effect import Effect
+from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.model.robot import Robot
 
-COGGING = "cogging"
 _SAMPLES = 4000
 _MOST, _PEAKS = 600, 6
 """Spacings that are tried, and those that are kept."""
@@ -31,27 +30,30 @@ _STILL = 0.01
 """Share of a joint's speeds (root mean square) over which dry friction turns."""
 
 
-def likely_waves(robot: Robot, seen: Sequence[ForceResidual]) -> dict[Place, Vectors]:
-    """Values of cogging (A, n, phase) to start from at each joint that moved.
+def likely_waves(robot: Robot, seen: Sequence[ForceResidual], waves: Sequence[Effect]) -> dict[Place, Vectors]:
+    """Values (A, n, phase) to start from of forces A sin(n q + phase), at each joint that moved.
 
     Args:
         robot: the nominal robot.
         seen: what its joints lack, in each training recording.
+        waves: effects that are such forces.
     """
-    found: dict[Place, Vectors] = {}
-    model, cogging = robot.model, effect(COGGING)
-    for site in cogging.sites(robot):
-        joint = robot.index("joint", site)
-        place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
-        every = max(1, sum(len(r.time) for r in seen) // _SAMPLES)
-        q, w, force, motor, faster = (
-            np.concatenate([x[::every] for x in columns])
-            for columns in zip(*(_motion(r, place, dof) for r in seen), strict=True)
-        )
-        if np.ptp(q) > 0.0:
-            bounds = cogging.bounds(robot, site)
-            found[COGGING, site] = _waves(q, _beside(q, w, motor, faster), force, bounds)
-    return found
+    places = [(e, site) for e in waves for site in e.sites(robot)]
+    return {(e.name, site): found for e, site in places if (found := _likely_at(robot, seen, e, site))}
+
+
+def _likely_at(robot: Robot, seen: Sequence[ForceResidual], wave: Effect, site: str) -> Vectors:
+    """The best values at one joint; none where it did not move."""
+    model, joint = robot.model, robot.index("joint", site)
+    place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+    nth = max(1, sum(len(r.time) for r in seen) // _SAMPLES)
+    q, w, force, motor, faster = (
+        np.concatenate([x[::nth] for x in columns])
+        for columns in zip(*(_motion(r, place, dof) for r in seen), strict=True)
+    )
+    if not np.ptp(q) > 0.0:
+        return []
+    return _waves(q, _beside(q, w, motor, faster), force, wave.bounds(robot, site))
 
 
 def _motion(r: ForceResidual, place: int, dof: int) -> tuple[np.ndarray, ...]:

@@ -12,10 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from estexp_jax.discovery.fitting import Task
-from estexp_jax.discovery.hypotheses import VARIANTS, Hypothesis, Place, claiming
+from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.selection import Explanation, Selection
-from estexp_jax.discovery.starts import RUNGS
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
@@ -60,10 +59,13 @@ def _likeness(robot: Robot, place: Place) -> tuple[str, str | None, str]:
 
     Damping by the joint and by the motor that drives it are one while motors are on.
     """
-    name = VARIANTS.get(place[0], place[0]) if effect(place[0]).named else UNKNOWN_LAW
-    while name in RUNGS:
-        name = RUNGS[name]
-    return (*element(robot, place), "viscous_friction" if name in ("back_emf", "servo_damping") else name)
+    e = effect(place[0])
+    if not e.named:
+        return (*element(robot, place), UNKNOWN_LAW)
+    e = effect(e.variant_of or e.name)
+    while e.nested_in:
+        e = effect(e.nested_in)
+    return (*element(robot, place), e.alike_while_on or e.name)
 
 
 def _parameters(place: Place) -> int:

@@ -14,10 +14,11 @@ from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.recorded import Recorded
 from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
-from estexp_jax.discovery.starts import Seen, Vectors
 from estexp_jax.estimation.channels import Channels
 from estexp_jax.estimation.noise import correlation_rows, noise_std
 from estexp_jax.estimation.windows import WindowSet, is_sensitive_to_start
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import Window
@@ -220,7 +221,7 @@ class Problem:
         return self.with_windows(self.replays.cut.exact(), self.replays.began)
 
     @cached_property
-    def seen(self) -> Seen:
+    def seen(self) -> Observed:
         """Where joints were and what sensors showed in the training recordings, for where to start."""
         train = {i for i, r in enumerate(self.recordings) if r.role == "train"}
         paths = {s.recording: s.path for s in self.segments if s.recording in train and s.path is not None}
@@ -229,7 +230,7 @@ class Problem:
         known = np.isfinite(readings).any(axis=0)
         median = np.full(readings.shape[1], np.nan)
         median[known] = np.nanmedian(readings[:, known], axis=0)
-        return Seen(qpos.min(axis=0), qpos.max(axis=0), median)
+        return Observed(qpos.min(axis=0), qpos.max(axis=0), median)
 
     def residuals(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
         """Differences (members, windows, samples) in deviations: their squares sum to 1 where only noise is left.

@@ -10,7 +10,8 @@ import numpy as np
 
 from estexp_jax.estimation.accuracy import nrmse
 from estexp_jax.estimation.channels import Channels, channel_ranges
-from estexp_jax.estimation.noise import median, noise_std_of
+from estexp_jax.estimation.noise import median
+from estexp_jax.physics.reading_noise import noise_std_of
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import Window
 

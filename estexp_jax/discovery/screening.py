@@ -11,7 +11,6 @@ from estexp_jax.discovery.hypotheses import Hypothesis, Place, claiming, told_of
 from estexp_jax.discovery.marginal import slackened
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
-from estexp_jax.discovery.starts import RUNGS, climbed, lowered, starts
 from estexp_jax.physics.effects.registry import effect
 
 _MANY = 32
@@ -31,7 +30,7 @@ def extended(problem: Problem, parameters: Hypothesis, chosen: Fit, place: Place
     is_new = np.array([(f.effect, f.site) == place for f in hypothesis.free])
     settled = np.array([known.get(k, f.neutral) for k, f in zip(_keys(hypothesis), hypothesis.free, strict=True)])
     robot, e = problem.replayer.robot, effect(place[0])
-    begin = problem.likely.get(place) or starts(robot, e, place[1], problem.seen)
+    begin = problem.likely.get(place) or e.initial_guesses(robot, place[1], problem.seen)
     own = [hypothesis.with_values(place, values) for values in begin]
     return hypothesis, [np.where(is_new, start, settled) for start in [hypothesis.start(), *own]]
 
@@ -56,7 +55,7 @@ def simpler(problem: Problem, parameters: Hypothesis, chosen: Fit) -> list[Task]
     fewer = [without(problem, parameters, chosen, place) for place in places] if len(places) > 1 else []
     lower = []
     for i, (name, site) in enumerate(places):
-        relative = (RUNGS.get(name, ""), site)
+        relative = (effect(name).nested_in, site)
         if relative in problem.places and relative not in places:
             lower.append(_lowered(problem, parameters, chosen, i))
     return fewer + lower
@@ -66,7 +65,8 @@ def _lowered(problem: Problem, parameters: Hypothesis, chosen: Fit, i: int) -> T
     """A fit with the simpler relative of its i-th claim instead, started from where the richer one is, too."""
     name, site = chosen.hypothesis.places[i]
     known = chosen.hypothesis.changes(chosen.vector, claimed=True)[i].parameters
-    return instead(problem, parameters, chosen, (name, site), (RUNGS[name], site), lowered(name, known))
+    richer = effect(name)
+    return instead(problem, parameters, chosen, (name, site), (richer.nested_in, site), richer.to_simpler(known))
 
 
 def instead(
@@ -171,21 +171,26 @@ def _settled(problem: Problem, free: Problem, base: Fit, looked: Sequence[Fit]) 
 def slot(place: Place) -> Place:
     """What forms of one effect have in common; dry friction of bristles is one of dry friction."""
     name, site = told_of(place)
-    return "coulomb_friction" if name == "hysteresis" else name, site
+    return effect(name).family or name, site
 
 
 def with_rungs(ranked: Sequence[Fit], n: int) -> list[Fit]:
     """The first `n`, in all their forms, and the simpler relatives of richer laws among them, wherever they rank."""
     slots = list(dict.fromkeys(slot(_last(f)) for f in ranked))[:n]
     first = [f for f in ranked if slot(_last(f)) in slots]
-    wanted = {(*places[:-1], (RUNGS[places[-1][0]], places[-1][1])) for places in map(_places, first) if _rich(places)}
+    wanted = {(*places[:-1], _simpler(places[-1])) for places in map(_places, first) if _rich(places)}
     return first + [f for f in ranked if f not in first and _places(f) in wanted]
 
 
 def _with_richer(kept: Sequence[Fit], ranked: Sequence[Fit]) -> list[Fit]:
     """With them, the richer relatives of the best, whose own starts may all have been far off."""
     best = {_places(f)[-1] for f in ranked[:_BEST]}
-    return [*kept, *(f for f in ranked if f not in kept and (RUNGS.get(_last(f)[0]), _last(f)[1]) in best)]
+    return [*kept, *(f for f in ranked if f not in kept and _simpler(_last(f)) in best)]
+
+
+def _simpler(place: Place) -> Place:
+    """The simpler relative of an effect at its site; no effect where it has none."""
+    return effect(place[0]).nested_in, place[1]
 
 
 def _last(fitted: Fit) -> Place:
@@ -197,20 +202,20 @@ def _places(fitted: Fit) -> tuple[Place, ...]:
 
 
 def _rich(places: Sequence[Place]) -> bool:
-    return bool(places) and places[-1][0] in RUNGS
+    return bool(places) and bool(effect(places[-1][0]).nested_in)
 
 
 def _from_below(fitted: Fit, others: Sequence[Fit]) -> list[np.ndarray]:
     """Vectors to start a richer law from: the solution of the simpler one."""
     name, site = fitted.hypothesis.places[-1]
-    wanted = (*fitted.hypothesis.places[:-1], (RUNGS.get(name), site))
+    wanted = (*fitted.hypothesis.places[:-1], _simpler((name, site)))
     found = []
     for f in others:
         if _places(f) == wanted:
             simpler = f.hypothesis.changes(f.vector, claimed=True)[-1].parameters
             is_new = np.array([(g.effect, g.site) == (name, site) for g in fitted.hypothesis.free])
             bounds = [(fitted.hypothesis.free[i].low, fitted.hypothesis.free[i].high) for i in np.flatnonzero(is_new)]
-            for values in climbed(name, simpler, bounds):
+            for values in effect(name).from_simpler(simpler, bounds):
                 start = fitted.hypothesis.with_values((name, site), values)
                 found.append(np.where(is_new, start, fitted.vector))
     return found

@@ -29,6 +29,7 @@ from estexp_jax.discovery.selection import (
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
 from estexp_jax.discovery.verdict import ENOUGH, verdict
 from estexp_jax.estimation.accuracy import gain
+from estexp_jax.physics.effects.registry import every
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
 
@@ -105,8 +106,8 @@ def _unbound(search: Setting, found: Standing) -> Generator[Progress, None, Stan
     while bent := [(f.effect, f.site) for f in stretched(found.chosen.fitted)]:
         fitted, claims = found.chosen.fitted, found.chosen.places
         alike = dict.fromkeys((name, ALL_ALIKE) for name, _ in bent)
-        drags = _like_drag(found.problem.replayer.robot, [site for name, site in bent if name == "viscous_friction"])
-        places = [p for p in (*bent, *drags, *alike) if p in found.problem.places and p not in claims]
+        motors = _alike_while_on(found.problem.replayer.robot, bent)
+        places = [p for p in (*bent, *motors, *alike) if p in found.problem.places and p not in claims]
         if not places:
             break
         base = unbent(fitted)
@@ -120,10 +121,11 @@ def _unbound(search: Setting, found: Standing) -> Generator[Progress, None, Stan
     return found
 
 
-def _like_drag(robot: Robot, joints: Sequence[str]) -> list[Place]:
-    """What brakes some joints as viscous friction does, while their motors are on."""
+def _alike_while_on(robot: Robot, joints: Sequence[Place]) -> list[Place]:
+    """What motors do to joints just as some effects do there, while these motors are on."""
     driven = [(a, robot.joint_of_actuator(i)) for i, a in enumerate(robot.names("actuator"))]
-    return [("back_emf", a) for a, j in driven if j is not None and robot.names("joint")[j] in joints]
+    named = [(a, robot.names("joint")[j]) for a, j in driven if j is not None]
+    return [(e.name, a) for e in every() for a, j in named if (e.alike_while_on, j) in joints]
 
 
 def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bool:

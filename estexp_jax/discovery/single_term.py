@@ -14,12 +14,12 @@ from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.growing import Setting, compared
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.law_search import (
-    BESIDE,
     TERMS,
     Unnamed,
     alternatives,
     among,
     announced,
+    beside_laws,
     simulated,
     term_instead,
 )
@@ -29,8 +29,8 @@ from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first
 from estexp_jax.discovery.screening import instead, keeping
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of, simplest, worth
-from estexp_jax.discovery.starts import Vectors
 from estexp_jax.discovery.verdict import verdict
+from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 
 _MEMORY = "a single term"
@@ -53,7 +53,7 @@ def single_term(
     if not starts:
         return None
     kept = alternatives(robot, named)
-    plain = [(name, joint) for name in BESIDE if (name, joint) in unnamed.problem.places]
+    plain = [(name, joint) for name in beside_laws() if (name, joint) in unnamed.problem.places]
     problem = among(unnamed.problem, replayer(simulated(kept, (*starts, *plain))), tuple(starts), starts)
     problem = replace(problem, memory=problem.memory.setdefault(_MEMORY, {}))
     names = [p for p in chosen.places if about_joint(robot, p) == joint]

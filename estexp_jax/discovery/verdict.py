@@ -8,9 +8,8 @@ from estexp_jax.discovery.hypotheses import TOLERANCE
 from estexp_jax.discovery.selection import NOISE, Selection, worth
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.estimation.accuracy import gain
-from estexp_jax.physics.effects.catalogue.servo_damping import servo_damping, servos
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.sites import joints_at
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
 ENOUGH = 0.6
@@ -56,19 +55,7 @@ def is_wrong_value(robot: Robot, change: Change) -> bool:
 
 def _present(robot: Robot, change: Change) -> float:
     """The value of the model that a change bends; 0 where it has none."""
-    model, name = robot.model, change.name or ""
-    if change.effect == "motor_weakness":
-        return 1.0
-    if change.effect == "body_mass":
-        return float(model.body_mass[robot.index("body", name)])
-    if change.effect in ("servo_damping", "back_emf"):
-        named = [robot.names("actuator")[a] for a in servos(robot)]
-        return float(servo_damping(robot)[named.index(name)]) if name in named else 0.0
-    fields = {"viscous_friction": "dof_damping", "coulomb_friction": "dof_frictionloss", "armature": "dof_armature"}
-    if change.effect not in fields:
-        return 0.0
-    joints = [robot.index("joint", one) for one in joints_at(robot, name)]
-    return float(getattr(model, fields[change.effect])[model.jnt_dofadr[joints]].min())
+    return effect(change.effect).nominal_value(robot, change.name or "")
 
 
 def bent_values(robot: Robot, fitted: Fit, intervals: np.ndarray) -> tuple[Change, ...]:

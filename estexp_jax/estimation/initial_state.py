@@ -8,9 +8,9 @@ from typing import final
 import mujoco
 import numpy as np
 
-from estexp_jax.estimation.noise import noise_std_of
 from estexp_jax.estimation.smoother import SmoothedTrack, smooth
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.reading_noise import noise_std_of
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, StateEstimate
 

@@ -8,39 +8,10 @@ import numpy as np
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from estexp_jax.estimation.channels import Channels, channel_ranges
+from estexp_jax.physics.reading_noise import noise_std_of
 from estexp_jax.physics.recording import Recording
 
-_ORDERS = (3, 4, 5, 6)
 _SPAN = 9
-
-
-def noise_std_of(time: np.ndarray, samples: np.ndarray) -> float:
-    """Standard deviation of the noise in a slowly changing signal, in its unit; NaN for fewer than five samples.
-
-    Divided differences of order d remove motion that is locally a polynomial of lower degree, on any clock. They are
-    scaled so that white noise keeps its standard deviation; the median is robust against jolts. The least of several
-    orders is taken, because low orders leave some of a fast motion that is sampled slowly. A quantised signal at rest
-    has no differences, so the result is at least step / sqrt(12).
-
-    Args:
-        time: (rows,) s, increasing.
-        samples: (rows,), NaN where there is no sample.
-    """
-    good = np.isfinite(samples)
-    t, y = time[good], samples[good]
-    if len(y) < 5:
-        return float("nan")
-    spread = min(_typical_difference(t, y, d) for d in _ORDERS if d < len(y) - 1)
-    return max(spread, _quantum(y) / np.sqrt(12.0))
-
-
-def _typical_difference(time: np.ndarray, samples: np.ndarray, order: int) -> float:
-    """Standard deviation of white noise that has divided differences of an order of the same median size."""
-    near = np.arange(len(time) - order)[:, None] + np.arange(order + 1)
-    separations = time[near][:, :, None] - time[near][:, None, :] + np.eye(order + 1)
-    weights = 1.0 / np.prod(separations / np.abs(separations).max(axis=(1, 2), keepdims=True), axis=2)
-    weights /= np.linalg.norm(weights, axis=1, keepdims=True)
-    return float(np.median(np.abs(np.sum(weights * samples[near], axis=1)))) / 0.6745
 
 
 def correlation_rows(residuals: np.ndarray) -> float:
@@ -105,11 +76,3 @@ def median(values: np.ndarray) -> float:
     """Median of the finite values (n,); NaN if there is none."""
     known = values[np.isfinite(values)]
     return float(np.median(known)) if len(known) else float("nan")
-
-
-def _quantum(y: np.ndarray) -> float:
-    """The quantisation step, if few distinct values recur; else 0."""
-    values = np.unique(y)
-    if len(values) < 2 or len(values) > 0.5 * len(y):
-        return 0.0
-    return float(np.median(np.diff(values)))

@@ -11,7 +11,7 @@ import numpy as np
 
 from estexp_jax.discovery.contest import CompetingModels
 from estexp_jax.discovery.fitting import Progress
-from estexp_jax.discovery.hypotheses import BENT
+from estexp_jax.discovery.hypotheses import model_values
 from estexp_jax.errors import InputError
 from estexp_jax.experiment_design.predictive_simulation import (
     PredictedReadings,
@@ -192,7 +192,8 @@ def _simulation(robot: Robot, competing: CompetingModels, config: ProposeConfig)
     if robot.model.nu == 0:
         raise InputError("the robot has no actuators, so no motion can be proposed", where=robot.source)
     effects = dict.fromkeys(change.effect for model in competing.models for change in model.changes)
-    every, unsimulated = catalogue(dict.fromkeys((*effects, *BENT))), without_collisions(robot, [robot.home()[None]])
+    every = catalogue(dict.fromkeys((*effects, *model_values())))
+    unsimulated = without_collisions(robot, [robot.home()[None]])
     free = robot.without_contacts(unsimulated)
     return predictive_simulation_of(
         open_loop_simulator(free, every, [free], engine=config.engine), competing, robot, unsimulated

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.registry import model_errors
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.engines.closed_loop import ReadingOverride
 from estexp_jax.physics.engines.controller_interface import Interface
@@ -38,27 +37,6 @@ def sensor_noise(face: Interface, members: int, steps: int, draw: int = 0) -> Re
 
 
 def _perturbed(robot: Robot, error: float, random: np.random.Generator) -> tuple[Change, ...]:
-    model = robot.model
-    masses = {body: float(model.body_mass[robot.index("body", body)]) for body in _sites(robot, "body_mass")}
-    joints = _sites(robot, "viscous_friction")
-    damping = {j: float(model.dof_damping[model.jnt_dofadr[robot.index("joint", j)]]) for j in joints}
+    sites = [(e, site) for e in model_errors() for site in e.sites(robot) if site != ALL_ALIKE]
     normal = random.standard_normal
-    return (
-        *(Change("body_mass", body, {"dm": error * normal() * mass}) for body, mass in masses.items()),
-        *(Change("motor_weakness", motor, {"loss": error * normal()}) for motor in _sites(robot, "motor_weakness")),
-        *(Change("viscous_friction", joint, {"c": error * normal() * c}) for joint, c in damping.items()),
-        *(
-            Change("ground_friction", None, {"mu": _grip(robot, error * normal())})
-            for _ in _sites(robot, "ground_friction")
-        ),
-    )
-
-
-def _grip(robot: Robot, error: float) -> float:
-    """Floor friction with an error. MuJoCo takes the larger of two frictions, so only an increase acts."""
-    return float(robot.model.geom_friction[:, 0].max()) * (1.0 + abs(error))
-
-
-def _sites(robot: Robot, name: str) -> tuple[str, ...]:
-    e: Effect = effect(name)
-    return tuple(site for site in e.sites(robot) if site != ALL_ALIKE)
+    return tuple(Change(e.name, site or None, e.off_by(robot, site, error * normal())) for e, site in sites)

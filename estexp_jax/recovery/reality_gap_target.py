@@ -173,7 +173,7 @@ def _damaged(robot: Robot, planted: Sequence[Change], random: np.random.Generato
         spec.delete(key)
     _name_all(robot, spec)
     # Bodies are deleted last, so that every other edit finds its element.
-    for change in sorted(planted, key=lambda c: c.effect == "part_lost"):
+    for change in sorted(planted, key=lambda c: effect(c.effect).removes_part):
         e = effect(change.effect)
         if isinstance(e, Edit):
             if not e.in_mjcf:

@@ -13,7 +13,8 @@ import numpy as np
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.changes import Change, Values, encode_all
-from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
+from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.effects.registry import catalogue, damages, effect, model_errors, paper
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import (
     BodyState,
@@ -26,9 +27,6 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.recovery.control.trial import Controller, Trial
-
-FAULTS = ("neuron_fault", "tied_outputs")
-EXTENDED = ("sensor_bias", "sensor_stuck", "ground_friction", "viscous_friction")
 
 
 @final
@@ -161,8 +159,9 @@ def damage_simulator(robot: Robot, settings: Settings, planted: Sequence[Change]
     other = next((c for c in planted if isinstance(effect(c.effect), timed)), None)
     if other is not None:
         raise InputError(f"'{other.effect}' is not simulated in closed loop", where="--damage")
-    extended = EXTENDED if settings.catalogue == "full" or settings.relative_error > 0.0 else ()
-    names = dict.fromkeys([*PAPER, *FAULTS, *extended, *(c.effect for c in planted)])
+    faults = [e for e in damages() if isinstance(e, ControllerFault)]
+    extended = (*damages(), *model_errors()) if settings.catalogue == "full" or settings.relative_error > 0.0 else ()
+    names = dict.fromkeys([*(e.name for e in (*paper(), *faults, *extended)), *(c.effect for c in planted)])
     engine = closed_loop_simulator(
         robot,
         catalogue(names),

@@ -11,7 +11,16 @@ import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError
+from estexp_jax.physics.effects.catalogue.body_mass import BodyMass
+from estexp_jax.physics.effects.catalogue.gravity_tilt import GravityTilt
+from estexp_jax.physics.effects.catalogue.joint_jam import JointJam
+from estexp_jax.physics.effects.catalogue.motor_weakness import MotorWeakness
+from estexp_jax.physics.effects.catalogue.neuron_fault import NeuronFault
+from estexp_jax.physics.effects.catalogue.part_lost import PartLost
+from estexp_jax.physics.effects.catalogue.sensor_gain import SensorGain
+from estexp_jax.physics.effects.catalogue.tied_outputs import TiedOutputs
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
@@ -74,43 +83,44 @@ class _Draw:
             )
         return str(choices[int(self.random.integers(len(choices)))])
 
-    def edit(self, name: str, amount: float, what: str, spared: frozenset[int] = frozenset()) -> Change:
+    def edit(self, kind: type[Damage], amount: float, what: str, spared: frozenset[int] = frozenset()) -> Change:
         """One of the paper's modifications at a site that is not on a spared body."""
-        choices = [p for p in damage_sites(self.robot, name) if not self._body(p) & spared]
+        choices = [p for p in damage_sites(self.robot, kind.name) if not self._body(p) & spared]
         chosen = self.one([p.name or "" for p in choices], what)
-        return change_of(self.robot, DamageSite(name, chosen), amount)
+        return change_of(self.robot, DamageSite(kind.name, chosen), amount)
 
     def leg(self) -> Change:
         """Loss of an entire leg: a part joined to the root by a hinge or slide."""
         robot = self.robot
-        lost = [robot.index("body", name) for name in effect("part_lost").sites(robot)]
+        lost = [robot.index("body", name) for name in effect(PartLost.name).sites(robot)]
         legs = [b for b in lost if int(robot.model.body_parentid[b]) not in lost]
         names = [robot.names("body")[b] for b in legs]
-        return change_of(robot, DamageSite("part_lost", self.one(names, "a leg")), 1.0)
+        return change_of(robot, DamageSite(PartLost.name, self.one(names, "a leg")), 1.0)
 
     def angle(self) -> Change:
         """An angle sensor that reads half the angle."""
         robot = self.robot
         names = interface_of(robot).names
         angles = [n for n in names if int(robot.model.sensor_type[robot.index("sensor", n)]) == _ANGLE]
-        return change_of(robot, DamageSite("sensor_gain", self.one(angles, "an angle sensor")), 0.5)
+        return change_of(robot, DamageSite(SensorGain.name, self.one(angles, "an angle sensor")), 0.5)
 
-    def with_leg(self, *others: tuple[str, str]) -> tuple[Change, ...]:
+    def with_leg(self, *others: tuple[type[Damage], str]) -> tuple[Change, ...]:
         """Loss of a leg, and other failures by 50 % that are not on it."""
         leg = self.leg()
         spared = frozenset(self.robot.subtree(self.robot.index("body", leg.name or "")))
-        return (leg, *(self.edit(name, 0.5, what, spared) for name, what in others))
+        return (leg, *(self.edit(kind, 0.5, what, spared) for kind, what in others))
 
     def neuron(self) -> Change:
         """A hidden neuron with half its output."""
-        return Change("neuron_fault", self.one(effect("neuron_fault").sites(self.robot), "a neuron"), {"gain": 0.5})
+        neurons = effect(NeuronFault.name).sites(self.robot)
+        return change_of(self.robot, DamageSite(NeuronFault.name, self.one(neurons, "a neuron")), 0.5)
 
     def tie(self) -> Change:
         """A motor that repeats another's command."""
         motors = self.robot.names("actuator")
         first = self.one(motors, "a motor")
         second = self.one([m for m in motors if m != first], "a second motor")
-        return Change("tied_outputs", first, {"with": 1.0 + motors.index(second)})
+        return change_of(self.robot, DamageSite(TiedOutputs.name, first, 1 + motors.index(second)), 1.0)
 
     def _body(self, place: DamageSite) -> frozenset[int]:
         robot, name = self.robot, place.name or ""
@@ -124,25 +134,25 @@ class _Draw:
                 return frozenset()
 
 
-_JAM, _SENSOR = ("joint_jam", "a joint"), ("sensor_gain", "a sensor")
+_JAM, _SENSOR = (JointJam, "a joint"), (SensorGain, "a sensor")
 
 
 def _slope(draw: _Draw) -> tuple[Change, ...]:
-    return (change_of(draw.robot, DamageSite("gravity_tilt", None), 1.0),)
+    return (change_of(draw.robot, DamageSite(GravityTilt.name, None), 1.0),)
 
 
 _RECIPES: dict[int, Callable[[_Draw], tuple[Change, ...]]] = {
-    1: lambda draw: (draw.edit("motor_weakness", 0.5, "a motor"),),
-    2: lambda draw: (draw.edit("body_mass", 1.0, "a body"),),
+    1: lambda draw: (draw.edit(MotorWeakness, 0.5, "a motor"),),
+    2: lambda draw: (draw.edit(BodyMass, 1.0, "a body"),),
     3: lambda draw: draw.with_leg(),
     4: lambda draw: draw.with_leg(_SENSOR),
     5: lambda draw: (draw.angle(),),
-    6: lambda draw: (draw.edit("joint_jam", 0.5, "a joint"),),
+    6: lambda draw: (draw.edit(JointJam, 0.5, "a joint"),),
     7: lambda draw: draw.with_leg(_JAM),
     8: lambda draw: draw.with_leg(_JAM, _SENSOR),
     9: lambda draw: (),
     10: _slope,
     11: lambda draw: (draw.neuron(),),
     12: lambda draw: (draw.tie(),),
-    13: lambda draw: (draw.edit("body_mass", -0.5, "a body"),),
+    13: lambda draw: (draw.edit(BodyMass, -0.5, "a body"),),
 }

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery import comparison
-from estexp_jax.discovery.diagnosis import EXPLAINING, ExplainConfig
+from estexp_jax.discovery.diagnosis import ExplainConfig, explaining
 from estexp_jax.discovery.explain import explain
 from estexp_jax.discovery.hypotheses import claimable
-from estexp_jax.discovery.starts import RUNGS, Seen, climbed, lowered, starts
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.effects.registry import Catalogue, effect
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import Catalogue, effect, every
 from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
@@ -41,18 +41,18 @@ def test_a_concealed_effect_is_named(case: str) -> None:
 
 def test_the_whole_catalogue_is_concealed_somewhere() -> None:
     planted = {case.partition("@")[0] for case in CASES}
-    assert planted == set(EXPLAINING) - {"ground_friction"}  # the leg touches nothing
+    assert planted == set(explaining()) - {"ground_friction"}  # the leg touches nothing
     assert set(JOINTS) == set(Robot.from_xml(model_path("leg")).names("joint"))
 
 
-@pytest.mark.parametrize("name", claimable(EXPLAINING))
+@pytest.mark.parametrize("name", claimable(explaining()))
 def test_searches_start_where_the_effect_is_present(name: str) -> None:
     e = effect(name)
     for subject in map(robot, ROBOTS):
         nq, n = subject.model.nq, subject.model.nsensordata
-        seen = Seen(np.full(nq, -0.5), np.full(nq, 0.7), np.full(n, 0.1))
+        seen = Observed(np.full(nq, -0.5), np.full(nq, 0.7), np.full(n, 0.1))
         for site in e.sites(subject):
-            found = starts(subject, e, site, seen)
+            found = e.initial_guesses(subject, site, seen)
             assert len(found) == len(set(found)) and len(found) > 0 or subject.model.nu == 1
             for values in found:
                 assert len(values) == len(e.parameters) and np.isfinite(values).all()
@@ -64,7 +64,8 @@ def test_a_grip_starts_a_little_on_either_side_of_the_modelled_one(grip: float) 
     """Where feet slip a hair less the robot goes another way, from which no fit finds back."""
     ground = f'<mujoco><worldbody><geom type="plane" size="1 1 1" friction="{grip}"/><body><freejoint/>'
     walker = Robot.from_string(ground + '<geom size=".1" friction=".1"/></body></worldbody></mujoco>', "walker.xml")
-    found = np.array(starts(walker, effect("ground_friction"), "", Seen(np.zeros(7), np.zeros(7), np.zeros(0)))).ravel()
+    nothing = Observed(np.zeros(7), np.zeros(7), np.zeros(0))
+    found = np.array(effect("ground_friction").initial_guesses(walker, "", nothing)).ravel()
     off = found / grip - 1.0
     assert 0.02 < off[off > 0].min() < 0.1 and -0.1 < off[off < 0].max() < -0.02
     assert found.min() < 0.1 * grip and found.max() > 1.3 * grip
@@ -73,19 +74,18 @@ def test_a_grip_starts_a_little_on_either_side_of_the_modelled_one(grip: float) 
 def test_richer_laws_start_from_simpler_ones() -> None:
     amounts = {"T": 0.5, "sigma": 250.0, "loss": 0.3, "c": 0.1, "dm": 0.1, "delay": 0.01, "I": 0.01, "tau": 2.0}
     amounts |= {"low": -1.0, "high": 1.0, "half_gap": 0.05}
-    for richer, simpler in RUNGS.items():
-        assert effect(richer).kind == effect(simpler).kind or richer == "external_force"
-        own = {p.name: amounts[p.name] for p in effect(simpler).parameters}
-        bounds = [(0.1, 0.7)] * len(effect(richer).parameters)
-        for values in climbed(richer, own, bounds):
-            assert len(values) == len(effect(richer).parameters)
+    for richer in (e for e in every() if e.nested_in):
+        simpler = effect(richer.nested_in)
+        assert richer.kind == simpler.kind or richer.name == "external_force"
+        own = {p.name: amounts[p.name] for p in simpler.parameters}
+        for values in richer.from_simpler(own, [(0.1, 0.7)] * len(richer.parameters)):
+            assert len(values) == len(richer.parameters)
 
 
 def test_simpler_laws_start_from_richer_ones() -> None:
-    for richer, simpler in RUNGS.items():
-        known = {p.name: 0.5 for p in effect(richer).parameters}
-        for values in lowered(richer, known):
-            assert len(values) == len(effect(simpler).parameters) and np.isfinite(values).all()
+    for richer in (e for e in every() if e.nested_in):
+        for values in richer.to_simpler({p.name: 0.5 for p in richer.parameters}):
+            assert len(values) == len(effect(richer.nested_in).parameters) and np.isfinite(values).all()
     levels = {"T": 0.4, "S": 0.2, "w_s": 0.3, "x": 0.01}
-    assert lowered("stribeck_friction", levels) == [(0.4,), (0.5,), pytest.approx((0.6,))]
-    assert lowered("stribeck_bristles", levels)[0] == (0.4, 40.0)
+    assert effect("stribeck_friction").to_simpler(levels) == [(0.4,), (0.5,), pytest.approx((0.6,))]
+    assert effect("stribeck_bristles").to_simpler(levels)[0] == (0.4, 40.0)

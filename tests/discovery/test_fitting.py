@@ -9,7 +9,6 @@ import pytest
 from estexp_jax.discovery.fitting import fit
 from estexp_jax.discovery.hypotheses import Free, Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.slopes import DAMPINGS, Fit, movable, rescaled
-from estexp_jax.discovery.starts import starts
 from estexp_jax.discovery.walks import Walk, data_costs, heeded
 from estexp_jax.physics.effects.registry import catalogue, effect
 from tests.discovery.planted import CASES, case_of, finished, nominal, problem_of
@@ -37,7 +36,7 @@ def random_starts(hypotheses, seed):
 
 def spread(problem, h):
     robot = problem.replayer.robot
-    own = [h.with_values((e, s), v) for e, s in h.places for v in starts(robot, effect(e), s, problem.seen)]
+    own = [h.with_values((e, s), v) for e, s in h.places for v in effect(e).initial_guesses(robot, s, problem.seen)]
     return [h.start(), *own]
 
 

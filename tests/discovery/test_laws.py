@@ -25,7 +25,7 @@ from estexp_jax.discovery.believing import (
     whole,
     without_piles,
 )
-from estexp_jax.discovery.diagnosis import EXPLAINING
+from estexp_jax.discovery.diagnosis import explaining
 from estexp_jax.discovery.findings import presence, told_place, told_places
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import Setting, judged_apart
@@ -283,7 +283,7 @@ def moving(force) -> ForceResidual:
     ],
 )
 def test_missing_forces_suggest_the_law_that_made_them(force, name, values):
-    found = likely(nominal("two"), [moving(force)], "elbow", 6, EXPLAINING)
+    found = likely(nominal("two"), [moving(force)], "elbow", 6, explaining())
     first = next(iter(found))
     assert first == (name, "elbow")
     assert found[first][0][: len(values)] == pytest.approx(values, rel=0.15)

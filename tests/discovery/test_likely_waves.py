@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.force_residual import ForceResidual
-from estexp_jax.discovery.likely_waves import COGGING, likely_waves
+from estexp_jax.discovery.likely_waves import likely_waves
+from estexp_jax.physics.effects.catalogue.cogging import Cogging
 from estexp_jax.physics.model.robot import Robot
 from tests.discovery.planted import nominal
 
@@ -32,7 +33,7 @@ def test_a_wave_is_seen_beside_friction_a_spring_and_noise(n: float) -> None:
     def force(q: np.ndarray, w: np.ndarray) -> np.ndarray:
         return 0.12 * np.sin(n * q + 0.7) - 0.4 * np.sign(w) - 0.2 * w + 0.5 * (q - 0.3)
 
-    amplitude, spacing, phase = likely_waves(robot, [seen(robot, force)])[COGGING, joint][0]
+    amplitude, spacing, phase = likely_waves(robot, [seen(robot, force)], [Cogging()])[Cogging.name, joint][0]
     assert spacing == pytest.approx(n, abs=0.5)
     assert amplitude == pytest.approx(0.12, rel=0.2)
     assert abs(np.angle(np.exp(1j * (phase - 0.7)))) < 0.4
@@ -42,4 +43,4 @@ def test_a_joint_that_stands_still_shows_none() -> None:
     robot = nominal("one")
     still = seen(robot, lambda q, w: 0.0 * q)
     still = replace(still, qpos=0.0 * still.qpos, qvel=0.0 * still.qvel)
-    assert likely_waves(robot, [still]) == {}
+    assert likely_waves(robot, [still], [Cogging()]) == {}

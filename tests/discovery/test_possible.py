@@ -6,7 +6,7 @@ import pytest
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.possible import conceivable, possible, still_throughout
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.starts import Seen
+from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import catalogue
 from tests.discovery.planted import Plant, case_of, nominal
 
@@ -55,6 +55,6 @@ def test_cogging_of_which_less_than_half_a_wave_was_seen_is_not_conceivable(n, w
     place = "cogging", "shaft"
     hypothesis = claiming(robot, own, [place])
     fitted = Fit(hypothesis, hypothesis.with_values(place, (0.2, n, 0.0)), 1.0)
-    seen = Seen(np.array([-0.3]), np.array([0.4]), np.full(1, np.nan))
+    seen = Observed(np.array([-0.3]), np.array([0.4]), np.full(1, np.nan))
     assert conceivable(robot, fitted, seen) is wanted
     assert conceivable(robot, Fit(own, own.start(), 1.0), seen), "nothing is claimed"

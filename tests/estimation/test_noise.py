@@ -5,7 +5,8 @@ import pytest
 
 from estexp_jax.estimation.accuracy import nrmse
 from estexp_jax.estimation.channels import channel_ranges, channels_of
-from estexp_jax.estimation.noise import correlation_rows, noise_floor, noise_std_of
+from estexp_jax.estimation.noise import correlation_rows, noise_floor
+from estexp_jax.physics.reading_noise import noise_std_of
 
 
 def motion(time):

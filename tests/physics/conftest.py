@@ -17,7 +17,7 @@ from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.states import from_lanes, to_lanes
 from estexp_jax.lanes.step import Stepper
 from estexp_jax.physics.effects.changes import Values, neutral
-from estexp_jax.physics.effects.registry import ALL, PAPER, catalogue
+from estexp_jax.physics.effects.registry import catalogue, named, paper
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
@@ -133,7 +133,7 @@ def lab(request: pytest.FixtureRequest) -> Callable[[str], Lab]:
 
     @cache
     def one(name: str) -> Lab:
-        on = mjx_model(robot(name), ALL)
+        on = mjx_model(robot(name), named())
         if request.param == "mjx":
             return Lab(on)
         refused = lanes_refusal(on)
@@ -150,7 +150,7 @@ WALKER_ROWS = 60
 @pytest.fixture(scope="session", params=["mjx", "lanes"])
 def walkers(request: pytest.FixtureRequest) -> ClosedLoopSimulator:
     """The quadruped in closed loop with all that the paper breaks, in each engine."""
-    effects = catalogue([*PAPER, "neuron_fault", "tied_outputs"])
+    effects = catalogue([*(e.name for e in paper()), "neuron_fault", "tied_outputs"])
     return closed_loop_simulator(
         robot("quadruped"), effects, policy=RecurrentPolicy(), rows=WALKER_ROWS, control_step=0.01, engine=request.param
     )

@@ -3,9 +3,9 @@
 import pytest
 
 from estexp_jax.errors import InputError
+from estexp_jax.physics.effects.catalogue.gravity_tilt import STEEPEST
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import TILT
 from estexp_jax.recovery.situations import TABLE, situation
 
 EFFECTS = {
@@ -45,7 +45,7 @@ def test_other_failures_are_not_on_the_lost_leg(quadruped: Robot) -> None:
 
 
 def test_amounts_are_the_papers(quadruped: Robot) -> None:
-    assert situation(10, quadruped, 0) == (Change("gravity_tilt", None, {"angle": TILT}),)
+    assert situation(10, quadruped, 0) == (Change("gravity_tilt", None, {"angle": STEEPEST}),)
     (double,), (half,) = situation(2, quadruped, 4), situation(13, quadruped, 4)
     mass = {str(c.name): quadruped.model.body_mass[quadruped.index("body", str(c.name))] for c in (double, half)}
     assert double.parameters["dm"] == pytest.approx(mass[str(double.name)])

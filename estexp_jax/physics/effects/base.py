@@ -1,103 +1,40 @@
-"""What a hypothesis about reality is made of: effects, each acting at its own moment of a simulation.
+"""The stages of a simulation at which effects act, an abstract class each, and what their laws are given.
 
-An effect knows where it can act on a robot (its sites) and how strongly (its parameters). Its values on one robot are
-an array (n_sites, n_parameters); at `neutral` everywhere, the simulation is the nominal one. Populations are batches of
-such arrays: every subclass is written for one robot and batched outside with `jax.vmap`.
+Every subclass is written for one robot; populations are batches of values, mapped outside with `jax.vmap`.
 """
 
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, final
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import mujoco
 import numpy as np
 from mujoco import mjx
 
+from estexp_jax.physics.effects.effect import NEVER, Array, Arrays, Effect, Parameter, neutral_values
 from estexp_jax.physics.model.robot import Robot
 
-Array = Any
-"""An array over sites, or a number."""
-Arrays = tuple[Array, ...]
-
-NEVER = 1e6
-"""Neutral value of limits and the like: no robot gets there."""
-
-
-@final
-@dataclass(frozen=True)
-class Parameter:
-    """One number of an effect.
-
-    Attributes:
-        name: as in findings and on the command line.
-        unit: SI; empty for a ratio.
-        neutral: the value at which the effect is absent.
-        signed: whether both signs make sense.
-        refers: a kind of element, where the number is 1 + the index of one of these; 0 is none.
-    """
-
-    name: str
-    unit: str
-    neutral: float = 0.0
-    signed: bool = False
-    refers: str = ""
-
-
-class Effect(abc.ABC):
-    """A way in which a robot may differ from its simulator.
-
-    Class attributes:
-        name: as in findings.
-        kind: kind of element it acts on: joint, actuator, sensor, body, environment or controller.
-        side: plant, command or sensor.
-        parameters: its numbers, in the order of the value array's columns.
-        equation: what it does, as text.
-        in_mjcf: whether MJCF has a parameter for it.
-        named: whether it is told under its name; else it is an unknown law, and told by its equation.
-        source: where the law is described.
-    """
-
-    name: ClassVar[str]
-    kind: ClassVar[str]
-    side: ClassVar[str] = "plant"
-    parameters: ClassVar[tuple[Parameter, ...]]
-    equation: ClassVar[str]
-    in_mjcf: ClassVar[bool] = False
-    named: ClassVar[bool] = True
-    source: ClassVar[str] = ""
-    #: Parts of the model that must be there when MJX compiles it, or later values of them do nothing; see `mjx_model`.
-    arms: ClassVar[tuple[str, ...]] = ()
-    #: Flags of MJCF's options with any of which disabled it does nothing.
-    flags: ClassVar[tuple[str, ...]] = ()
-
-    @abc.abstractmethod
-    def sites(self, robot: Robot) -> tuple[str, ...]:
-        """Names of the elements it can act on; `("",)` for the environment; may be empty."""
-
-    @abc.abstractmethod
-    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        """Plausible (low, high) of each parameter at a site, in its unit."""
-
-    @abc.abstractmethod
-    def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        """What it says about the robot, in plain words with numbers."""
-
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        """The name under which it is reported at these values, and those of them that this name has."""
-        return self.name, values
-
-    def numbered(self, values: Mapping[str, float]) -> str:
-        """What it does, as text, with its numbers where it has no name to know it by."""
-        return self.equation
-
-    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Put the effect into a description, where MJCF has a place for it; `values` holds every parameter."""
-        raise NotImplementedError(f"{self.name} has no place in MJCF")
+__all__ = [
+    "NEVER",
+    "Array",
+    "Arrays",
+    "BodyForce",
+    "CommandLaw",
+    "CommandShift",
+    "Distortion",
+    "Edit",
+    "Effect",
+    "JointForce",
+    "JointState",
+    "Parameter",
+    "ReadingDrift",
+    "ReadingShift",
+    "Term",
+    "neutral_values",
+]
 
 
 class Edit(Effect):
@@ -161,15 +98,15 @@ class Term(Effect):
     #: Hidden variables of its own at each site.
     n_states: ClassVar[int] = 0
     #: Which of them is the torque of a motor that turns something else than the joint: sensors of the motor show it.
-    shows: ClassVar[int | None] = None
+    motor_torque_state: ClassVar[int | None] = None
 
     @abc.abstractmethod
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         """What happens in one step.
 
         Args:
             p: the parameters, one array each, in the order of `parameters`.
-            moment: the joints.
+            joint: the joints.
             state: the hidden variables, one array each.
 
         Returns:
@@ -191,7 +128,7 @@ class BodyForce(Effect):
     """Acts during each step, elementwise over bodies: where a body is -> a force on it."""
 
     @abc.abstractmethod
-    def pull(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    def force_on_body(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         """Force at the centre of mass, N, from the position of the centre of mass, m, both in world axes."""
 
 
@@ -269,8 +206,3 @@ class Distortion(Effect):
     @abc.abstractmethod
     def restore(self, robot: Robot, readings: Any, values: Any) -> Any:
         """The true readings of faulty ones: the inverse of `distort`, for arrays of numpy or JAX."""
-
-
-def neutral_values(effect: Effect, n_sites: int) -> list[list[float]]:
-    """Values (n_sites, n_parameters) at which an effect does nothing."""
-    return [[p.neutral for p in effect.parameters] for _ in range(n_sites)]

@@ -12,11 +12,11 @@ from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointStat
 
 
 def bristle_at_rest(q: Array) -> Arrays:
-    """The state of unbent bristles."""
+    """The state of relaxed bristles."""
     return jnp.zeros_like(q), q
 
 
-def bristle_friction(level: Array, way: Array, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+def bristle_friction(level: Array, way: Array, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
     """What bristles do for one step, and their state.
 
     Since the last step the joint moved by dq, over which the law has the exact solution
@@ -26,17 +26,17 @@ def bristle_friction(level: Array, way: Array, moment: JointState, state: Arrays
     Args:
         level: F_s, N m or N.
         way: x, rad or m.
-        moment: of the joint.
+        joint: of the joint.
         state: the force, and the position a step ago.
     """
-    (force, q_before), (w, dt) = state, (moment.w, moment.dt)
-    force = _bent(level, way, force, moment.q - q_before)
-    ahead = _bent(level, way, force, w * dt)
+    (force, q_before), (w, dt) = state, (joint.w, joint.dt)
+    force = _after_displacement(level, way, force, joint.q - q_before)
+    ahead = _after_displacement(level, way, force, w * dt)
     slope = dt / way * jnp.maximum(level - ahead * jnp.sign(w), 0.0)
-    return JointForce(force=slope * w - ahead, damping=slope), (force, moment.q)
+    return JointForce(force=slope * w - ahead, damping=slope), (force, joint.q)
 
 
-def _bent(level: Array, way: Array, force: Array, moved: Array) -> Array:
+def _after_displacement(level: Array, way: Array, force: Array, moved: Array) -> Array:
     """The force after a displacement in one direction."""
     end = level * jnp.sign(moved)
     return end + (force - end) * jnp.exp(-jnp.abs(moved) / way)

@@ -110,13 +110,20 @@ def parse_change(text: str, robot: Robot) -> Change:
         if not equals or key not in names:
             raise InputError(f"'{assignment}' is not a parameter of {name}", where=text, right=known(names))
         parameters[key] = _value(e, key, value, robot, text)
-    if not parameters and e.name == "part_lost":
-        parameters = {"lost": 1.0}
+    if not parameters:
+        parameters = fixed_values(e, robot, place)
     if not parameters:
         raise InputError(
             "no parameter is given", where=text, right=f"add one of {', '.join(n + '=...' for n in names)}"
         )
     return Change(name, place or None, parameters)
+
+
+def fixed_values(e: Effect, robot: Robot, site: str) -> dict[str, float]:
+    """Its parameters at a site where each can have but one value; else nothing."""
+    bounds = e.bounds(robot, site)
+    is_fixed = all(low == high for low, high in bounds)
+    return {p.name: low for p, (low, _) in zip(e.parameters, bounds, strict=True)} if is_fixed else {}
 
 
 def _value(e: Effect, key: str, value: str, robot: Robot, text: str) -> float:

@@ -25,8 +25,9 @@ from estexp_jax.physics.effects.base import (
     Term,
     neutral_values,
 )
-from estexp_jax.physics.effects.changes import Change, encode, neutral, parse_change
+from estexp_jax.physics.effects.changes import Change, encode, fixed_values, neutral, parse_change
 from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.effects.search_checks import guess_faults, relation_faults
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
 
@@ -43,10 +44,10 @@ def effect_faults(effect: Effect, robot: Robot | None = None) -> list[str]:
         effect: of the catalogue or registered; what it says of itself can be asked of any.
         robot: on which it is tried; None: only what it says of itself.
     """
-    found = list(_said(effect))
+    found = [*_said(effect)] or [*relation_faults(effect)]
     if found or robot is None:
         return found
-    for law in (_places, _ranges, _sentences, _carried, _neutral):
+    for law in (_places, _ranges, guess_faults, _sentences, _carried, _neutral):
         found = [f"{robot.source}: {fault}" for fault in _asked(law, effect, robot)]
         if found:
             return found
@@ -121,7 +122,7 @@ def _sentences(e: Effect, robot: Robot) -> Iterator[str]:
         said = e.sentence(site, middle_values(e, robot, site))
         if site not in said:
             yield f"says nothing of '{site}' in its sentence there"
-        if not any(c.isdigit() for c in said.replace(site, "")) and e.name != "part_lost":
+        if not any(c.isdigit() for c in said.replace(site, "")) and not fixed_values(e, robot, site):
             yield "says no number in its sentence"
         if "\n" in said or said.endswith("."):
             yield "says more than one clause: no line break, no full stop at the end"
@@ -161,8 +162,8 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             before = mjx.put_model(model)
             return before, e.edit(robot, before, values)
         case Term():
-            moment = sample_joint_state(n)
-            force, _ = e.act(p, moment, e.initial(p, moment.q, moment.w))
+            joint = sample_joint_state(n)
+            force, _ = e.act(p, joint, e.initial(p, joint.q, joint.w))
             nothing = JointForce()
             return jax.tree.map(lambda x: jnp.broadcast_to(x, n), (nothing, force))
         case Distortion():
@@ -182,9 +183,9 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             return line, e.act(p, line, 0.3 * line, 0.002, e.initial(p, line))[0]
         case BodyForce():
             nothing, place = jnp.zeros(n), jnp.ones(n)
-            return (nothing,) * 3, e.pull(p, (place, place, place))
+            return (nothing,) * 3, e.force_on_body(p, (place, place, place))
         case _:
-            raise TypeError("it is no Edit, Term, BodyPull, CommandLaw, CommandShift, ReadingShift or Distortion")
+            raise TypeError("it is no Edit, Term, BodyForce, CommandLaw, CommandShift, ReadingShift or Distortion")
 
 
 class SampleParameters(NamedTuple):

@@ -41,6 +41,6 @@ def add_spring(robot: Robot, spec: mujoco.MjSpec, joint: str, coefficients: Sequ
     wanted = before if any(there.stiffness) else rest
     order = np.lexsort([np.abs(balance.real - wanted), np.abs(balance.imag) > 1e-6 * np.maximum(np.abs(balance), 1.0)])
     middle = float(balance.real[order[0]])
-    about = total(Polynomial([middle, 1.0])).coef[1:4]
-    there.stiffness = [*about.tolist(), 0.0, 0.0][:3]
+    centred = total(Polynomial([middle, 1.0])).coef[1:4]
+    there.stiffness = [*centred.tolist(), 0.0, 0.0][:3]
     there.springref = middle / unit

@@ -14,7 +14,7 @@ _LEAST_INERTIA = 1e-7
 
 
 def rotor_step(
-    moment: JointState,
+    joint: JointState,
     r: Array,
     a: Array,
     h: Array,
@@ -27,7 +27,7 @@ def rotor_step(
     With T_r, T_a <= 0 the motor's slopes: (I - h T_a + h d + h^2 (k - T_r)) a' = I a + h (T - T_a a - k (r - q) + d w).
 
     Args:
-        moment: gives the motor's torque T.
+        joint: gives the motor's torque T.
         r: position of the rotor.
         a: its speed.
         h: length of the step, s.
@@ -40,17 +40,17 @@ def rotor_step(
     """
     (k, q), (d, w) = spring, damper
     inertia = jnp.maximum(inertia, _LEAST_INERTIA)
-    torque = moment.torque_at(r, a)
-    by_place = jnp.minimum(moment.torque_at(r + _NUDGE, a) - torque, 0.0) / _NUDGE
-    by_speed = jnp.minimum(moment.torque_at(r, a + _NUDGE) - torque, 0.0) / _NUDGE
+    torque = joint.torque_at(r, a)
+    by_place = jnp.minimum(joint.torque_at(r + _NUDGE, a) - torque, 0.0) / _NUDGE
+    by_speed = jnp.minimum(joint.torque_at(r, a + _NUDGE) - torque, 0.0) / _NUDGE
     drive = inertia * a + h * (torque - by_speed * a - k * (r - q) + d * w)
     after = drive / (inertia - h * by_speed + h * d + h**2 * (k - by_place))
     return r + h * after, after, by_speed
 
 
-def holding_force(moment: JointState) -> JointState:
-    """The same moment of a motor whose own loop sees the joint: where its rotor is does not change its torque."""
-    return moment._replace(torque_at=lambda r, a: moment.torque)
+def holding_force(joint: JointState) -> JointState:
+    """The same joint with a motor whose own loop sees the joint: where its rotor is does not change its torque."""
+    return joint._replace(torque_at=lambda r, a: joint.torque)
 
 
 def inertia_bounds(robot: Robot, site: str) -> tuple[float, float]:

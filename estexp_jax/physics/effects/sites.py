@@ -19,14 +19,14 @@ def scalar_joint_sites(robot: Robot) -> tuple[str, ...]:
     return tuple(names[i] for i in robot.scalar_joints)
 
 
-_TOLD_APART = 3
-"""Up to so many joints that all rub are told one by one."""
+_MOST_SINGLE = 3
+"""Up to so many joints with friction are reported one by one."""
 
 
 def friction_sites(robot: Robot) -> tuple[str, ...]:
     """`scalar_joint_sites`, and of many all of them alike: what is missing at one is mostly missing at each."""
     names, kinds = scalar_joint_sites(robot), set(robot.model.jnt_type[list(robot.scalar_joints)].tolist())
-    return with_all(names) if len(names) > _TOLD_APART and len(kinds) == 1 else names
+    return with_all(names) if len(names) > _MOST_SINGLE and len(kinds) == 1 else names
 
 
 def joints_at(robot: Robot, site: str) -> tuple[str, ...]:
@@ -100,6 +100,17 @@ def scalar_sensor_sites(robot: Robot) -> tuple[str, ...]:
 def scalar_sensor_columns(robot: Robot) -> np.ndarray:
     """Address in `sensordata` of each of `scalar_sensor_sites`."""
     return robot.model.sensor_adr[robot.model.sensor_dim == 1]
+
+
+def is_touch_sensor(robot: Robot, sensor: str) -> bool:
+    """Whether a sensor is MuJoCo's touch sensor."""
+    return int(robot.model.sensor_type[robot.index("sensor", sensor)]) == int(mujoco.mjtSensor.mjSENS_TOUCH)
+
+
+def smallest_of_joints(robot: Robot, values: np.ndarray, site: str) -> float:
+    """The smallest of values (nv,) at the joints that a site stands for."""
+    joints = [robot.index("joint", one) for one in joints_at(robot, site)]
+    return float(values[robot.model.jnt_dofadr[joints]].min())
 
 
 def lost_bodies(robot: Robot) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ def motor_readings(robot: Robot, catalogue: Catalogue) -> list[MotorReading]:
     model, found = robot.model, []
     on_joint = {a: robot.joint_of_actuator(a) for a in driven_actuators(robot)}
     for e in catalogue:
-        if not isinstance(e, Term) or e.shows is None:
+        if not isinstance(e, Term) or e.motor_torque_state is None:
             continue
         for row, dof in enumerate(e.dofs(robot)):
             joint = int(model.dof_jntid[dof])
@@ -43,5 +43,5 @@ def motor_readings(robot: Robot, catalogue: Catalogue) -> list[MotorReading]:
                 elif kind == int(mujoco.mjtSensor.mjSENS_JOINTACTFRC) and at == joint:
                     factor = 1.0
                 if factor:
-                    found.append(MotorReading(int(model.sensor_adr[sensor]), e.name, e.shows, row, factor))
+                    found.append(MotorReading(int(model.sensor_adr[sensor]), e.name, e.motor_torque_state, row, factor))
     return found

@@ -14,7 +14,7 @@ SUSPECTS: Mapping[str, tuple[str, str]] = {
         "no recording moves it both slowly and fast, so dry and viscous friction look alike",
         "record slow ramps and fast swings",
     ),
-    "backlash": (
+    "reversals": (
         "it hardly turns round, so backlash, hysteresis and a zero offset look alike",
         "record motions that reverse some ten times",
     ),
@@ -55,7 +55,7 @@ def sufficient_excitation(
         changes_quickly = bool(np.abs(command[ahead] - command).max() > _SUDDEN * float(np.ptp(command)) > 0.0)
     return {
         "friction_laws": bool(fast > _SPREAD * slow),
-        "backlash": signals.turns(values, max(0.05 * span, 4.0 * signals.encoder_step(values))) >= _REVERSALS,
+        "reversals": signals.turns(values, max(0.05 * span, 4.0 * signals.encoder_step(values))) >= _REVERSALS,
         "load": span >= _WIDE[kind],
         "delay": changes_quickly,
     }

@@ -14,20 +14,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import final
 
-import mujoco
-import numpy as np
-
-from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
-
-TILT = np.pi / 6
-"""Steepest slope, rad."""
-_BIAS, _SWING = 0.5, np.pi / 4
-"""Largest bias of an angle sensor, and largest angle at which one is stuck, rad."""
 
 _NO_DIGITS = 12
 """Decimals to which amounts are rounded, after sums and products of multiples of 0.01."""
@@ -49,19 +41,30 @@ class DamageSite:
     partner: int = 0
 
 
+def damage(name: str) -> Damage:
+    """The effect of a name, as a damage.
+
+    Raises:
+        ValueError: it is none of the modifications.
+    """
+    found = effect(name)
+    if not isinstance(found, Damage):
+        raise ValueError(f"'{name}' is none of the modifications")
+    return found
+
+
 def damage_sites(robot: Robot, name: str) -> tuple[DamageSite, ...]:
     """The sites of an effect that influence the controller's readings; of sensors, only those that it reads."""
-    definition = effect(name)
-    sites = definition.sites(robot)
-    if definition.kind == "sensor":
-        inputs = interface_of(robot).names
-        sites = tuple(site for site in sites if site in inputs)
-    if name == "tied_outputs":
-        motors = range(1, len(sites) + 1)
-        return tuple(DamageSite(name, site, p) for i, site in enumerate(sites, start=1) for p in motors if p != i)
-    if name == "sensor_bias":  # what is off by a constant has a scale; touch has none
-        sites = tuple(site for site in sites if not _is_touch(robot, site))
-    return tuple(DamageSite(name, site or None) for site in sites if site != ALL_ALIKE)
+    modification = damage(name)
+    is_sensor = modification.kind == "sensor"
+    inputs = interface_of(robot).names if is_sensor else ()
+    sites = [site for site in modification.sites(robot) if not is_sensor or site in inputs]
+    refers = next((p.refers for p in modification.parameters if p.refers), "")
+    if refers:
+        others = list(enumerate(robot.names(refers), start=1))
+        return tuple(DamageSite(name, site, i) for site in sites for i, other in others if other != site)
+    sites = [site for site in sites if site != ALL_ALIKE and modification.damages(robot, site)]
+    return tuple(DamageSite(name, site or None) for site in sites)
 
 
 def change_of(robot: Robot, place: DamageSite, amount: float) -> Change:
@@ -70,31 +73,7 @@ def change_of(robot: Robot, place: DamageSite, amount: float) -> Change:
     Raises:
         ValueError: the effect is none of the modifications.
     """
-    match place.effect:
-        case "part_lost":
-            parameters = {"lost": 1.0}
-        case "body_mass":
-            parameters = {"dm": amount * float(robot.model.body_mass[robot.index("body", place.name or "")])}
-        case "motor_weakness":
-            parameters = {"loss": amount}
-        case "sensor_gain":
-            parameters = {"gain": 1.0 - amount}
-        case "joint_jam":
-            parameters = {"f": amount}
-        case "gravity_tilt":
-            parameters = {"angle": amount * TILT}
-        case "neuron_fault":
-            parameters = {"gain": 1.0 - amount}
-        case "tied_outputs":
-            parameters = {"with": float(place.partner)}
-        case "sensor_bias":
-            parameters = {"bias": amount * _BIAS}
-        case "sensor_stuck":
-            parameters = {"value": amount * (1.0 if _is_touch(robot, place.name or "") else _SWING)}
-        case "ground_friction":
-            parameters = {"mu": (1.0 - amount) * float(robot.model.geom_friction[:, 0].max())}
-        case _:
-            raise ValueError(f"'{place.effect}' is none of the modifications")
+    parameters = damage(place.effect).at_amount(robot, place.name or "", amount, place.partner)
     return Change(place.effect, place.name, parameters)
 
 
@@ -106,22 +85,19 @@ def canonical_damage(robot: Robot, items: Iterable[tuple[DamageSite, float]]) ->
     """
     amounts: dict[DamageSite, float] = {}
     for place, amount in items:
-        amounts[place] = _combine(place.effect, amounts[place], amount) if place in amounts else amount
-    lost = [robot.index("body", p.name or "") for p in amounts if p.effect == "part_lost"]
+        amounts[place] = damage(place.effect).combine(amounts[place], amount) if place in amounts else amount
+    lost = [robot.index("body", p.name or "") for p in amounts if effect(p.effect).removes_part]
     gone = {body for part in lost for body in robot.subtree(part) if body != part}
     parts = gone | set(lost)
     kept = {
         p: round(a, _NO_DIGITS)
         for p, a in amounts.items()
-        if not _is_on(robot, p, gone if p.effect == "part_lost" else parts) and (a != 0.0 or p.effect in _AMOUNT_FREE)
+        if not _is_on(robot, p, gone if effect(p.effect).removes_part else parts)
+        and (a != 0.0 or damage(p.effect).acts_at_zero)
     }
     # A motor can repeat one other only: of several, the first is kept.
     once = {(p.effect, p.name): (p, a) for p, a in sorted(kept.items(), key=_order, reverse=True)}
     return tuple(sorted(once.values(), key=_order))
-
-
-_AMOUNT_FREE = ("part_lost", "sensor_stuck")
-"""Effects that act even if the amount is 0."""
 
 
 def _order(item: tuple[DamageSite, float]) -> tuple[str, str, int]:
@@ -129,27 +105,9 @@ def _order(item: tuple[DamageSite, float]) -> tuple[str, str, int]:
     return place.effect, place.name or "", place.partner
 
 
-def _is_touch(robot: Robot, sensor: str) -> bool:
-    return int(robot.model.sensor_type[robot.index("sensor", sensor)]) == int(mujoco.mjtSensor.mjSENS_TOUCH)
-
-
-def _combine(name: str, a: float, b: float) -> float:
-    match name:
-        case "motor_weakness" | "sensor_gain":
-            return 1.0 - (1.0 - a) * (1.0 - b)
-        case "joint_jam" | "part_lost" | "tied_outputs" | "ground_friction" | "neuron_fault":
-            return max(a, b)
-        case "sensor_stuck":
-            return a
-        case "gravity_tilt":
-            return float(np.clip(a + b, -1.0, 1.0))
-        case _:
-            return a + b
-
-
 def _is_on(robot: Robot, place: DamageSite, bodies: set[int]) -> bool:
     """Whether a site belongs to one of the bodies."""
-    definition: Effect = effect(place.effect)
+    definition = effect(place.effect)
     model, name = robot.model, place.name or ""
     match definition.kind:
         case "body":

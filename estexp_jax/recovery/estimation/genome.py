@@ -15,7 +15,7 @@ from typing import final
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.registry import PAPER
+from estexp_jax.physics.effects.registry import paper
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.estimation.edits import DamageSite, canonical_damage, change_of, damage_sites
 
@@ -36,16 +36,18 @@ class GenomeDecoder:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._places = tuple(damage_sites(robot, name) for name in PAPER)
+        self._kinds = paper()
+        self._places = tuple(damage_sites(robot, kind.name) for kind in self._kinds)
 
     def items(self, genome: np.ndarray) -> DamageHypothesis:
         """The damage of a genome (16,): sorted, each site once, nothing without effect."""
         found = []
         for active, kind, where, much in np.asarray(genome, float).reshape(GENES, VALUES):
-            choices = self._places[_rounded(kind, len(PAPER))]
+            which = _rounded(kind, len(self._kinds))
+            choices = self._places[which]
             if _rounded(active, 2) == 1 and choices:
                 place = choices[_rounded(where, len(choices))]
-                found.append((place, _amount(place.effect, much)))
+                found.append((place, self._kinds[which].amount_of_gene(much)))
         return canonical_damage(self._robot, found)
 
     def changes(self, genome: np.ndarray) -> tuple[Change, ...]:
@@ -56,16 +58,6 @@ class GenomeDecoder:
 def _rounded(value: float, n: int) -> int:
     """[-1, 1] scaled to [0, n - 1], rounded half up."""
     return int(np.floor((value + 1.0) / 2.0 * (n - 1) + 0.5))
-
-
-def _amount(name: str, value: float) -> float:
-    match name:
-        case "part_lost":
-            return 1.0
-        case "gravity_tilt":
-            return float(value)
-        case _:
-            return float((value + 1.0) / 2.0)
 
 
 def hypothesis_key(items: Sequence[tuple[DamageSite, float]]) -> str:

@@ -9,32 +9,13 @@ from __future__ import annotations
 
 from typing import NamedTuple, final
 
-from estexp_jax.physics.effects.registry import PAPER
+from estexp_jax.physics.effects.damage import Damage
+from estexp_jax.physics.effects.registry import damages, paper
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Catalogue
-from estexp_jax.recovery.estimation.edits import DamageSite, canonical_damage, damage_sites
+from estexp_jax.recovery.estimation.edits import DamageSite, canonical_damage, damage, damage_sites
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
 from estexp_jax.search.set_moves import Option, OptionSet
-
-EXTENDED = ("neuron_fault", "tied_outputs", "sensor_bias", "sensor_stuck", "ground_friction")
-"""What the full catalogue adds to the paper's."""
-
-_SHARE = Option(0.0, 1.0, (0.2, 0.4, 0.7, 1.0))
-_OPTIONS: dict[str, Option] = {
-    "part_lost": Option(1.0, 1.0, (1.0,)),
-    "body_mass": Option(-0.9, 1.0, (-0.6, -0.3, 0.4, 0.7, 1.0)),
-    "motor_weakness": _SHARE,
-    "sensor_gain": _SHARE,
-    "joint_jam": _SHARE,
-    "gravity_tilt": Option(-1.0, 1.0, (-1.0, -0.67, -0.33, 0.33, 0.67, 1.0)),
-    "neuron_fault": _SHARE,
-    "tied_outputs": Option(1.0, 1.0, (1.0,)),
-    "sensor_bias": Option(-1.0, 1.0, (-0.8, -0.4, -0.15, 0.15, 0.4, 0.8)),
-    "sensor_stuck": Option(-1.0, 1.0, (-1.0, -0.6, -0.2, 0.2, 0.6, 1.0)),
-    "ground_friction": Option(0.0, 0.95, (0.3, 0.5, 0.7, 0.85)),
-}
-"""Range of each modification's amount, and the amounts tried first."""
-_GROWING = Option(0.0, 1.0, (0.4, 0.7, 1.0))
 
 
 @final
@@ -52,7 +33,11 @@ class DamageOptions(NamedTuple):
 
 def damage_options(robot: Robot, catalogue: Catalogue) -> DamageOptions:
     """The candidate differences from a robot's nominal model."""
-    names = PAPER if catalogue == "paper" else (*PAPER, *EXTENDED)
-    found = tuple(place for name in names for place in damage_sites(robot, name))
-    options = {**_OPTIONS, "body_mass": _GROWING} if catalogue == "paper" else _OPTIONS
-    return DamageOptions(robot, found, tuple(options[place.effect] for place in found))
+    is_paper = catalogue == "paper"
+    found = tuple(place for e in (paper() if is_paper else damages()) for place in damage_sites(robot, e.name))
+    return DamageOptions(robot, found, tuple(_option(damage(place.effect), is_paper) for place in found))
+
+
+def _option(modification: Damage, is_paper: bool) -> Option:
+    narrower = modification.paper_amounts if is_paper else None
+    return Option(*(narrower or modification.amounts))

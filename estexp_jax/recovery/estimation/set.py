@@ -12,7 +12,7 @@ from typing import Any, final
 
 import numpy as np
 
-from estexp_jax.physics.effects.registry import PAPER
+from estexp_jax.physics.effects.registry import effect, paper
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, IterationSummary
 from estexp_jax.recovery.estimation.options import damage_options
@@ -40,12 +40,13 @@ class SetEstimation(Estimation):
     def __init__(self, simulator: DamageSimulator, settings: Settings) -> None:
         self._menu = damage_options(simulator.robot, settings.catalogue)
         options = self._menu.options
-        inside = sum(place.effect in PAPER for place in self._menu.places)  # they come first
-        lost = tuple(i for i, place in enumerate(self._menu.places) if place.effect == "part_lost")
+        names = [modification.name for modification in paper()]
+        inside = sum(place.effect in names for place in self._menu.places)  # they come first
+        lost = tuple(i for i, place in enumerate(self._menu.places) if effect(place.effect).removes_part)
         single = SetSearch(options, max_size=1, **_EXACT)
-        paper = SetSearch(options[:inside], always_grown=lost, **_EXACT)
+        simple = SetSearch(options[:inside], always_grown=lost, **_EXACT)
         everything = SetSearch(options, always_grown=lost, **_EXACT)
-        self._stages = (single, paper) if inside == len(options) else (single, paper, everything)
+        self._stages = (single, simple) if inside == len(options) else (single, simple, everything)
 
     def begin(self, seeds: Sequence[Any]) -> dict[str, Any]:
         """See `Estimation`."""

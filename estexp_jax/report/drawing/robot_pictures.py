@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
 MARK = (0.9, 0.35, 0.1)
@@ -47,9 +48,9 @@ def colours(robot: Robot, changes: Sequence[Change] = ()) -> np.ndarray:
         body = part_at(robot, change.kind, change.name)
         if body is None:
             continue
-        lost = change.effect == "part_lost"
-        geoms = np.isin(model.geom_bodyid, robot.subtree(body) if lost else (body,))
-        if lost:
+        gone = effect(change.effect).removes_part
+        geoms = np.isin(model.geom_bodyid, robot.subtree(body) if gone else (body,))
+        if gone:
             rgba[geoms] = 0.0
         else:
             rgba[geoms, :3] = MARK

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estexp_jax.discovery.starts import RUNGS
+from estexp_jax.physics.effects.registry import every
 from experiments.benchmark.generator.case import Plan, Planted
 from experiments.benchmark.generator.catalogue import CATALOGUE, OTHERS, SINGLE, places
 
@@ -47,10 +47,11 @@ def left_out(plan: Plan) -> tuple[str, ...]:
     [planted] = plan.planted
     if planted.effect in OTHERS:
         return ()
+    rungs = [(e.name, e.nested_in) for e in every() if e.nested_in]
     ladder, before = {planted.effect}, set[str]()
     while ladder != before:
         before = set(ladder)
-        ladder |= {end for rung in RUNGS.items() if ladder.intersection(rung) for end in rung}
+        ladder |= {end for rung in rungs if ladder.intersection(rung) for end in rung}
     ladder |= _DAMPING if planted.effect in _DAMPING else set()
     return tuple(sorted(ladder | _TURNED if planted.effect == "joint_offset" else ladder))
 

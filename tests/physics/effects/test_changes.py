@@ -6,7 +6,7 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, encode, neutral, parse_change, stack
-from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
+from estexp_jax.physics.effects.registry import catalogue, effect, paper
 from estexp_jax.physics.model.robot import Robot
 from tests.physics.robots import robot
 
@@ -69,7 +69,7 @@ def test_a_lost_part_needs_no_number_and_a_tie_takes_a_name() -> None:
 
 
 def test_changes_at_one_place_add_up() -> None:
-    quadruped, effects = robot("quadruped"), catalogue([*PAPER])
+    quadruped, effects = robot("quadruped"), paper()
     texts = ("body_mass@torso dm=1", "body_mass@torso dm=-0.25", "sensor_gain@angle_f gain=0.8")
     values = encode(quadruped, effects, [parse_change(t, quadruped) for t in texts])
     names = effect("body_mass").sites(quadruped)
@@ -87,6 +87,6 @@ def test_encoding_refuses_what_the_catalogue_lacks() -> None:
 
 
 def test_a_stack_has_the_robots_first() -> None:
-    values = stack([neutral(robot("quadruped"), catalogue(PAPER))] * 3)
+    values = stack([neutral(robot("quadruped"), paper())] * 3)
     assert {v.shape[0] for v in values.values()} == {3}
     assert {v.dtype for v in values.values()} == {np.dtype(np.float32)}

@@ -32,13 +32,13 @@ class _Drag(Term):
     def sentence(self, site, values):
         return f"the joint {site} is slowed by {values['c']} N m at 1 rad/s"
 
-    def act(self, p, moment, state):
-        return JointForce(damping=p[0] * moment.w**2), state
+    def act(self, p, joint, state):
+        return JointForce(damping=p[0] * joint.w**2), state
 
 
 @pytest.fixture(autouse=True)
 def _none_yet(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "_OWN", {})
+    monkeypatch.setattr(registry, "_EFFECTS", dict(registry._EFFECTS))
 
 
 def _spoilt(**members: Any) -> Effect:
@@ -52,6 +52,22 @@ def test_what_is_registered_is_known_everywhere() -> None:
     assert values.sum() == pytest.approx(0.3)
     again = ee.register(_Drag(), [LEG])
     assert registry.own() == (again,)
+
+
+def test_a_class_is_registered_by_a_decorator() -> None:
+    @ee.register(robots=[LEG])
+    class Mine(_Drag):
+        name = "mine"
+
+    assert isinstance(Mine, type) and isinstance(registry.effect("mine"), Mine)
+    assert registry.named()[-1].name == "mine", "after the catalogue"
+
+
+def test_one_that_is_refused_leaves_the_earlier_one() -> None:
+    drag = ee.register(_Drag(), [LEG])
+    with pytest.raises(InputError, match="cannot be present"):
+        ee.register(_spoilt(bounds=lambda self, robot, site: ((0.0, 0.0),)), [LEG])
+    assert registry.own() == (drag,)
 
 
 SPOILT = {
@@ -70,6 +86,18 @@ SPOILT = {
     "says nothing of": {"sentence": lambda self, site, values: f"drag of {values['c']}"},
     "says no number": {"sentence": lambda self, site, values: f"drag at {site}"},
     "more than one clause": {"sentence": lambda self, site, values: f"{site} drags {values['c']}."},
+    "names 'rust' in nested_in, which is no other effect": {"nested_in": "rust"},
+    "names 'my_drag' in variant_of, which is no other effect": {"variant_of": "my_drag"},
+    "starts a search at 'hip' from \\(\\); a finite number": {"initial_guesses": lambda self, robot, site, o: [()]},
+    "starts a search at 'hip' from its neutral": {"initial_guesses": lambda self, robot, site, o: [(0.0,)]},
+    "starts from 'viscous_friction' at 'hip' from": {
+        "nested_in": "viscous_friction",
+        "from_simpler": lambda self, simpler, bounds: [(float("nan"),)],
+    },
+    "gives 'viscous_friction' at 'hip' to start": {
+        "nested_in": "viscous_friction",
+        "to_simpler": lambda self, values: [(1.0, 2.0)],
+    },
     "changes something at its neutral values": {"act": lambda self, p, m, s: (JointForce(force=p[0] + 1.0), s)},
     "cannot be used: TypeError": {"act": lambda self, p, m: JointForce()},
     "cannot be used: KeyError": {"sentence": lambda self, site, values: f"{site} {values['d']}"},

@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from estexp_jax.physics.effects.base import NEVER, JointState
-from estexp_jax.physics.effects.catalogue.backlash import RotorBacklash
 from estexp_jax.physics.effects.catalogue.hysteresis import Hysteresis
 from estexp_jax.physics.effects.catalogue.load_bristles import LoadBristles
 from estexp_jax.physics.effects.catalogue.motor_fade import MotorFade
@@ -15,10 +14,12 @@ from estexp_jax.physics.effects.catalogue.motor_heat import MotorHeat
 from estexp_jax.physics.effects.catalogue.outer_backlash import OuterBacklash
 from estexp_jax.physics.effects.catalogue.part_stub import PartStub
 from estexp_jax.physics.effects.catalogue.rebound_limit import ReboundLimit
-from estexp_jax.physics.effects.catalogue.servo_damping import ServoDamping, servo_damping
+from estexp_jax.physics.effects.catalogue.rotor_backlash import RotorBacklash
+from estexp_jax.physics.effects.catalogue.servo_damping import ServoDamping
 from estexp_jax.physics.effects.catalogue.stribeck_bristles import StribeckBristles
 from estexp_jax.physics.effects.catalogue.stribeck_friction import StribeckFriction
-from estexp_jax.physics.effects.registry import ALL, VARIANTS, effect
+from estexp_jax.physics.effects.registry import effect, named, variants
+from estexp_jax.physics.effects.servos import servo_damping
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.model.robot import Robot
 
@@ -34,24 +35,23 @@ SERVO = """
 """
 
 
-@pytest.mark.parametrize("variant", VARIANTS, ids=lambda e: e.name)
+@pytest.mark.parametrize("variant", variants(), ids=lambda e: e.name)
 def test_a_variant_is_told_under_a_name_and_with_values_of_the_catalogue(variant):
     values = {p.name: 0.3 for p in variant.parameters}
-    name, told = variant.told(values)
-    assert name in {e.name for e in ALL}
+    name, told = variant.reported_as(values)
+    assert name in {e.name for e in named()}
     assert set(told) == {p.name for p in effect(name).parameters}
     assert effect(variant.name) is variant
 
 
 def test_bristles_that_give_by_a_millimetre_are_told_as_coulomb_friction():
-    assert Hysteresis().told({"T": 0.2, "sigma": 130.0}) == ("coulomb_friction", {"T": 0.2})
-    assert Hysteresis().told({"T": 0.2, "sigma": 2.0})[0] == "hysteresis"
+    assert Hysteresis().reported_as({"T": 0.2, "sigma": 130.0}) == ("coulomb_friction", {"T": 0.2})
+    assert Hysteresis().reported_as({"T": 0.2, "sigma": 2.0})[0] == "hysteresis"
     levels = {"T": 0.2, "S": 0.003, "w_s": 0.3}
     for form, more in ((StribeckFriction(), {}), (StribeckBristles(), {"x": 1e-3})):
-        assert form.told(levels | more) == ("coulomb_friction", {"T": 0.2})
-        assert (
-            form.told(levels | more | {"S": 0.02})[0] == form.told(levels | more | {"T": 0.0})[0] == "stribeck_friction"
-        )
+        assert form.reported_as(levels | more) == ("coulomb_friction", {"T": 0.2})
+        for nearly in ({"S": 0.02}, {"T": 0.0}):
+            assert form.reported_as(levels | more | nearly)[0] == "stribeck_friction"
 
 
 def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
@@ -59,8 +59,8 @@ def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
     q, one = jnp.zeros(1), jnp.ones(1)
     state, left = term.initial(p, q, q), 0.0
     for _ in range(round(seconds / dt)):
-        moment = JointState(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *IDLE)
-        does, state = term.act(p, moment, state)
+        joint = JointState(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *IDLE)
+        does, state = term.act(p, joint, state)
         left = float((does.force - does.damping * speed)[0])
         q = q + dt * speed
     return left
@@ -107,8 +107,8 @@ def test_a_rotor_rebounds_from_the_end_of_its_play_and_passes_on_its_momentum(e)
     p = (one * 0.05, one * inertia, one * e)
     state, passed = (zero, one * 1.0, zero, zero), 0.0  # in the middle of its play, at 1 rad/s; the joint is held
     for _ in range(80):
-        moment = JointState(zero, zero, zero, one, one * dt, one * 0.003, one, lambda q, w: zero, *IDLE)
-        does, state = RotorBacklash().act(p, moment, state)
+        joint = JointState(zero, zero, zero, one, one * dt, one * 0.003, one, lambda q, w: zero, *IDLE)
+        does, state = RotorBacklash().act(p, joint, state)
         passed += float(does.force[0]) * dt
     x, speed, *_ = (float(s[0]) for s in state)
     assert passed == pytest.approx(inertia * (1.0 + e), rel=0.01)
@@ -128,8 +128,8 @@ def hunting(dt, seconds=0.4):
 
     for n in range(round(seconds / dt)):
         torque = servo(q, w)
-        moment = JointState(q, w, torque, one, one * dt, one, one * armature, servo, *IDLE)
-        does, state = term.act(p, moment, state)
+        joint = JointState(q, w, torque, one, one * dt, one, one * armature, servo, *IDLE)
+        does, state = term.act(p, joint, state)
         inertia = armature + rest + does.inertia
         w = (inertia * w + dt * (does.force + does.motor * torque)) / (inertia + dt * does.damping)
         q = q + dt * w

@@ -10,7 +10,7 @@ import pytest
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Change, Values, encode, neutral, parse_change, stack
-from estexp_jax.physics.effects.registry import PAPER, catalogue, effect
+from estexp_jax.physics.effects.registry import catalogue, effect, paper
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, ReadingOverride, replace_readings
 from estexp_jax.recovery.control.network import RecurrentPolicy
@@ -198,9 +198,9 @@ def test_what_it_refuses(walkers: ClosedLoopSimulator) -> None:
             walkers.settle(values, steps)
     short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     with pytest.raises(ValueError, match="command_delay"):
-        closed_loop_simulator(robot("quadruped"), catalogue([*PAPER, "command_delay"]), **short)
+        closed_loop_simulator(robot("quadruped"), catalogue([*(e.name for e in paper()), "command_delay"]), **short)
     with pytest.raises(InputError, match=MUTE):
-        closed_loop_simulator(robot(MUTE), catalogue(PAPER), **short)
+        closed_loop_simulator(robot(MUTE), paper(), **short)
 
 
 def test_networks_that_hear_their_own_readings_walk_as_before(walkers: ClosedLoopSimulator) -> None:

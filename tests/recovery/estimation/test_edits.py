@@ -3,7 +3,7 @@
 import numpy as np
 
 from estexp_jax.physics.effects.changes import encode, neutral
-from estexp_jax.physics.effects.registry import PAPER, catalogue
+from estexp_jax.physics.effects.registry import paper
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.estimation.edits import DamageSite, canonical_damage, change_of, damage_sites
 
@@ -27,8 +27,8 @@ def test_what_sits_on_a_lost_part_is_dropped_but_its_sensors(quadruped: Robot) -
 
 
 def test_every_place_takes_every_amount(quadruped: Robot) -> None:
-    effects = catalogue(PAPER)
-    for name in PAPER:
+    effects = paper()
+    for name in (e.name for e in paper()):
         for place in damage_sites(quadruped, name):
             values = encode(quadruped, effects, [change_of(quadruped, place, 0.5)])
             nominal = neutral(quadruped, effects)

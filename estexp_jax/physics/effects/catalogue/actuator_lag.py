@@ -8,10 +8,13 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, CommandLaw, Parameter
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
+@register
 @final
 class ActuatorLag(CommandLaw):
     """tau du/dt = command - u; the motor obeys u, its mean over the step."""
@@ -23,6 +26,7 @@ class ActuatorLag(CommandLaw):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: actuator/dyntype filterexact"
     n_states: ClassVar[int] = 1
+    nested_in: ClassVar[str] = "command_delay"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return actuator_sites(robot)
@@ -32,6 +36,9 @@ class ActuatorLag(CommandLaw):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site} follows its commands with a lag of {1000 * values['tau']:.3g} ms"
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(values["tau"],)]
 
     def act(self, p: Arrays, command: Array, idle: Array, dt: Array, state: Arrays) -> tuple[Array, Arrays]:
         (tau,), (u,) = p, state

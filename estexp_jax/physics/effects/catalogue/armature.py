@@ -8,11 +8,13 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites
+from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites, smallest_of_joints
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
+@register
 @final
 class Armature(Edit):
     """tau = -I dw/dt: inertia I added to the joint's own armature."""
@@ -24,6 +26,7 @@ class Armature(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/armature"
     stales_inertia: ClassVar[bool] = True
+    model_attribute: ClassVar[tuple[str, str] | None] = ("joint", "armature")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -33,6 +36,9 @@ class Armature(Edit):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} carries {values['I']:.3g} kg m2 of rotor inertia that the model lacks"
+
+    def nominal_value(self, robot: Robot, site: str) -> float:
+        return smallest_of_joints(robot, robot.model.dof_armature, site)
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         return model.replace(dof_armature=model.dof_armature.at[joint_dofs(robot)].add(values[:, 0]))

@@ -1,14 +1,19 @@
 """Back-EMF: a motor brakes in proportion to its speed, as long as it is on."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, final
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.friction import friction_advice
+from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.servos import servo_damping_at
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
 
 
+@register
 @final
 class BackEmf(Term):
     """tau = -k w while the motor is on; integrated implicitly, as joint damping.
@@ -22,6 +27,7 @@ class BackEmf(Term):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("k", "N m s/rad"),)
     equation: ClassVar[str] = "tau = -k w while the motor is on"
     source: ClassVar[str] = "DC motor: k = k_t k_e / R"
+    alike_while_on: ClassVar[str] = "viscous_friction"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return actuator_sites(robot)
@@ -32,6 +38,12 @@ class BackEmf(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site}, while it is on, brakes with {values['k']:.3g} N m for each rad/s of speed"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def nominal_value(self, robot: Robot, site: str) -> float:
+        return servo_damping_at(robot, site)
+
+    def advice(self, recordings: Sequence[Recording]) -> tuple[str, ...]:
+        return friction_advice(recordings)
+
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (k,) = p
-        return JointForce(damping=k * moment.on), state
+        return JointForce(damping=k * joint.on), state

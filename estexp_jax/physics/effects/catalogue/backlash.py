@@ -6,7 +6,8 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
-from estexp_jax.physics.effects.rotor import inertia_bounds, rotor_step
+from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.rotor import rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.model.robot import Robot
 
@@ -15,7 +16,7 @@ _FREE = 1e-4
 """Of the play: so far from its end is a rotor that rebounds."""
 
 
-class _Backlash(Term):
+class Play(Term):
     """The rotor turns freely within |x| < half_gap, x = its angle less the joint's; at either end it pushes the joint.
 
     Its inertia is the joint's armature, or part of it, which the joint has only while they touch; where they meet, the
@@ -29,7 +30,7 @@ class _Backlash(Term):
     equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     n_states: ClassVar[int] = 4
-    shows: ClassVar[int | None] = 2
+    motor_torque_state: ClassVar[int | None] = 2
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return driven_joint_sites(robot)
@@ -40,9 +41,9 @@ class _Backlash(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"between the joint {site} and its motor there is a play of {values['half_gap']:.3g} rad to either side"
 
-    def rotor(self, p: Arrays, moment: JointState) -> Array:
+    def rotor(self, p: Arrays, joint: JointState) -> Array:
         """The rotor's inertia, kg m2."""
-        return moment.armature
+        return joint.armature
 
     def restitution(self, p: Arrays) -> Array:
         """Share of the speed at which they meet that the rotor leaves the joint with."""
@@ -51,66 +52,44 @@ class _Backlash(Term):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return jnp.zeros_like(q), w, jnp.zeros_like(q), jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         gap = p[0]
         x, a, _, thrown = state
         bounces = thrown != 0.0
-        x, a = x * (1.0 - _FREE * bounces), a + bounces * (moment.w + thrown - a)
-        q, w, inertia, h = moment.q, moment.w, self.rotor(p, moment), moment.dt / _SUBSTEPS
-        thrown = push = braking = apart = shown = jnp.zeros_like(q)
+        x, a = x * (1.0 - _FREE * bounces), a + bounces * (joint.w + thrown - a)
+        q, w, inertia, h = joint.q, joint.w, self.rotor(p, joint), joint.dt / _SUBSTEPS
+        thrown = push = braking = separated = motor_torque = jnp.zeros_like(q)
         for _ in range(_SUBSTEPS):
             q = q + h * w
             touched = jnp.abs(x) >= gap
-            _, a, slope = rotor_step(moment, q + x, jnp.where(touched, w, a), h, inertia)
+            _, a, slope = rotor_step(joint, q + x, jnp.where(touched, w, a), h, inertia)
             x = x + h * (a - w)
             touches = jnp.abs(x) >= gap
             x = jnp.clip(x, -gap, gap)
-            torque = moment.torque_at(q + x, w)
-            shown = shown + torque / _SUBSTEPS
+            torque = joint.torque_at(q + x, w)
+            motor_torque = motor_torque + torque / _SUBSTEPS
             stays = (touched & touches & (torque * x >= 0.0)) / _SUBSTEPS
             hits, back = touches & ~touched, self.restitution(p) * (a - w)
             # A flight shorter than a step is none.
-            back = back * (hits & (2.0 * inertia * jnp.abs(back) > jnp.abs(torque) * moment.dt))
+            back = back * (hits & (2.0 * inertia * jnp.abs(back) > jnp.abs(torque) * joint.dt))
             thrown = thrown - back
-            push = push + stays * torque + hits * inertia * (a - w + back) / moment.dt
+            push = push + stays * torque + hits * inertia * (a - w + back) / joint.dt
             braking = braking - stays * slope
-            apart = apart + ~(touched | touches) / _SUBSTEPS
+            separated = separated + ~(touched | touches) / _SUBSTEPS
             a = jnp.where(touches, w, a)
-        has_play, lost = gap > 0.0, jnp.minimum(inertia, moment.armature)
+        has_play, lost = gap > 0.0, jnp.minimum(inertia, joint.armature)
         does = JointForce(
             force=jnp.where(has_play, push + braking * w, 0.0),
             damping=jnp.where(has_play, braking, 0.0),
-            inertia=jnp.where(has_play, inertia * (apart != 1.0) - lost, 0.0),
+            inertia=jnp.where(has_play, inertia * (separated != 1.0) - lost, 0.0),
             motor=jnp.where(has_play, 0.0, 1.0),
         )
-        return does, (x, a, jnp.where(has_play, shown, 0.0), thrown)
+        return does, (x, a, jnp.where(has_play, motor_torque, 0.0), thrown)
 
 
+@register
 @final
-class Backlash(_Backlash):
+class Backlash(Play):
     """With a rotor that has the joint's armature, and does not rebound."""
 
     name: ClassVar[str] = "backlash"
-
-
-@final
-class RotorBacklash(_Backlash):
-    """With a rotor that rebounds, as steel on steel does, and is but part of the joint's armature; told as backlash.
-
-    Where the model gives the joint no armature, the rotor has an inertia of its own.
-    """
-
-    name: ClassVar[str] = "rotor_backlash"
-    parameters: ClassVar[tuple[Parameter, ...]] = (*_Backlash.parameters, Parameter("I", "kg m2"), Parameter("e", ""))
-
-    def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return *super().bounds(robot, site), inertia_bounds(robot, site), (0.0, 0.7)
-
-    def rotor(self, p: Arrays, moment: JointState) -> Array:
-        return p[1]
-
-    def restitution(self, p: Arrays) -> Array:
-        return p[2]
-
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return "backlash", {"half_gap": values["half_gap"]}

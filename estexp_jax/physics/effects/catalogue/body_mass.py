@@ -10,13 +10,16 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.damage import Amounts, Damage, ModelError
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.model.spec import set_masses
 
 
+@register
 @final
-class BodyMass(Edit):
+class BodyMass(Edit, Damage, ModelError):
     """mass = nominal + dm, inertia scaled with the mass about the unchanged centre."""
 
     name: ClassVar[str] = "body_mass"
@@ -26,6 +29,10 @@ class BodyMass(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
     stales_inertia: ClassVar[bool] = True
+    model_attribute: ClassVar[tuple[str, str] | None] = ("body", "mass")
+    gene: ClassVar[int | None] = 1
+    amounts: ClassVar[Amounts] = Amounts(-0.9, 1.0, (-0.6, -0.3, 0.4, 0.7, 1.0))
+    paper_amounts: ClassVar[Amounts | None] = Amounts(0.0, 1.0, (0.4, 0.7, 1.0))
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return body_sites(robot)
@@ -37,6 +44,15 @@ class BodyMass(Edit):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         dm = values["dm"]
         return f"the body {site} is {abs(dm):.3g} kg {'heavier' if dm >= 0 else 'lighter'} than modelled"
+
+    def nominal_value(self, robot: Robot, site: str) -> float:
+        return float(robot.model.body_mass[robot.index("body", site)])
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"dm": amount * self.nominal_value(robot, site)}
+
+    def off_by(self, robot: Robot, site: str, error: float) -> dict[str, float]:
+        return {"dm": error * self.nominal_value(robot, site)}
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         bodies = np.array([robot.index("body", site) for site in self.sites(robot)])

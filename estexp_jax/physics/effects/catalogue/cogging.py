@@ -1,12 +1,16 @@
 """Cogging: a motor's magnets pull it into evenly spaced positions."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import is_slide, scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -15,6 +19,7 @@ _OFTEN, _OFTEN_SLIDE = (3.0, 60.0), (6.0, 500.0)
 """How often it may come in a turn, over 2 pi m of a slide. What comes less often is no cog: a spring, an unbalance."""
 
 
+@register
 @final
 class Cogging(Term):
     """tau = A sin(n q + phase)."""
@@ -28,6 +33,8 @@ class Cogging(Term):
     )
     equation: ClassVar[str] = "tau = A sin(n q + phase)"
     source: ClassVar[str] = "Hanselman, Brushless Permanent Magnet Motor Design, chapter 4"
+    beside_laws: ClassVar[bool] = True
+    sinusoidal: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -42,6 +49,14 @@ class Cogging(Term):
             f"at a phase of {values['phase']:.3g} rad"
         )
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        most = self.bounds(robot, site)[0][1]
+        return [(0.05 * most, n, p) for n, p in product(np.arange(2.0, 16.0, 1.5), (-2.1, 0.0, 2.1))]
+
+    def identifiable(self, robot: Robot, site: str, values: Mapping[str, float], observed: Observed) -> bool:
+        low, high = observed.joint_range(robot, site)
+        return not values["n"] * (high - low) < np.pi  # half a wave is the least
+
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, n, phase = p
-        return JointForce(force=A * jnp.sin(n * moment.q + phase)), state
+        return JointForce(force=A * jnp.sin(n * joint.q + phase)), state

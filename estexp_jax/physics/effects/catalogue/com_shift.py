@@ -9,11 +9,15 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.guesses import Vectors, along_axes
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.model.spec import set_masses
 
 
+@register
 @final
 class ComShift(Edit):
     """Centre of mass = nominal + (x, y, z) in the body's frame; mass and inertia about the centre stay."""
@@ -37,6 +41,9 @@ class ComShift(Edit):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         x, y, z = (1000.0 * values[axis] for axis in "xyz")
         return f"the centre of mass of the body {site} lies ({x:.3g}, {y:.3g}, {z:.3g}) mm from where the model has it"
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        return along_axes(self.bounds(robot, site), 0.1)
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         bodies = np.array([robot.index("body", site) for site in self.sites(robot)], dtype=int)

@@ -6,10 +6,12 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import CommandShift, Parameter
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import ALL_ALIKE, with_all
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class CommandDelay(CommandShift):
     """u(t) = command(t - delay)."""
@@ -27,10 +29,8 @@ class CommandDelay(CommandShift):
         return ((0.0, 0.2),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        late = f"{1000 * values['delay']:.3g} ms late"
-        return (
-            f"all motors ({site}) obey {late}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {late}"
-        )
+        how = f"{1000 * values['delay']:.3g} ms late"
+        return f"all motors ({site}) obey {how}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {how}"
 
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
         own, alike = np.split(values[..., 0], [robot.model.nu], axis=-1)

@@ -1,6 +1,6 @@
 """Coulomb friction: a joint resists motion with the same torque whatever its speed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, final
 
 import jax
@@ -8,17 +8,22 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.friction import friction_advice
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import (
     friction_sites,
     joint_dofs,
     joint_subject,
     joints_at,
     per_element,
+    smallest_of_joints,
 )
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
+from estexp_jax.physics.recording import Recording
 
 
+@register
 @final
 class CoulombFriction(Edit):
     """tau = -T sign(w), as MuJoCo's friction loss: a constraint, so that it also holds at rest and never chatters."""
@@ -31,6 +36,8 @@ class CoulombFriction(Edit):
     source: ClassVar[str] = "MuJoCo: joint/frictionloss"
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
     flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
+    beside_laws: ClassVar[bool] = True
+    model_attribute: ClassVar[tuple[str, str] | None] = ("joint", "frictionloss")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return friction_sites(robot)
@@ -41,6 +48,12 @@ class CoulombFriction(Edit):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"{joint_subject(site)} resists motion with {values['T']:.3g} N m whatever its speed"
+
+    def nominal_value(self, robot: Robot, site: str) -> float:
+        return smallest_of_joints(robot, robot.model.dof_frictionloss, site)
+
+    def advice(self, recordings: Sequence[Recording]) -> tuple[str, ...]:
+        return friction_advice(recordings)
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         dofs = joint_dofs(robot)

@@ -1,13 +1,18 @@
 """Crosstalk: a joint feels a share of another joint's motor."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.guesses import Vectors, other_elements
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class Crosstalk(Term):
     """tau = g * motor torque of joint `from`: tendons or cables that pass a joint on their way."""
@@ -31,6 +36,10 @@ class Crosstalk(Term):
         share, source = 100 * values["g"], int(values["from"])
         return f"the joint {site} receives {share:.3g} % of the motor torque of joint number {source}"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        others = other_elements(robot, "joint", site)
+        return list(product(others, (-0.3, -0.1, 0.1, 0.3)))
+
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         source, g = p
-        return JointForce(force=g * moment.torque_of(source)), state
+        return JointForce(force=g * joint.torque_of(source)), state

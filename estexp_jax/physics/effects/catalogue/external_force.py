@@ -6,13 +6,17 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, BodyForce, Parameter
+from estexp_jax.physics.effects.guesses import Vectors, along_axes
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot
 
 _REACH, _CONSTANT = 1.0, 0.05
-"""Over so many metres (m) a spring that changes by this share of its pull is told as a constant force."""
+"""Over so many metres (m) a spring that changes by this share of its pull is reported as a constant force."""
 
 
+@register
 @final
 class ExternalForce(BodyForce):
     """F = (x, y, z) - k c at the body's centre of mass c, in world axes.
@@ -28,6 +32,7 @@ class ExternalForce(BodyForce):
     )
     equation: ClassVar[str] = "F = (x, y, z) - k c"
     source: ClassVar[str] = "MuJoCo: xfrc_applied"
+    nested_in: ClassVar[str] = "body_mass"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return body_sites(robot)
@@ -43,6 +48,9 @@ class ExternalForce(BodyForce):
             return f"a spring of {k:.3g} N/m pulls the body {site} towards {point}"
         return f"a force of ({x:.3g}, {y:.3g}, {z:.3g}) N acts on the body {site}"
 
-    def pull(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        return along_axes(self.bounds(robot, site), 0.1)
+
+    def force_on_body(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         x, y, z, k = p
         return x - k * position[0], y - k * position[1], z - k * position[2]

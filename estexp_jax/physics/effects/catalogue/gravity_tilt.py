@@ -1,6 +1,7 @@
 """Gravity tilt: the ground is not level."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax
@@ -10,11 +11,19 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.damage import Amounts, Damage
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot
 
+STEEPEST = np.pi / 6
+"""Steepest slope, rad."""
 
+
+@register
 @final
-class GravityTilt(Edit):
+class GravityTilt(Edit, Damage):
     """Gravity turned about a horizontal axis u, itself turned by `axis` from x towards y.
 
     axis = 0 is the world's x axis: sideways to a robot that walks along x, the slope of the paper.
@@ -30,6 +39,8 @@ class GravityTilt(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2: the floor is canted"
     flags: ClassVar[tuple[str, ...]] = ("gravity",)
+    gene: ClassVar[int | None] = 5
+    amounts: ClassVar[Amounts] = Amounts(-1.0, 1.0, (-1.0, -0.67, -0.33, 0.33, 0.67, 1.0))
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return ("",)
@@ -39,8 +50,20 @@ class GravityTilt(Edit):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         angle, axis = np.rad2deg(values["angle"]), np.rad2deg(values["axis"])
-        about = "x" if axis == 0.0 else f"an axis {axis:.3g} degrees from x"
-        return f"the ground tilts by {angle:.3g} degrees about {about}"
+        axis_name = "x" if axis == 0.0 else f"an axis {axis:.3g} degrees from x"
+        return f"the ground tilts by {angle:.3g} degrees about {axis_name}"
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        return list(product((-0.1, 0.1), (-np.pi / 4, 0.0, np.pi / 4, np.pi / 2)))
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"angle": amount * STEEPEST}
+
+    def amount_of_gene(self, value: float) -> float:
+        return float(value)
+
+    def combine(self, a: float, b: float) -> float:
+        return float(np.clip(a + b, -1.0, 1.0))
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         return model.replace(opt=model.opt.replace(gravity=_turned(model.opt.gravity, values[0, 0], values[0, 1])))

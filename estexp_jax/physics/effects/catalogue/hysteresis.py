@@ -1,12 +1,16 @@
 """Hysteresis: friction that builds up with displacement, like a spring that yields."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
+from estexp_jax.physics.effects.guesses import Bounds, Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -15,6 +19,7 @@ _AT_ONCE = 5e-3
 """A presliding way, rad or m, too short for anyone to call it anything but Coulomb friction."""
 
 
+@register
 @final
 class Hysteresis(Term):
     """dF/dq = sigma (1 - F/T sign(w)), tau = -F: Dahl friction, bristles of presliding way T / sigma."""
@@ -28,6 +33,8 @@ class Hysteresis(Term):
     equation: ClassVar[str] = "dF/dq = sigma (1 - F/T sign(w)), tau = -F"
     source: ClassVar[str] = "Dahl, A solid friction model, Aerospace Corporation TOR-0158 (1968)"
     n_states: ClassVar[int] = 2
+    nested_in: ClassVar[str] = "coulomb_friction"
+    family: ClassVar[str] = "coulomb_friction"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -42,13 +49,23 @@ class Hysteresis(Term):
             f"built up like a spring of {values['sigma']:.3g} N m/rad"
         )
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        most, ways = self.bounds(robot, site)[0][1], (0.0015, 0.01, 0.05, 0.2)
+        return [(s * most, s * most / x) for s, x in product((0.004, 0.02, 0.07, 0.3), ways)]
+
+    def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+        return [(simpler["T"], simpler["T"] / x) for x in (0.0015, 0.01, 0.05)]
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(values["T"],)]
+
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         at_once = values["T"] <= _AT_ONCE * values["sigma"]
         return ("coulomb_friction", {"T": values["T"]}) if at_once else (self.name, values)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, sigma = p
-        return bristle_friction(T, jnp.maximum(T, 1e-9) / sigma, moment, state)
+        return bristle_friction(T, jnp.maximum(T, 1e-9) / sigma, joint, state)

@@ -1,11 +1,15 @@
 """Joint compliance: a motor moves its joint through a spring."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.guesses import Bounds, Vectors, spread
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.rotor import holding_force, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model import scales
@@ -14,7 +18,7 @@ from estexp_jax.physics.model.robot import Robot
 _SUBSTEPS = 4
 
 
-class _Compliance(Term):
+class Compliance(Term):
     """I da/dt = motor torque - tau, dr/dt = a; tau = k (r - q) + d (a - w) on the joint.
 
     The rotor at r turns at a, behind spring k and damper d. Within a step the
@@ -33,7 +37,8 @@ class _Compliance(Term):
     equation: ClassVar[str] = "tau = k (r - q) + d (a - w), I da/dt = motor torque - tau, dr/dt = a"
     source: ClassVar[str] = "Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109 (1987)"
     n_states: ClassVar[int] = 3
-    shows: ClassVar[int | None] = 2
+    motor_torque_state: ClassVar[int | None] = 2
+    nested_in: ClassVar[str] = "armature"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return driven_joint_sites(robot)
@@ -50,41 +55,42 @@ class _Compliance(Term):
             f"of {values['k']:.3g} N m/rad with a damping of {values['d']:.3g} N m s/rad"
         )
 
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        stiffness, damping, inertia = self.bounds(robot, site)
+        return [(k, 0.1 * damping[1], i) for k, i in product(spread(stiffness, 4), spread(inertia, 2))]
+
+    def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+        inertia = max(simpler["I"], 1e-6)
+        return [(inertia * w**2, 0.2 * inertia * w, inertia) for w in (30.0, 60.0, 120.0, 240.0)]
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(values["I"],)]
+
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return q, w, jnp.zeros_like(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        (k, d, inertia), (r, a, _), (q, w) = p, state, (moment.q, moment.w)
-        moment = moment if self.collocated else holding_force(moment)
-        is_soft, h = k < NEVER, moment.dt / _SUBSTEPS
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        (k, d, inertia), (r, a, _), (q, w) = p, state, (joint.q, joint.w)
+        joint = joint if self.collocated else holding_force(joint)
+        is_soft, h = k < NEVER, joint.dt / _SUBSTEPS
         spring = torque = 0.0
         for _ in range(_SUBSTEPS):
             q = q + h * w
-            torque = torque + moment.torque_at(r, a) / _SUBSTEPS
-            r, a, _ = rotor_step(moment, r, a, h, inertia, (k, q), (d, w))
+            torque = torque + joint.torque_at(r, a) / _SUBSTEPS
+            r, a, _ = rotor_step(joint, r, a, h, inertia, (k, q), (d, w))
             spring = spring + (k * (r - q) + d * a) / _SUBSTEPS
         does = JointForce(
             force=jnp.where(is_soft, spring, 0.0),
             damping=jnp.where(is_soft, d, 0.0),
             motor=jnp.where(is_soft, 0.0, 1.0),
         )
-        return does, (jnp.where(is_soft, r, moment.q), jnp.where(is_soft, a, w), jnp.where(is_soft, torque, 0.0))
+        return does, (jnp.where(is_soft, r, joint.q), jnp.where(is_soft, a, w), jnp.where(is_soft, torque, 0.0))
 
 
+@register
 @final
-class JointCompliance(_Compliance):
+class JointCompliance(Compliance):
     """The motor's own loop sees the rotor, as most servos' encoders do."""
 
     name: ClassVar[str] = "joint_compliance"
     collocated: ClassVar[bool] = True
-
-
-@final
-class OuterCompliance(_Compliance):
-    """The motor's own loop sees the joint, by an encoder behind the spring; told as joint compliance."""
-
-    name: ClassVar[str] = "outer_compliance"
-    collocated: ClassVar[bool] = False
-
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return "joint_compliance", values

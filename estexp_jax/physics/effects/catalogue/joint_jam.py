@@ -10,29 +10,18 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.damage import Damage
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.jam import JAMMED, jam_damping, jam_range
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites
-from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
-_STUCK_SPEED = np.deg2rad(1.0)
 
-
-def jam_damping(robot: Robot, site: str, f: float) -> float:
-    """Damping added by a jam of degree f: geometric, from nominal to 'full torque moves it 1 degree a second'."""
-    joint = robot.index("joint", site)
-    start, full = _range(robot, joint)
-    return (start * (full / start) ** f - start) if f > 0.0 else 0.0
-
-
-def _range(robot: Robot, joint: int) -> tuple[float, float]:
-    """Damping at f = 0, the nominal one (or a small one, where there is none), and at f = 1, stuck."""
-    nominal = float(robot.model.dof_damping[robot.model.jnt_dofadr[joint]])
-    full = scales.joint_torque(robot, joint) / _STUCK_SPEED
-    return (nominal, max(full, nominal)) if nominal > 0.0 else (1e-4 * full, full)
-
-
+@register
 @final
-class JointJam(Edit):
+class JointJam(Edit, Damage):
     """tau = -c(f) w with c growing geometrically from the joint's damping (f = 0) to stuck (f = 1)."""
 
     name: ClassVar[str] = "joint_jam"
@@ -42,6 +31,7 @@ class JointJam(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
     flags: ClassVar[tuple[str, ...]] = ("damper",)
+    gene: ClassVar[int | None] = 4
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -52,8 +42,21 @@ class JointJam(Edit):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} is jammed by {100 * values['f']:.3g} %"
 
+    def searched_bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        [(_, high)] = self.bounds(robot, site)
+        return ((JAMMED, high),)  # what brakes less is viscous friction
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        return [(f,) for f in (0.55, 0.7, 0.85)]
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"f": amount}
+
+    def combine(self, a: float, b: float) -> float:
+        return max(a, b)
+
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
-        start, full = np.array([_range(robot, joint) for joint in robot.scalar_joints]).reshape(-1, 2).T
+        start, full = np.array([jam_range(robot, joint) for joint in robot.scalar_joints]).reshape(-1, 2).T
         added = start * jnp.expm1(jnp.maximum(values[:, 0], 0.0) * np.log(full / start))
         return model.replace(dof_damping=model.dof_damping.at[joint_dofs(robot)].add(added))
 

@@ -10,11 +10,15 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import NEVER, Edit, Parameter
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import angle_unit, scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
+@register
 @final
 class JointLimit(Edit):
     """low <= q <= high, as MuJoCo's joint limit; a side that is not given stays as modelled."""
@@ -42,6 +46,12 @@ class JointLimit(Edit):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         sides = [f"at {values[side]:.3g} rad" for side in ("low", "high") if abs(values[side]) < NEVER]
         return f"the joint {site} stops {' and '.join(sides) or 'nowhere'}"
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        (lowest, _), (_, highest) = self.bounds(robot, site)
+        low, high = observed.joint_range(robot, site)
+        inside = [share * (high - low) for share in (0.05, 0.15, 0.3)]
+        return [(low + x, highest) for x in inside] + [(lowest, high - x) for x in inside]
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         joints = np.array(robot.scalar_joints, dtype=int)

@@ -9,10 +9,12 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import angle_unit, is_slide, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
+@register
 @final
 class JointOffset(Edit):
     """The robot is in the model's zero posture where the joint shows q = offset: the pose is that of q - offset."""
@@ -23,6 +25,7 @@ class JointOffset(Edit):
     equation: ClassVar[str] = "pose = pose_nominal(q - offset)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/ref"
+    moves_zero: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)

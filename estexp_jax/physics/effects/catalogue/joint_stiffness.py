@@ -1,6 +1,7 @@
 """Joint stiffness: a spring pulls a joint to some position."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax
@@ -10,12 +11,16 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Array, Edit, Parameter
+from estexp_jax.physics.effects.guesses import SHARES, Vectors
+from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.passive import add_spring
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class JointStiffness(Edit):
     """tau = -k (q - q0), beside the joint's own spring: the two together are one spring, at a position between."""
@@ -30,6 +35,8 @@ class JointStiffness(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/stiffness, joint/springref"
     flags: ClassVar[tuple[str, ...]] = ("spring",)
+    nested_in: ClassVar[str] = "torque_offset"
+    beside_laws: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -41,6 +48,14 @@ class JointStiffness(Edit):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"a spring of {values['k']:.3g} N m/rad pulls the joint {site} towards {values['q0']:.3g} rad"
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        low, high = observed.joint_range(robot, site)
+        most = self.bounds(robot, site)[0][1]
+        return [(s * most, q) for s, q in product(SHARES, (low, 0.5 * (low + high), high))]
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(values["k"] * values["q0"],)]
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         joints = np.array(robot.scalar_joints, dtype=int)

@@ -1,15 +1,19 @@
 """Load-dependent friction: gears rub harder the more torque they carry."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, final
 
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.friction import friction_advice
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
 
 
+@register
 @final
 class LoadDependentFriction(Term):
     """tau = -mu |motor torque| sign(w), as a friction loss renewed at each step from that step's motor torque."""
@@ -31,6 +35,9 @@ class LoadDependentFriction(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} resists motion with {100 * values['mu']:.3g} % of the torque its motor carries"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def advice(self, recordings: Sequence[Recording]) -> tuple[str, ...]:
+        return friction_advice(recordings)
+
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (mu,) = p
-        return JointForce(friction=mu * jnp.abs(moment.torque)), state
+        return JointForce(friction=mu * jnp.abs(joint.torque)), state

@@ -10,12 +10,15 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.damage import Damage, ModelError
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import ALL_ALIKE, actuator_sites, driven_actuators, per_element, with_all
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
+@register
 @final
-class MotorWeakness(Edit):
+class MotorWeakness(Edit, Damage, ModelError):
     """force = max(1 - loss, 0) * nominal force: gain, bias and force range shrink together."""
 
     name: ClassVar[str] = "motor_weakness"
@@ -24,6 +27,9 @@ class MotorWeakness(Edit):
     equation: ClassVar[str] = "tau = (1 - loss) tau_nominal"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
+    model_attribute: ClassVar[tuple[str, str] | None] = ("actuator", "*")
+    is_loss: ClassVar[bool] = True
+    gene: ClassVar[int | None] = 2
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return with_all(actuator_sites(robot))
@@ -39,6 +45,18 @@ class MotorWeakness(Edit):
             else f"is {-100 * loss:.3g} % stronger than modelled"
         )
         return f"all motors alike ({site}): each {change}" if site == ALL_ALIKE else f"the motor {site} {change}"
+
+    def nominal_value(self, robot: Robot, site: str) -> float:
+        return 1.0
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"loss": amount}
+
+    def combine(self, a: float, b: float) -> float:
+        return 1.0 - (1.0 - a) * (1.0 - b)
+
+    def off_by(self, robot: Robot, site: str, error: float) -> dict[str, float]:
+        return {"loss": error}
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         driven = np.array(driven_actuators(robot), dtype=int)

@@ -10,12 +10,15 @@ import jax
 
 from estexp_jax.physics.effects.base import Parameter
 from estexp_jax.physics.effects.controller_fault import ControllerFault, Parameters
+from estexp_jax.physics.effects.damage import Damage
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 @dataclass(frozen=True, eq=False)
-class NeuronFault(ControllerFault):
+class NeuronFault(ControllerFault, Damage):
     """output of the neuron = gain * nominal output.
 
     Attributes:
@@ -42,6 +45,12 @@ class NeuronFault(ControllerFault):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the neuron {site} gives {100 * values['gain']:.3g} % of its output"
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"gain": 1.0 - amount}
+
+    def combine(self, a: float, b: float) -> float:
+        return max(a, b)
 
     def damage(self, robot: Robot, network: Parameters, values: jax.Array) -> Parameters:
         return network._replace(hidden_gain=network.hidden_gain * values[:, 0])

@@ -10,6 +10,10 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.damage import PRESENT, Amounts, Damage
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import lost_bodies
 from estexp_jax.physics.model.robot import Robot, spec_element
 
@@ -55,9 +59,13 @@ class Loss(Edit):
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((1.0, 1.0),)
 
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        return [(1.0,)]
 
+
+@register
 @final
-class PartLost(Loss):
+class PartLost(Loss, Damage):
     """No mass, no contact, no motor below the joint. The structure stays, so nothing is compiled anew.
 
     The lost joints keep a rotor inertia of 1 kg m2, so that the mass matrix stays regular; they pull on nothing.
@@ -65,9 +73,22 @@ class PartLost(Loss):
 
     name: ClassVar[str] = "part_lost"
     equation: ClassVar[str] = "the body and all below it are gone"
+    removes_part: ClassVar[bool] = True
+    gene: ClassVar[int | None] = 0
+    amounts: ClassVar[Amounts] = PRESENT
+    acts_at_zero: ClassVar[bool] = True
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the part {site} broke off"
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"lost": 1.0}
+
+    def amount_of_gene(self, value: float) -> float:
+        return 1.0
+
+    def combine(self, a: float, b: float) -> float:
+        return max(a, b)
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         gone = {

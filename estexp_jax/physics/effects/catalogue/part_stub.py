@@ -1,4 +1,4 @@
-"""A part lost but for a stub, told as a part lost: the motor goes on turning what is left at its joint."""
+"""A part lost but for a stub, reported as a part lost: the motor goes on turning what is left at its joint."""
 
 from collections.abc import Mapping
 from typing import ClassVar, final
@@ -9,6 +9,7 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.catalogue.part_lost import NO_CONTACT, Loss, lost_masks
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.model.spec import set_masses
 
@@ -16,17 +17,19 @@ _STUB = 0.01
 """Share of masses and inertias that remains."""
 
 
+@register
 @final
 class PartStub(Loss):
     """Next to no mass and no contact below the joint, while its motor and its sensors work on."""
 
     name: ClassVar[str] = "part_stub"
     equation: ClassVar[str] = "the body and all below it are gone but for a stub"
+    variant_of: ClassVar[str] = "part_lost"
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the part {site} broke off but for a stub that its motor turns"
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "part_lost", dict(values)
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:

@@ -8,11 +8,13 @@ import mujoco
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.passive import add_damper
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class QuadraticDrag(Term):
     """tau = -c |w| w, as a damping of c |w| renewed at each step, so that it never overshoots."""
@@ -23,6 +25,8 @@ class QuadraticDrag(Term):
     equation: ClassVar[str] = "tau = -c |w| w"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "turbulent drag: Batchelor, An Introduction to Fluid Dynamics, section 5.11"
+    nested_in: ClassVar[str] = "viscous_friction"
+    beside_laws: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -34,9 +38,9 @@ class QuadraticDrag(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the joint {site} resists motion with {values['c']:.3g} N m at 1 rad/s, growing with the speed squared"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (c,) = p
-        return JointForce(damping=c * jnp.abs(moment.w)), state
+        return JointForce(damping=c * jnp.abs(joint.w)), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         add_damper(robot, spec, site, (0.0, values["c"], 0.0))

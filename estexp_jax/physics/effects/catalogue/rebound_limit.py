@@ -1,6 +1,7 @@
-"""A stop that throws the joint back, told as a joint limit: the model's own stop hardly bounces."""
+"""A stop that throws the joint back, reported as a joint limit: the model's own stop hardly bounces."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax
@@ -11,11 +12,18 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import NEVER, Edit, Parameter
 from estexp_jax.physics.effects.catalogue.joint_limit import JointLimit
+from estexp_jax.physics.effects.guesses import Bounds, Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 _LIMIT = JointLimit()
 
+_STIFF, _SOFT = (0.01, 500.0), (0.3, 33.0)
+"""Time constant (s) and frequency (rad/s) of stops that throw a joint back at once, or after they gave way."""
 
+
+@register
 @final
 class ReboundLimit(Edit):
     """MuJoCo's joint limit with its own time constant and frequency: the less damped it swings, the more it bounces."""
@@ -32,6 +40,8 @@ class ReboundLimit(Edit):
     source: ClassVar[str] = "MuJoCo: joint/range, joint/solreflimit"
     arms: ClassVar[tuple[str, ...]] = JointLimit.arms
     flags: ClassVar[tuple[str, ...]] = JointLimit.flags
+    nested_in: ClassVar[str] = "joint_limit"
+    variant_of: ClassVar[str] = "joint_limit"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return _LIMIT.sites(robot)
@@ -42,7 +52,18 @@ class ReboundLimit(Edit):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"{_LIMIT.sentence(site, values)} and bounces"
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        hard = _LIMIT.initial_guesses(robot, site, observed)
+        return [(*stop, *bounce) for stop, bounce in product(hard, (_STIFF, _SOFT))]
+
+    def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+        stop = simpler["low"], simpler["high"]
+        return [(*stop, *bounce) for bounce in (*product((0.006, 0.02), (250.0, 1500.0)), _SOFT)]
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(values["low"], values["high"])]
+
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "joint_limit", {side: values[side] for side in ("low", "high")}
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:

@@ -6,10 +6,12 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter, ReadingShift
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class SensorDelay(ReadingShift):
     """reading(t) = true(t - delay)."""
@@ -30,6 +32,6 @@ class SensorDelay(ReadingShift):
         return f"the sensor {site} shows what was {1000 * values['delay']:.3g} ms ago"
 
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
-        late = np.zeros((*values.shape[:-2], robot.model.nsensordata))
-        late[..., scalar_sensor_columns(robot)] = np.maximum(values[..., 0], 0.0)
-        return late
+        ages = np.zeros((*values.shape[:-2], robot.model.nsensordata))
+        ages[..., scalar_sensor_columns(robot)] = np.maximum(values[..., 0], 0.0)
+        return ages

@@ -7,12 +7,15 @@ import jax
 import numpy as np
 
 from estexp_jax.physics.effects.base import Distortion, Parameter
+from estexp_jax.physics.effects.damage import Damage
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
-class SensorGain(Distortion):
+class SensorGain(Distortion, Damage):
     """reading = gain * true."""
 
     name: ClassVar[str] = "sensor_gain"
@@ -20,6 +23,7 @@ class SensorGain(Distortion):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("gain", "", neutral=1.0),)
     equation: ClassVar[str] = "reading = gain * true"
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2: a sensor fails by a percentage"
+    gene: ClassVar[int | None] = 3
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_sensor_sites(robot)
@@ -29,6 +33,12 @@ class SensorGain(Distortion):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the sensor {site} shows {100 * values['gain']:.3g} % of the true value"
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"gain": 1.0 - amount}
+
+    def combine(self, a: float, b: float) -> float:
+        return 1.0 - (1.0 - a) * (1.0 - b)
 
     def distort(self, robot: Robot, readings: jax.Array, values: jax.Array) -> jax.Array:
         return readings.at[..., scalar_sensor_columns(robot)].multiply(values[:, 0])

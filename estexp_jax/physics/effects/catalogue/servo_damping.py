@@ -10,16 +10,18 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.servos import servo_damping_at, servos
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
+@register
 @final
 class ServoDamping(Edit):
     """tau = -k w within the motor's force and its limits: `kv` is larger by k over the squared gear.
 
-    Unlike back-EMF it shows in a torque reading; the two are told under that name.
+    Unlike back-EMF it shows in a torque reading; the two are reported under that name.
     """
 
     name: ClassVar[str] = "servo_damping"
@@ -28,6 +30,9 @@ class ServoDamping(Edit):
     equation: ClassVar[str] = "tau = -k w in the motor's force"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo, XML reference, actuator/position: kv"
+    claimable: ClassVar[bool] = False
+    alike_while_on: ClassVar[str] = "viscous_friction"
+    model_attribute: ClassVar[tuple[str, str] | None] = ("actuator", "*")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return tuple(robot.names("actuator")[a] for a in servos(robot))
@@ -42,7 +47,10 @@ class ServoDamping(Edit):
             f"the servo {site} damps its joint with {abs(k):.3g} N m s/rad {'more' if k >= 0 else 'less'} than modelled"
         )
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+    def nominal_value(self, robot: Robot, site: str) -> float:
+        return servo_damping_at(robot, site)
+
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "back_emf", values
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
@@ -57,14 +65,3 @@ class ServoDamping(Edit):
         bias = np.array(actuator.biasprm)
         bias[2] -= values["k"] / robot.model.actuator_gear[robot.index("actuator", site), 0] ** 2
         actuator.biasprm = bias
-
-
-def servos(robot: Robot) -> tuple[int, ...]:
-    """Indices of the actuators that feed back the speed of a hinge or slide joint."""
-    return tuple(a for a in driven_actuators(robot) if robot.model.actuator_biasprm[a, 2] < 0.0)
-
-
-def servo_damping(robot: Robot) -> np.ndarray:
-    """What the model says it is, N m s/rad at the joint, for each of `servos`."""
-    own = list(servos(robot))
-    return -robot.model.actuator_biasprm[own, 2] * robot.model.actuator_gear[own, 0] ** 2

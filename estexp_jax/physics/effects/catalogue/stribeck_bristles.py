@@ -1,18 +1,23 @@
-"""Stribeck friction of bristles, told as Stribeck friction."""
+"""Stribeck friction of bristles, reported as Stribeck friction."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
-from estexp_jax.physics.effects.catalogue.stribeck_friction import told_levels
+from estexp_jax.physics.effects.catalogue.stribeck_friction import reported_levels
+from estexp_jax.physics.effects.guesses import Bounds, Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class StribeckBristles(Term):
     """Bristles whose level of steady sliding is T + S exp(-(w / w_s)^2), with the presliding way x."""
@@ -28,6 +33,8 @@ class StribeckBristles(Term):
     equation: ClassVar[str] = "dF/dq = ((T + S exp(-(w / w_s)^2)) sign(w) - F) / x, tau = -F"
     source: ClassVar[str] = "Canudas de Wit et al., IEEE Transactions on Automatic Control 40 (1995)"
     n_states: ClassVar[int] = 2
+    nested_in: ClassVar[str] = "hysteresis"
+    variant_of: ClassVar[str] = "stribeck_friction"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -43,12 +50,23 @@ class StribeckBristles(Term):
             f"the change coming at {values['w_s']:.3g} rad/s; it gives by {values['x']:.2g} before it slides"
         )
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return told_levels(values)
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        most, shares, speeds = self.bounds(robot, site)[0][1], (0.01, 0.05, 0.2), (0.03, 0.2, 0.8)
+        return [(0.7 * s * most, 0.5 * s * most, w, 2e-3) for s, w in product(shares, speeds)]
+
+    def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+        t, way = simpler["T"], simpler["T"] / simpler["sigma"]
+        return [(0.8 * t, 0.4 * t, w, way) for w in (0.05, 0.3)]
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(t, t / values["x"]) for t in (values["T"], values["T"] + values["S"])]
+
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return reported_levels(values)
 
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return bristle_at_rest(q)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s, x = p
-        return bristle_friction(T + S * jnp.exp(-jnp.square(moment.w / w_s)), x, moment, state)
+        return bristle_friction(T + S * jnp.exp(-jnp.square(joint.w / w_s)), x, joint, state)

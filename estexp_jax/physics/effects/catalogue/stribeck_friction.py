@@ -1,11 +1,15 @@
 """Stribeck friction: dry friction that falls off once a joint moves."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.guesses import SHARES, Bounds, Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -14,13 +18,14 @@ _ONE_LEVEL = 0.02
 """Share of T that S is at most where anyone would call it Coulomb friction."""
 
 
-def told_levels(values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+def reported_levels(values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
     """The name, and its values, of friction with these levels: Coulomb friction, where they are one."""
     if 0.0 < values["T"] and values["S"] <= _ONE_LEVEL * values["T"]:
         return "coulomb_friction", {"T": values["T"]}
     return "stribeck_friction", {name: values[name] for name in ("T", "S", "w_s")}
 
 
+@register
 @final
 class StribeckFriction(Term):
     """tau = -(T + S exp(-(w / w_s)^2)) sign(w), as a friction loss renewed at each step from that step's speed."""
@@ -36,6 +41,7 @@ class StribeckFriction(Term):
     source: ClassVar[str] = "Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), equation 5"
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
     flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
+    nested_in: ClassVar[str] = "coulomb_friction"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -51,9 +57,19 @@ class StribeckFriction(Term):
             f"the change coming at {values['w_s']:.3g} rad/s"
         )
 
-    def told(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        return told_levels(values)
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        (_, most), (_, extra), _ = self.bounds(robot, site)
+        return [(s * most, s * extra, w) for s, w in product(SHARES, (0.03, 0.2, 0.8))]
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+        return [(0.8 * simpler["T"], 0.4 * simpler["T"], w) for w in (0.05, 0.3)]
+
+    def to_simpler(self, values: Mapping[str, float]) -> Vectors:
+        return [(values["T"] + share * values["S"],) for share in (0.0, 0.5, 1.0)]
+
+    def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
+        return reported_levels(values)
+
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s = p
-        return JointForce(friction=T + S * jnp.exp(-jnp.square(moment.w / w_s))), state
+        return JointForce(friction=T + S * jnp.exp(-jnp.square(joint.w / w_s))), state

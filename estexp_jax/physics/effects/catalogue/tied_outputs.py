@@ -8,11 +8,16 @@ import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Parameter
 from estexp_jax.physics.effects.controller_fault import CommandRoute, Parameters
+from estexp_jax.physics.effects.damage import PRESENT, Amounts, Damage
+from estexp_jax.physics.effects.guesses import Vectors, other_elements
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
-class TiedOutputs(CommandRoute):
+class TiedOutputs(CommandRoute, Damage):
     """command of a motor = command of motor `with`. The value array holds `with` as 1 + its index; 0 is untied."""
 
     name: ClassVar[str] = "tied_outputs"
@@ -21,6 +26,7 @@ class TiedOutputs(CommandRoute):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("with", "1 + actuator index", refers="actuator"),)
     equation: ClassVar[str] = "command = command of `with`"
     source: ClassVar[str] = "Bongard and Lipson 2004, situation 12"
+    amounts: ClassVar[Amounts] = PRESENT
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return robot.names("actuator")
@@ -30,6 +36,15 @@ class TiedOutputs(CommandRoute):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site} repeats the command of motor number {int(values['with'])}"
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        return [(other,) for other in other_elements(robot, "actuator", site)]
+
+    def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
+        return {"with": float(partner)}
+
+    def combine(self, a: float, b: float) -> float:
+        return max(a, b)
 
     def damage(self, robot: Robot, network: Parameters, values: jax.Array) -> Parameters:
         source = self.route(robot, values)

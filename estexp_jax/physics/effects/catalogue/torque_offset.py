@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
+@register
 @final
 class TorqueOffset(Term):
     """tau = T, whatever the joint does: a cable's pull, a current sensor's offset."""
@@ -18,6 +20,7 @@ class TorqueOffset(Term):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("T", "N m", signed=True),)
     equation: ClassVar[str] = "tau = T"
     source: ClassVar[str] = "constant generalised force"
+    beside_laws: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_joint_sites(robot)
@@ -29,6 +32,6 @@ class TorqueOffset(Term):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"a constant torque of {values['T']:+.3g} N m acts on the joint {site}"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (T,) = p
         return JointForce(force=T), state

@@ -10,11 +10,15 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import NEVER, Edit, Parameter
+from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import actuator_sites, driven_actuators
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
+@register
 @final
 class TorqueSaturation(Edit):
     """|torque of the motor at its joint| <= limit, as MuJoCo's force range."""
@@ -36,6 +40,9 @@ class TorqueSaturation(Edit):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site} gives no more than {values['limit']:.3g} N m"
+
+    def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
+        return [(float(x),) for x in np.geomspace(*self.bounds(robot, site)[0], 8)]
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         driven = np.array(driven_actuators(robot), dtype=int)

@@ -1,6 +1,6 @@
 """Viscous friction: a joint resists motion in proportion to its speed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, final
 
 import jax
@@ -8,19 +8,27 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
+from estexp_jax.physics.effects.damage import ModelError
+from estexp_jax.physics.effects.friction import friction_advice
+from estexp_jax.physics.effects.jam import JAMMED, jam_damping
+from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.effects.sites import (
+    ALL_ALIKE,
     friction_sites,
     joint_dofs,
     joint_subject,
     joints_at,
     per_element,
+    smallest_of_joints,
 )
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
+from estexp_jax.physics.recording import Recording
 
 
+@register
 @final
-class ViscousFriction(Edit):
+class ViscousFriction(Edit, ModelError):
     """tau = -c w, added to the joint's own damping; integrated implicitly, as MuJoCo does."""
 
     name: ClassVar[str] = "viscous_friction"
@@ -30,6 +38,8 @@ class ViscousFriction(Edit):
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/damping"
     flags: ClassVar[tuple[str, ...]] = ("damper",)
+    beside_laws: ClassVar[bool] = True
+    model_attribute: ClassVar[tuple[str, str] | None] = ("joint", "damping")
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return friction_sites(robot)
@@ -40,6 +50,22 @@ class ViscousFriction(Edit):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"{joint_subject(site)} resists motion with {values['c']:.3g} N m for each rad/s of speed"
+
+    def searched_bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
+        bounds = self.bounds(robot, site)
+        if site == ALL_ALIKE:
+            return bounds
+        [(low, high)] = bounds  # what brakes harder is a jam
+        return ((low, min(high, max(jam_damping(robot, site, JAMMED), 0.01 * high))),)
+
+    def nominal_value(self, robot: Robot, site: str) -> float:
+        return smallest_of_joints(robot, robot.model.dof_damping, site)
+
+    def off_by(self, robot: Robot, site: str, error: float) -> dict[str, float]:
+        return {"c": error * self.nominal_value(robot, site)}
+
+    def advice(self, recordings: Sequence[Recording]) -> tuple[str, ...]:
+        return friction_advice(recordings)
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         dofs = joint_dofs(robot)

@@ -40,9 +40,9 @@ class LawDeafMotor(MotorThresholdLaw, EffectLaw, effect=DeadBand):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["a"], f"min({values['m_0']:.3g}/|s|, 1) s")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The effect changes the whole command of one actuator; here a share of the joint's commanded torque is lost.
-        _, asked = moment.asked()
+        _, asked = joint.asked()
         return JointForce(command=-p[0] * jnp.clip(asked, -p[1], p[1])), state
 
 
@@ -81,9 +81,9 @@ class LawLateCommand(LaggedMotorLaw, EffectLaw, effect=ActuatorLag):
         stepped = np.arange(len(time)) > 0
         return stepped * (command[0] + first_order_lag(command - command[0], time, p[1])), 1.0 * stepped
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The effect delays the whole command of one actuator; here a share of the joint's commanded torque lags.
-        ((a, T), (lagged, stepped)), (command, _) = (p, state), moment.asked()
+        ((a, T), (lagged, stepped)), (command, _) = (p, state), joint.asked()
         lagged = jnp.where(stepped > 0.0, lagged, command)
-        after = command + (lagged - command) * jnp.exp(-moment.dt / T)
+        after = command + (lagged - command) * jnp.exp(-joint.dt / T)
         return JointForce(command=-a * (command - 0.5 * (lagged + after))), (after, jnp.ones_like(stepped))

@@ -55,8 +55,8 @@ class LawTow(CouplingLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(values["g"], f"w{other_joint(values)}")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * moment.motion_of(p[1])[1]), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * joint.motion_of(p[1])[1]), state
 
 
 @final
@@ -75,8 +75,8 @@ class LawFling(CouplingLaw):
         w = f"w{other_joint(values)}"
         return signed_text(values["g"], f"|{w}| {w}")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        w = moment.motion_of(p[1])[1]
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        w = joint.motion_of(p[1])[1]
         return JointForce(force=p[0] * jnp.abs(w) * w), state
 
 
@@ -95,8 +95,8 @@ class LawSquareFling(CouplingLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(values["g"], f"w{other_joint(values)}^2")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * jnp.square(moment.motion_of(p[1])[1])), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * jnp.square(joint.motion_of(p[1])[1])), state
 
 
 @final
@@ -114,8 +114,8 @@ class LawStir(CouplingLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["g"], f"|w{other_joint(values)}| w")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] * jnp.abs(moment.motion_of(p[1])[1])), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(damping=p[0] * jnp.abs(joint.motion_of(p[1])[1])), state
 
 
 @final
@@ -133,8 +133,8 @@ class LawWhirl(CouplingLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(values["g"], f"w{other_joint(values)} w")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * moment.motion_of(p[1])[1] * moment.w), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * joint.motion_of(p[1])[1] * joint.w), state
 
 
 @final
@@ -164,5 +164,5 @@ class LawTie(JointLaw):
         q0 = values["q0"]
         return signed_text(-values["k"], f"(q{other_joint(values)} {'-' if q0 >= 0.0 else '+'} {abs(q0):.3g})")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=-p[0] * (moment.motion_of(p[1])[0] - p[2])), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * (joint.motion_of(p[1])[0] - p[2])), state

@@ -56,8 +56,8 @@ class LawTwoWayFriction(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["T"], f"(1 {signed_text(values['a'], 'sign(w)')}) sign(w)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(friction=p[0] * (1.0 + p[1] * jnp.tanh(moment.w / _REVERSAL))), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0] * (1.0 + p[1] * jnp.tanh(joint.w / _REVERSAL))), state
 
 
 @final
@@ -89,9 +89,9 @@ class LawFrictionWave(JointLaw):
         wave = signed_text(values["a"], f"sin({values['n']:.3g} q {signed_text(values['phase'], '')})")
         return signed_text(-values["T"], f"(1 {wave}) sign(w)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, a, n, phase = p
-        return JointForce(friction=T * (1.0 + a * jnp.sin(n * moment.q + phase))), state
+        return JointForce(friction=T * (1.0 + a * jnp.sin(n * joint.q + phase))), state
 
 
 @final
@@ -130,9 +130,9 @@ class LawBristles(EffectLaw, effect=Hysteresis):
             force[i + 1] = end + (force[i] - end) * share
         return force, trajectory.q
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The effect takes the stiffness T / x, and dividing by it would round x: only the friction itself is shared.
-        return bristle_friction(p[0], p[1], moment, state)
+        return bristle_friction(p[0], p[1], joint, state)
 
 
 @final
@@ -162,5 +162,5 @@ class LawTightSpot(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["T"], f"exp(-({difference_text('q', values['q0'])}/{values['s']:.3g})^2) sign(w)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(friction=p[0] * jnp.exp(-jnp.square((moment.q - p[1]) / p[2]))), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(friction=p[0] * jnp.exp(-jnp.square((joint.q - p[1]) / p[2]))), state

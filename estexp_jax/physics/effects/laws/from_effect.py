@@ -44,11 +44,11 @@ class EffectLaw(JointLaw):
     def initial(self, p: Arrays, q: Array, w: Array) -> Arrays:
         return self.effect.initial(p, q, w) if isinstance(self.effect, Term) else super().initial(p, q, w)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         if self.adds_to:
             return JointForce()._replace(**{self.adds_to: p[0]}), state
         assert isinstance(self.effect, Term), f"{self.name} has to state its force: {self.effect.name} has none"
-        return self.effect.act(p, moment, state)
+        return self.effect.act(p, joint, state)
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         if not self.in_mjcf:

@@ -53,8 +53,8 @@ class LawSoftMotor(_MotorLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- (1 - 1/sqrt(1 + {values['c']:.3g} m^2)) m"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(motor=1.0 / jnp.sqrt(1.0 + p[0] * jnp.square(moment.torque))), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(motor=1.0 / jnp.sqrt(1.0 + p[0] * jnp.square(joint.torque))), state
 
 
 @final
@@ -72,8 +72,8 @@ class LawSlowMotor(_MotorLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- min({values['a']:.3g} |w|, 1) m"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(moment.w), 0.0)), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(joint.w), 0.0)), state
 
 
 @final
@@ -91,7 +91,7 @@ class LawWeakMotor(_MotorLaw, EffectLaw, effect=MotorWeakness):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["a"], "m")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The effect edits one actuator of the model; here all motors of the joint lose a share, of either sign.
         return JointForce(motor=1.0 - p[0]), state
 
@@ -107,9 +107,9 @@ class LawClippedMotor(MotorThresholdLaw, EffectLaw, effect=TorqueSaturation):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["a"], f"max(1 - {values['m_0']:.3g}/|m|, 0) m")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The effect is a force range in the model; here only a share of the torque beyond the limit is lost.
-        beyond = jnp.maximum(1.0 - p[1] / jnp.maximum(jnp.abs(moment.torque), _SMALL), 0.0)
+        beyond = jnp.maximum(1.0 - p[1] / jnp.maximum(jnp.abs(joint.torque), _SMALL), 0.0)
         return JointForce(motor=1.0 - p[0] * beyond), state
 
 
@@ -146,11 +146,11 @@ class LawWarmMotor(LaggedMotorLaw, EffectLaw, effect=MotorFade):
         share = min(max(hottest, _SMALL**2) / level, 1.0)
         return a * share, level * share, T
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The effect's heat counts the torque as a share of its limit; here it is in (N m)2, and the loss has an end.
         (a, level, T), (heat,) = p, state
-        power = jnp.square(moment.torque)
-        after = power + (heat - power) * jnp.exp(-moment.dt / T)
+        power = jnp.square(joint.torque)
+        after = power + (heat - power) * jnp.exp(-joint.dt / T)
         return JointForce(motor=1.0 - a * jnp.minimum(heat / level, 1.0)), (after,)
 
 
@@ -161,6 +161,7 @@ class LawSag(Term):
     name: ClassVar[str] = "law_sag"
     kind: ClassVar[str] = "actuator"
     named: ClassVar[bool] = False
+    tried_beside: ClassVar[str] = "motor_fade"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("a", "1/(N m)"),)
     equation: ClassVar[str] = "force = max(1 - a |m|, 0) m, m the motor's nominal torque"
     source: ClassVar[str] = "a source with internal resistance: Horowitz and Hill, The Art of Electronics, section 1.2"
@@ -177,8 +178,8 @@ class LawSag(Term):
             f"catalogue does: by {100 * values['a']:.3g} % at 1 N m"
         )
 
-    def numbered(self, values: Mapping[str, float]) -> str:
+    def equation_with_values(self, values: Mapping[str, float]) -> str:
         return f"force = max(1 - {values['a']:.3g} |m|, 0) m, m the motor's nominal torque"
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(moment.torque), 0.0)), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(motor=jnp.maximum(1.0 - p[0] * jnp.abs(joint.torque), 0.0)), state

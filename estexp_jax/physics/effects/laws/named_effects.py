@@ -127,9 +127,9 @@ class LawSpring(EffectLaw, effect=JointStiffness):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["k"], difference_text("q", values["q0"]))
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The effect merges with the joint's own spring, which a spring of negative stiffness cannot.
-        return JointForce(force=-p[0] * (moment.q - p[1])), state
+        return JointForce(force=-p[0] * (joint.q - p[1])), state
 
 
 @final
@@ -197,5 +197,5 @@ class LawDriven(CouplingLaw, EffectLaw, effect=Crosstalk):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(values["g"], f"m{other_joint(values)}")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return super().act(p[::-1], moment, state)  # of the effect, the joint comes first
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return super().act(p[::-1], joint, state)  # of the effect, the joint comes first

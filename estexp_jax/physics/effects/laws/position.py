@@ -59,8 +59,8 @@ class LawSquare(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(values["k"], f"{difference_text('q', values['q0'])}^2")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * jnp.square(moment.q - p[1])), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * jnp.square(joint.q - p[1])), state
 
 
 @final
@@ -85,8 +85,8 @@ class LawCube(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["k"], f"{difference_text('q', values['q0'])}^3")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=-p[0] * (moment.q - p[1]) ** 3), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * (joint.q - p[1]) ** 3), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         add_spring(robot, spec, site, (0.0, 0.0, values["k"]), values["q0"])
@@ -117,8 +117,8 @@ class LawBump(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(values["A"], f"exp(-({difference_text('q', values['q0'])}/{values['s']:.3g})^2)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=p[0] * jnp.exp(-jnp.square((moment.q - p[1]) / p[2]))), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=p[0] * jnp.exp(-jnp.square((joint.q - p[1]) / p[2]))), state
 
 
 @final
@@ -147,8 +147,8 @@ class LawDetent(JointLaw):
         x = f"({difference_text('q', values['q0'])}/{values['s']:.3g})"
         return signed_text(-values["A"], f"{x} exp(-{x}^2)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        x = (moment.q - p[1]) / p[2]
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        x = (joint.q - p[1]) / p[2]
         return JointForce(force=-p[0] * x * jnp.exp(-jnp.square(x))), state
 
 
@@ -178,8 +178,8 @@ class LawUpperSpring(_OneSided):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["k"], f"max{difference_text('q', values['q0'])[:-1]}, 0)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=-p[0] * jnp.maximum(moment.q - p[1], 0.0)), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * jnp.maximum(joint.q - p[1], 0.0)), state
 
 
 @final
@@ -193,5 +193,5 @@ class LawLowerSpring(_OneSided):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["k"], f"min{difference_text('q', values['q0'])[:-1]}, 0)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=-p[0] * jnp.minimum(moment.q - p[1], 0.0)), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * jnp.minimum(joint.q - p[1], 0.0)), state

@@ -19,6 +19,7 @@ class LawDrift(ReadingDrift):
     name: ClassVar[str] = "law_drift"
     kind: ClassVar[str] = "sensor"
     named: ClassVar[bool] = False
+    tried_beside: ClassVar[str] = "sensor_bias"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("a", "sensor unit/s", signed=True),)
     equation: ClassVar[str] = "reading = true + a t, t the time since the recording began"
     source: ClassVar[str] = "zero drift: Isermann, Fault-Diagnosis Systems (2006), section 2.3"
@@ -34,7 +35,7 @@ class LawDrift(ReadingDrift):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the sensor {site} wanders by {values['a']:+.3g} a second, as no effect of the catalogue does"
 
-    def numbered(self, values: Mapping[str, float]) -> str:
+    def equation_with_values(self, values: Mapping[str, float]) -> str:
         return f"reading = true {signed_text(values['a'], 't')}, t the time since the recording began"
 
     def rate(self, robot: Robot, values: np.ndarray) -> np.ndarray:

@@ -42,8 +42,8 @@ class LawOneWayDamping(AmplitudeOnly):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["c"], "|w|")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(force=-p[0] * jnp.abs(moment.w)), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(force=-p[0] * jnp.abs(joint.w)), state
 
 
 @final
@@ -62,8 +62,8 @@ class LawCubicDrag(AmplitudeOnly):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["c"], "w^3")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] * jnp.square(moment.w)), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(damping=p[0] * jnp.square(joint.w)), state
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         add_damper(robot, spec, site, (0.0, 0.0, values["c"]))
@@ -90,8 +90,8 @@ class LawSmoothFriction(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["T"], f"tanh(w/{values['w_s']:.3g})")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        x = jnp.maximum(jnp.abs(moment.w) / p[1], _STILL)
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        x = jnp.maximum(jnp.abs(joint.w) / p[1], _STILL)
         return JointForce(damping=p[0] / p[1] * jnp.tanh(x) / x), state
 
 
@@ -122,9 +122,9 @@ class LawFallingFriction(EffectLaw, effect=StribeckFriction):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["T"], f"sign(w) / (1 + (w/{values['w_s']:.3g})^2)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         # The curve is not the effect's exponential, and the friction falls to zero.
-        return JointForce(friction=p[0] / (1.0 + jnp.square(moment.w / p[1]))), state
+        return JointForce(friction=p[0] / (1.0 + jnp.square(joint.w / p[1]))), state
 
 
 @final
@@ -152,8 +152,8 @@ class LawHump(JointLaw):
         x = f"(w/{values['w_s']:.3g})"
         return signed_text(-2.0 * values["T"], f"{x} / (1 + {x}^2)")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=2.0 * p[0] / p[1] / (1.0 + jnp.square(moment.w / p[1]))), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(damping=2.0 * p[0] / p[1] / (1.0 + jnp.square(joint.w / p[1]))), state
 
 
 @final
@@ -177,5 +177,5 @@ class LawPlaceDamping(JointLaw):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(-values["c"], f"{difference_text('q', values['q0'])}^2 w")
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
-        return JointForce(damping=p[0] * jnp.square(moment.q - p[1])), state
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+        return JointForce(damping=p[0] * jnp.square(joint.q - p[1])), state

@@ -56,10 +56,10 @@ class LawRhythm(JointLaw):
     def hidden_along(self, p: tuple[float, ...], trajectory: JointTrajectory) -> tuple[np.ndarray, ...]:
         return (trajectory.time,)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, f, phase = p
         (t,) = state
-        return JointForce(force=A * jnp.sin(2.0 * np.pi * f * t + phase)), (t + moment.dt,)
+        return JointForce(force=A * jnp.sin(2.0 * np.pi * f * t + phase)), (t + joint.dt,)
 
 
 @final
@@ -91,11 +91,11 @@ class LawCreep(JointLaw):
         k, T = p
         return (first_order_lag(k * T * trajectory.w, trajectory.time, T),)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         k, T = p
         (force,) = state
-        left = jnp.exp(-moment.dt / T)
-        after = force * left + k * T * (1.0 - left) * moment.w
+        left = jnp.exp(-joint.dt / T)
+        after = force * left + k * T * (1.0 - left) * joint.w
         return JointForce(force=-after), (after,)
 
 
@@ -132,8 +132,8 @@ class LawThinning(JointLaw):
     def hidden_along(self, p: tuple[float, ...], trajectory: JointTrajectory) -> tuple[np.ndarray, ...]:
         return (first_order_lag(trajectory.w**2, trajectory.time, p[2]),)
 
-    def act(self, p: Arrays, moment: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
+    def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         c, a, T = p
         (heat,) = state
-        power = jnp.square(moment.w)
-        return JointForce(damping=c / (1.0 + a * heat)), (power + (heat - power) * jnp.exp(-moment.dt / T),)
+        power = jnp.square(joint.w)
+        return JointForce(damping=c / (1.0 + a * heat)), (power + (heat - power) * jnp.exp(-joint.dt / T),)

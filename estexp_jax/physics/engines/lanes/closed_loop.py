@@ -15,6 +15,7 @@ import numpy as np
 
 from estexp_jax.lanes.compilation import compile_lowered, lower
 from estexp_jax.physics.effects.base import Distortion
+from estexp_jax.physics.effects.catalogue.part_lost import PartLost
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.batching import cores, in_chunks
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator, ReadingOverride, RobotInstance, Rollout
@@ -114,8 +115,8 @@ class LanesClosedLoop(ClosedLoopSimulator):
         """Constants of one robot's rollout."""
         controller = self.policy.prepare_lanes(self.controller(lane))
         lost = jnp.zeros(self.interface.n_inputs, bool)
-        if "part_lost" in lane.values:
-            lost = lane.values["part_lost"][:, 0] @ jnp.asarray(self.interface.lost, jnp.float32) > 0.5
+        if PartLost.name in lane.values:
+            lost = lane.values[PartLost.name][:, 0] @ jnp.asarray(self.interface.lost, jnp.float32) > 0.5
         fields = self.lanes.fields(self.on_mjx.model, lane.values)
         return Batch(fields, lane.values, controller, lost, *self._faults(lane.values), lane.start)
 

@@ -46,7 +46,7 @@ def external_wrenches(
             arm = apply(pose.rotation, params.vector("body_ipos", group.bodies))
             centre = vadd(vadd(pose.position, arm), moving.origin[group.index])
             mine = tuple(_members(group.bodies, sites, x) for x in jnp.moveaxis(values[effect.name], 1, 0))
-            force, before = effect.pull(mine, tuple(centre)), found.get(group.index)
+            force, before = effect.force_on_body(mine, tuple(centre)), found.get(group.index)
             found[group.index] = force if before is None else vadd(before, force)
     return found
 

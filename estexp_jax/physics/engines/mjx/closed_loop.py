@@ -13,6 +13,7 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Distortion
+from estexp_jax.physics.effects.catalogue.part_lost import PartLost
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.closed_loop import (
@@ -134,8 +135,8 @@ def _readings(self: MjxClosedLoop, values: Values, body: BodyState) -> jax.Array
     """Readings (n_inputs,) as the controller gets them: those of lost parts at rest, faults applied."""
     face = self.interface
     true = face.readings(body.qpos, body.sensordata)
-    if "part_lost" in values:
-        gone = jnp.clip(values["part_lost"][:, 0] @ jnp.asarray(face.lost, true.dtype), 0.0, 1.0)
+    if PartLost.name in values:
+        gone = jnp.clip(values[PartLost.name][:, 0] @ jnp.asarray(face.lost, true.dtype), 0.0, 1.0)
         true = jnp.where(gone > 0.5, face.rest, true)
     whole = body.sensordata.at[face.columns].set(true)
     for effect in self.catalogue:

@@ -217,7 +217,7 @@ def _pulled(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values
     for e in body_forces:
         bodies = np.array([robot.index("body", site) for site in e.sites(robot)], dtype=int)
         x, y, z = (place[bodies, axis] for axis in range(3))
-        pull = pull.at[bodies, :3].add(jnp.stack(e.pull(_columns(values[e.name]), (x, y, z)), axis=1))
+        pull = pull.at[bodies, :3].add(jnp.stack(e.force_on_body(_columns(values[e.name]), (x, y, z)), axis=1))
     return pull
 
 

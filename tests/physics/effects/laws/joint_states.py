@@ -15,7 +15,7 @@ ASKED = M + 0.2 * W
 """A servo's demand, of which damping takes some away."""
 
 
-def moment() -> JointState:
+def joint_state() -> JointState:
     q, w, m = (jnp.asarray(x, jnp.float32) for x in (Q, W, M))
     one = jnp.ones_like(q)
 
@@ -34,7 +34,7 @@ def force(name: str, *p: float, state: tuple = ()) -> np.ndarray:
     """On the joint, with what is implicit taken at the present speed."""
     law = effect(name)
     assert isinstance(law, JointLaw)
-    does, _ = law.act(tuple(jnp.full(len(Q), x) for x in p), moment(), tuple(jnp.full(len(Q), x) for x in state))
+    does, _ = law.act(tuple(jnp.full(len(Q), x) for x in p), joint_state(), tuple(jnp.full(len(Q), x) for x in state))
     total = does.force - does.damping * W - does.friction * np.sign(W) - does.inertia * FASTER
     total = total + (does.motor - 1.0) * M + does.command
     return np.asarray(total, float) + np.zeros(len(Q))

@@ -10,12 +10,13 @@ from estexp_jax.physics.effects.catalogue.cogging import Cogging
 from estexp_jax.physics.effects.changes import Change, encode
 from estexp_jax.physics.effects.laws.base import AmplitudeOnly
 from estexp_jax.physics.effects.laws.from_effect import EffectLaw
-from estexp_jax.physics.effects.registry import LAWS, catalogue, effect
+from estexp_jax.physics.effects.laws.library import law_terms
+from estexp_jax.physics.effects.registry import catalogue, effect
 from estexp_jax.physics.engines.mjx.model import mjx_model
-from tests.physics.effects.laws.joint_states import Q, moment
+from tests.physics.effects.laws.joint_states import Q, joint_state
 from tests.physics.robots import robot
 
-FROM_EFFECTS = [law for law in LAWS if isinstance(law, EffectLaw)]
+FROM_EFFECTS = [law for law in law_terms() if isinstance(law, EffectLaw)]
 every_one = pytest.mark.parametrize("law", FROM_EFFECTS, ids=lambda law: law.name)
 FIELDS = {"damping": "dof_damping", "friction": "dof_frictionloss", "inertia": "dof_armature"}
 """What a field of a term's force adds to, in the model."""
@@ -32,14 +33,14 @@ class Ripple(AmplitudeOnly, EffectLaw, effect=Cogging):
 
 
 def test_exactly_the_terms_that_stand_for_an_effect_are_made_of_one() -> None:
-    assert [law.name for law in LAWS if law.stands_for] == [law.name for law in FROM_EFFECTS]
+    assert [law.name for law in law_terms() if law.stands_for] == [law.name for law in FROM_EFFECTS]
     assert all(effect(law.stands_for).name == law.effect.name for law in FROM_EFFECTS)
 
 
 def test_what_a_term_does_not_state_is_the_effects() -> None:
     law, cogging, p = Ripple(), Cogging(), tuple(jnp.full(len(Q), x) for x in (0.3, 5.0, 0.2))
     assert (law.parameters, law.equation, law.stands_for) == (cogging.parameters, cogging.equation, "cogging")
-    [does, _], [expected, _] = law.act(p, moment(), ()), cogging.act(p, moment(), ())
+    [does, _], [expected, _] = law.act(p, joint_state(), ()), cogging.act(p, joint_state(), ())
     np.testing.assert_array_equal(does.force, expected.force)
     assert np.abs(np.asarray(does.force)).max() > 0.1
 
@@ -52,7 +53,7 @@ def test_a_term_made_of_an_effect_without_a_force_has_to_state_one() -> None:
             return "+ 0"
 
     with pytest.raises(AssertionError, match="silent has to state its force"):
-        Silent().act((jnp.zeros(len(Q)),), moment(), ())
+        Silent().act((jnp.zeros(len(Q)),), joint_state(), ())
     assert not Silent.in_mjcf, "MJCF has a place for it at the actuator, and the term is at the joint"
 
 
@@ -60,7 +61,7 @@ def test_a_term_made_of_an_effect_without_a_force_has_to_state_one() -> None:
 def test_a_term_adds_what_the_effect_adds_to_the_model(law: EffectLaw) -> None:
     subject, e, parameter = robot("cartpole"), law.effect, law.parameters[0].name
     assert isinstance(e, Edit)
-    does, _ = law.act((jnp.float32(0.25),), moment(), ())
+    does, _ = law.act((jnp.float32(0.25),), joint_state(), ())
     assert does == JointForce()._replace(**{law.adds_to: jnp.float32(0.25)})
     on, sites = mjx_model(subject, catalogue([e.name])), law.sites(subject)
     edited = on.edited(on.model, encode(subject, on.catalogue, [Change(e.name, sites[0], {parameter: 0.25})]))

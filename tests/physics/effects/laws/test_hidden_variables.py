@@ -6,7 +6,7 @@ import pytest
 
 from estexp_jax.physics.effects.laws.base import JointLaw, JointTrajectory
 from estexp_jax.physics.effects.registry import effect
-from tests.physics.effects.laws.joint_states import ASKED, REMEMBERING, M, Q, W, force, moment
+from tests.physics.effects.laws.joint_states import ASKED, REMEMBERING, M, Q, W, force, joint_state
 
 
 def test_a_rhythm_goes_by_the_time_since_the_beginning() -> None:
@@ -15,7 +15,7 @@ def test_a_rhythm_goes_by_the_time_since_the_beginning() -> None:
     )
     law, p = effect("law_rhythm"), tuple(jnp.full(len(Q), x) for x in (0.4, 1.5, 0.3))
     assert isinstance(law, JointLaw)
-    _, (after,) = law.act(p, moment(), (jnp.full(len(Q), 2.2),))
+    _, (after,) = law.act(p, joint_state(), (jnp.full(len(Q), 2.2),))
     assert np.asarray(after) == pytest.approx(2.202)
 
 
@@ -26,7 +26,7 @@ def test_what_creeps_pushes_back_like_a_spring_and_then_lets_go() -> None:
     state, forces = law.initial(p, one, one), []
     for step in range(1500):
         w = one * (2.0 if step < 50 else 0.0)  # 0.1 rad in 50 ms, then held
-        does, state = law.act(p, moment()._replace(w=w, dt=1e-3 * one), state)
+        does, state = law.act(p, joint_state()._replace(w=w, dt=1e-3 * one), state)
         forces.append(float(does.force[0]))
     assert forces[49] == pytest.approx(-0.5, rel=0.06)
     assert forces[549] == pytest.approx(forces[49] * np.exp(-1.0), rel=1e-2)
@@ -73,7 +73,7 @@ def test_what_is_remembered_is_what_the_steps_lead_to(name: str) -> None:
     one, p = jnp.ones(1), tuple(jnp.full(1, x) for x in values)
     state, stepped = law.initial(p, trajectory.q[0] * one, one), []
     for q, w, m, c in zip(*trajectory[1:], strict=True):
-        at = moment()._replace(
+        at = joint_state()._replace(
             q=q * one, w=w * one, torque=m * one, dt=0.01 * one, asked=lambda c=c: (c * one, c * one)
         )
         stepped.append(float(state[0][0]))

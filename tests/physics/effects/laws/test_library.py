@@ -10,11 +10,12 @@ import pytest
 from estexp_jax.physics.effects.base import JointForce, Term, neutral_values
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import JointLaw, MotionRange
-from estexp_jax.physics.effects.registry import ALL, LAWS, NAMELESS, VARIANTS, effect
-from tests.physics.effects.laws.joint_states import ASKED, FASTER, M2, Q2, REMEMBERING, W2, M, Q, W, force, moment
+from estexp_jax.physics.effects.laws.library import law_terms
+from estexp_jax.physics.effects.registry import effect, named, nameless, variants
+from tests.physics.effects.laws.joint_states import ASKED, FASTER, M2, Q2, REMEMBERING, W2, M, Q, W, force, joint_state
 from tests.physics.robots import ROBOTS, robot
 
-every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+every_law = pytest.mark.parametrize("law", law_terms(), ids=lambda law: law.name)
 MOTION = MotionRange(-1.2, 1.4, 3.0, 8.0, 2.0, (1,))
 X = (Q - 0.3) / 0.2
 EXPECTED = {
@@ -58,10 +59,10 @@ EXPECTED = {
 
 
 def test_the_library_is_one_of_its_own() -> None:
-    names = [e.name for e in (*ALL, *VARIANTS, *LAWS, *NAMELESS)]
+    names = [e.name for e in (*named(), *variants(), *law_terms(), *nameless())]
     assert len(set(names)) == len(names)
-    assert {law.name for law in LAWS} == {*EXPECTED, *REMEMBERING}
-    assert {law.stands_for for law in LAWS} - {""} <= {e.name for e in ALL}
+    assert {law.name for law in law_terms()} == {*EXPECTED, *REMEMBERING}
+    assert {law.stands_for for law in law_terms()} - {""} <= {e.name for e in named()}
 
 
 @pytest.mark.parametrize("name", EXPECTED)
@@ -73,12 +74,12 @@ def test_the_force_is_what_the_equation_says(name: str) -> None:
 def test_a_motor_whose_supply_sags_gives_less_the_more_is_asked():
     sag, p = effect("law_sag"), (jnp.full(len(Q), 0.55),)
     assert isinstance(sag, Term) and sag.kind == "actuator"
-    does, _ = sag.act(p, moment(), ())
+    does, _ = sag.act(p, joint_state(), ())
     share = np.maximum(1.0 - 0.55 * np.abs(M), 0.0)
     assert share.min() == 0.0, "at the largest torques nothing is left"
     np.testing.assert_allclose(does.motor, share, atol=1e-6)
     for site in sag.sites(robot("quadruped")):
-        assert "0.55 |m|" in sag.numbered({"a": 0.55}) and site in sag.sentence(site, {"a": 0.55})
+        assert "0.55 |m|" in sag.equation_with_values({"a": 0.55}) and site in sag.sentence(site, {"a": 0.55})
 
 
 @every_law
@@ -86,7 +87,7 @@ def test_without_amplitude_nothing_changes(law: JointLaw) -> None:
     values = jnp.asarray(neutral_values(law, len(Q)), jnp.float32)
     assert law.parameters[0].neutral == 0.0
     p = tuple(values.T)
-    after, _ = law.act(p, moment(), law.initial(p, jnp.asarray(Q), jnp.asarray(W)))
+    after, _ = law.act(p, joint_state(), law.initial(p, jnp.asarray(Q), jnp.asarray(W)))
     before = JointForce(0.0, 0.0, 0.0, 0.0, 1.0)
     for x, y in zip(jax.tree.leaves(before), jax.tree.leaves(after), strict=True):
         np.testing.assert_array_equal(np.broadcast_to(y, len(Q)), np.full(len(Q), x))
