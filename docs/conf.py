@@ -14,7 +14,7 @@ exclude_patterns = ["_build", "**.ipynb_checkpoints"]
 html_theme = "furo"
 html_title = "estexp_jax"
 
-# Pages show code; a test runs it (tests/cli/test_docs.py), so that building the pages stays cheap.
+# Pages show code; a test runs it (tests/test_docs.py), so that building the pages stays cheap.
 nb_execution_mode = "off"
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 3

@@ -8,40 +8,52 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from estexp_jax.api.check import check
     from estexp_jax.api.controller import load_controller
     from estexp_jax.api.effects import effects, register
     from estexp_jax.api.explain import explain
     from estexp_jax.api.propose import propose
-    from estexp_jax.api.recover import recover, rollout
+    from estexp_jax.api.record import record
+    from estexp_jax.api.recover import recover
+    from estexp_jax.api.rollout import rollout
     from estexp_jax.api.simulator import load_explained
     from estexp_jax.physics.model.robot import Robot
 
-__all__ = [
-    "Robot",
-    "effects",
-    "explain",
-    "load_controller",
-    "load_explained",
-    "propose",
-    "recover",
-    "register",
-    "rollout",
-]
+    __version__: str
 
 _DOORS = {
     "Robot": "estexp_jax.physics.model.robot",
+    "check": "estexp_jax.api.check",
     "effects": "estexp_jax.effects",
     "explain": "estexp_jax.api.explain",
     "load_controller": "estexp_jax.api.controller",
     "load_explained": "estexp_jax.api.simulator",
     "propose": "estexp_jax.api.propose",
+    "record": "estexp_jax.api.record",
     "recover": "estexp_jax.api.recover",
     "register": "estexp_jax.api.effects",
-    "rollout": "estexp_jax.api.recover",
+    "rollout": "estexp_jax.api.rollout",
 }
+__all__ = [
+    "Robot",
+    "check",
+    "effects",
+    "explain",
+    "load_controller",
+    "load_explained",
+    "propose",
+    "record",
+    "recover",
+    "register",
+    "rollout",
+]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from estexp_jax.runs.versions import version
+
+        return version("estexp_jax")
     if name not in _DOORS:
         raise AttributeError(f"module 'estexp_jax' has no attribute '{name}'")
     from importlib import import_module
@@ -54,4 +66,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_DOORS])
+    return sorted([*globals(), *_DOORS, "__version__"])

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
+from tests.pendulum import EFFECT, PENDULUM, SMALL, run
+
 if TYPE_CHECKING:
     from estexp_jax.discovery.diagnosis import Diagnosis
 
@@ -90,3 +92,22 @@ def read_only(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     folder = tmp_path / "locked"
     folder.mkdir(mode=0o500)
     return folder
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory) -> Path:
+    """Recordings of a pendulum that rubs, as `estexp record` writes them."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "pendulum.xml").write_text(PENDULUM)
+    out = folder / "logs"
+    sizes = ("--duration", "4", "--rate", "100", "--seed", "31")
+    assert run("record", folder / "pendulum.xml", "--effect", EFFECT, "--out", out, *sizes) == 0
+    return out
+
+
+@pytest.fixture(scope="session")
+def explained(recorded, tmp_path_factory) -> Path:
+    """What `estexp explain` leaves of them."""
+    out = tmp_path_factory.mktemp("explained") / "out"
+    assert run("explain", recorded / "recordings.toml", "--out", out, *SMALL) == 0
+    return out

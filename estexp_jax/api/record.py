@@ -1,194 +1,72 @@
-"""Recordings of a simulated robot that differs from its model in a chosen way."""
+"""`record`, from Python and as the command: recordings of a simulated robot with chosen effects."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import final
 
-import mujoco
-import numpy as np
-
-from estexp_jax.api.explain_files import write_model
-from estexp_jax.api.simulator import ExplainedSimulator, Traces
-from estexp_jax.discovery.export import explained_spec
-from estexp_jax.errors import InputError
-from estexp_jax.experiment_design.computed_torque_controller import controlled_commands, planned_path, torque_motors
-from estexp_jax.experiment_design.excitation import multisine, random_steps
-from estexp_jax.physics.effects.base import Effect
-from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
-from estexp_jax.physics.effects.registry import effect
-from estexp_jax.physics.model.clearance import pairs_that_touch
-from estexp_jax.physics.model.portable import portable
+from estexp_jax.api.options.keywords import front_door
+from estexp_jax.api.options.record import RecordOptions
+from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recordings.bind import COORDINATES
-from estexp_jax.recordings.write import write_csv
-from estexp_jax.runs import RunFolder, write_json, write_text
-
-_FINER = 5
-"""The robot is simulated at this fraction of its model's step: a real one has none."""
-_SHARES = (1.0, 0.7, 0.5, 0.35, 0.25)
-"""Of the usual size of motions, one after the other until no parts meet; the last one whatever they do."""
+from estexp_jax.replay.synthetic_recordings import RecordConfig, RecordResult, write_recordings
+from estexp_jax.runs import ProgressDisplay, open_run
 
 
-@final
-@dataclass(frozen=True)
-class RecordConfig:
-    """How to record.
-
-    Attributes:
-        duration: of each recording, s.
-        rate: rows a second.
-        bits: resolution of the encoders over a turn (slides: over a metre).
-        noise: deviation of the noise on positions, rad or m.
-        seed: of motions and noise.
-    """
-
-    duration: float = 8.0
-    rate: float = 200.0
-    bits: int = 14
-    noise: float = 2e-4
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        for name, least in (("duration", 0.1), ("rate", 1.0), ("bits", 1), ("noise", 0.0)):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= least):
-                raise InputError(f"{value} makes no sense", where=f"--{name}", right=f"{least} or more")
-
-
+@front_door(RecordOptions)
 def record(
-    robot: Robot,
-    changes: Sequence[Change],
-    config: RecordConfig,
-    folder: RunFolder,
-    begun: Callable[[str], object] = lambda _: None,
-) -> Path:
-    """Simulate a robot with changes, and write what it would have logged; gives the manifest's path.
-
-    Writes nominal.xml, train_0.csv, train_1.csv, test_0.csv (a larger motion), recordings.toml and truth.json. Servos
-    are told where to go; motors that give torques are told by a controller, so that their joints move likewise. A robot
-    that is bolted down moves less far where parts that are apart at home would meet.
+    model: str | Path,
+    out: str | Path,
+    *,
+    effect: Sequence[str] = (),
+    duration: float = 8.0,
+    rate: float = 200.0,
+    bits: int = 14,
+    noise: float = 2e-4,
+    seed: int = 0,
+    force: bool = False,
+    resume: bool = False,
+) -> RecordResult:
+    """Simulate a robot with chosen effects, and write what it would have logged.
 
     Args:
-        robot: the nominal one.
-        changes: how the robot differs.
-        config: how to record.
-        folder: where the files go.
-        begun: hears what is simulated next.
+        model: the nominal MJCF.
+        out: the folder that the recordings go to.
+        effect: effects that the robot has and its model lacks, each as "coulomb_friction@knee T=0.5".
+        duration: of each recording, s.
+        rate: rows a second.
+        bits: resolution of the encoders.
+        noise: deviation of the noise on positions, rad or m.
+        seed: of motions and noise.
+        force: replace recordings in the folder.
+        resume: do an interrupted recording again.
 
     Raises:
-        InputError: an effect acts in the controller, where a replay of commands does not see it; or the simulation
-            diverges.
+        InputError: a keyword, a value, the model or an effect is wrong, or the folder cannot be used.
     """
-    for change in changes:
-        if _in_controller_only(effect(change.effect)):
-            raise InputError(
-                f"'{change.effect}' acts in a controller, and commands are replayed here", where="--effect"
-            )
-    write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
-    real = ExplainedSimulator(robot, tuple(changes), _FINER)
-    time = np.arange(int(round(config.duration * config.rate))) / config.rate
-    motors = torque_motors(robot)
-    motions = _motions(robot, motors, time, config)
-    for i, (name, planned) in enumerate(motions):
-        begun(f"simulating {name}")
-        if motors:
-            holder = controlled_commands(robot, motors, planned, 1.0 / config.rate)
-            traces, commands = real.steered(holder, len(time), period=1.0 / config.rate)
-        else:
-            traces, commands = real.rollout(planned, period=1.0 / config.rate), planned
-        _refuse_diverged(traces, name)
-        write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))
-    write_text(folder.file("recordings.toml"), _manifest([name for name, _ in motions]))
-    write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
-    return folder.path / "recordings.toml"
+    chosen = (effect,) if isinstance(effect, str) else tuple(effect)
+    config = {"duration": duration, "rate": rate, "bits": bits, "noise": noise, "seed": seed}
+    options = RecordOptions(Path(model), Path(out), chosen, **config, force=force, resume=resume)
+    return record_to_folder(options, lambda _: None)
 
 
-def _motions(
-    robot: Robot, motors: tuple[int, ...], time: np.ndarray, config: RecordConfig
-) -> tuple[tuple[str, np.ndarray], ...]:
-    """Names of recordings and their commands (rows, nu), as large as keeps a bolted robot's parts apart."""
-    bolted = not np.any(robot.model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE))
-    motions: tuple[tuple[str, np.ndarray], ...] = ()
-    for share in _SHARES:
-        motions = (
-            ("train_0.csv", multisine(robot, time, 0.6 * share, config.seed)),
-            ("train_1.csv", random_steps(robot, time, 0.6 * share, config.seed + 1)),
-            ("test_0.csv", multisine(robot, time, 0.9 * share, config.seed + 2)),
-        )
-        paths = [planned_path(robot, motors, commands, 1.0 / config.rate) for _, commands in motions]
-        if not bolted or not pairs_that_touch(robot, paths):
-            break
-    return motions
+def record_to_folder(options: RecordOptions, say: Callable[[str], object]) -> RecordResult:
+    """Record as the command does, with progress.
 
+    Args:
+        options: of the command.
+        say: called with what the simulation leaves out.
 
-def _refuse_diverged(traces: Traces, name: str) -> None:
-    lost = ~np.isfinite(traces.qpos).all(axis=1)
-    if lost.any():
-        what = f"the simulation diverges after {traces.time[int(np.argmax(lost))]:.3g} s"
-        raise InputError(what, where=name, right="a smaller effect, or a model with a smaller time step")
-
-
-def _in_controller_only(e: Effect) -> bool:
-    return isinstance(e, ControllerFault) and not isinstance(e, CommandRoute)
-
-
-def _log(robot: Robot, commands: np.ndarray, traces: Traces, config: RecordConfig, seed: int) -> dict[str, np.ndarray]:
-    """Columns of a log: commands, sensors; joint coordinates where the model has no sensor at all.
-
-    Of a free or ball joint these are its pose and its speeds, as motion capture tells them.
+    Raises:
+        InputError: the model or an effect is wrong, or the folder cannot be used.
     """
-    draw = np.random.default_rng(seed)
-    columns = {"time": traces.time}
-    columns |= {f"ctrl.{name}": commands[:, a] for a, name in enumerate(robot.names("actuator"))}
-    names = robot.sensor_columns()
-    if names:
-        for i, name in enumerate(names):
-            columns[f"sensor.{name}"] = _measured(traces.sensors[:, i], _is_position(robot, i), config, draw)
-        return columns
-    for joint, name in enumerate(robot.names("joint")):
-        if joint in robot.scalar_joints:
-            position = traces.qpos[:, robot.model.jnt_qposadr[joint]]
-            columns[f"qpos.{name}"] = _measured(position, True, config, draw)
-        else:
-            columns |= _captured(robot, joint, traces, config, draw)
-    return columns
-
-
-def _captured(
-    robot: Robot, joint: int, traces: Traces, config: RecordConfig, draw: np.random.Generator
-) -> dict[str, np.ndarray]:
-    """Columns of a free or ball joint: a pose with noise, its quaternion of length one; speeds."""
-    name, kind = robot.names("joint")[joint], mujoco.mjtJoint(int(robot.model.jnt_type[joint]))
-    coordinates, speeds = COORDINATES[kind]
-    first, first_speed = robot.model.jnt_qposadr[joint], robot.model.jnt_dofadr[joint]
-    true = traces.qpos[:, first : first + coordinates]
-    pose = true + draw.normal(0.0, config.noise, true.shape)
-    pose[:, -4:] /= np.linalg.norm(pose[:, -4:], axis=1, keepdims=True)
-    moving = [_measured(traces.qvel[:, first_speed + i], False, config, draw) for i in range(speeds)]
-    columns = {f"qpos.{name}.{i}": pose[:, i] for i in range(coordinates)}
-    return columns | {f"qvel.{name}.{i}": speed for i, speed in enumerate(moving)}
-
-
-def _measured(true: np.ndarray, position: bool, config: RecordConfig, draw: np.random.Generator) -> np.ndarray:
-    """A reading: positions noisy and in encoder steps; others with noise of the same share of their size."""
-    if position:
-        step = 2.0 * np.pi / 2**config.bits
-        return np.round((true + draw.normal(0.0, config.noise, true.shape)) / step) * step
-    size = float(np.std(true)) or 1.0
-    return true + draw.normal(0.0, config.noise, true.shape) * size
-
-
-def _is_position(robot: Robot, column: int) -> bool:
-    sensor = int(np.searchsorted(robot.model.sensor_adr, column, side="right")) - 1
-    return int(robot.model.sensor_type[sensor]) == int(mujoco.mjtSensor.mjSENS_JOINTPOS)
-
-
-def _manifest(files: Sequence[str]) -> str:
-    entries = [
-        f'[[recording]]\nfile = "{name}"\nrole = "{"test" if name.startswith("test") else "train"}"\n' for name in files
-    ]
-    return "\n".join(['model = "nominal.xml"\n', *entries])
+    config = RecordConfig(options.duration, options.rate, options.bits, options.noise, options.seed)
+    robot = Robot.from_xml(options.model)
+    changes = tuple(parse_change(text, robot) for text in options.effect)
+    marker = {"command": "record", "config": {"model": str(options.model), "effect": options.effect, **vars(config)}}
+    for part in reduced_to_mjx(robot).left_out:
+        say(f"Simulated without {part}")
+    folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
+    with ProgressDisplay() as progress:
+        return write_recordings(robot, changes, config, folder, progress.stage)

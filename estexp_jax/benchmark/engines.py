@@ -52,7 +52,7 @@ class Runner(abc.ABC):
     steps: int
 
     @abc.abstractmethod
-    def walk(self, robots: int, steps: int) -> None:
+    def simulate(self, robots: int, steps: int) -> None:
         """Simulate the first robots for some control steps, from the start."""
 
     @abc.abstractmethod
@@ -75,7 +75,7 @@ class CRunner(Runner):
         self.steps = race.steps
 
     @cached_property
-    def _walker(self) -> CSimulator:
+    def _simulator(self) -> CSimulator:
         course = self._field.course
         match self.name:
             case "serial":
@@ -87,16 +87,19 @@ class CRunner(Runner):
             case _:
                 return PooledSimulator(course)
 
-    def walk(self, robots: int, steps: int) -> None:
+    def simulate(self, robots: int, steps: int) -> None:
         """See `Runner`."""
-        self._walker.walk(robots, steps)
+        self._simulator.rollout(robots, steps)
 
     def agreement(self) -> Agreement:
         """The model's own solver settings against the converged ones, if all ways to call the engine do the same."""
         field, race = self._field, self._field.race
         robots, steps = min(8, race.population), min(5, race.steps)
         same = np.allclose(
-            self._walker.walk(robots, steps), SerialSimulator(field.course).walk(robots, steps), rtol=0.0, atol=1e-9
+            self._simulator.rollout(robots, steps),
+            SerialSimulator(field.course).rollout(robots, steps),
+            rtol=0.0,
+            atol=1e-9,
         )
         expected = converged_speeds(field.robot, field.face, field.states, race.substeps)
         found = _own_speeds(field) if same else np.full_like(expected, np.nan)
@@ -116,9 +119,10 @@ class JaxRunner(Runner):
         self.name, self._field, race = name, field, field.race
         step = race.substeps * field.robot.model.opt.timestep
         # Twice the population: all robots are new each time, so that they fill one chunk a core.
-        self.walker: ClosedLoopSimulator = closed_loop_simulator(
+        self.simulator: ClosedLoopSimulator = closed_loop_simulator(
             field.robot,
             catalogue(EFFECTS),
+            policy=field.policy,
             rows=rows or race.steps,
             control_step=step,
             population=2 * race.population,
@@ -131,27 +135,27 @@ class JaxRunner(Runner):
     @cached_property
     def _ready(self) -> tuple[Any, Any]:
         field, n = self._field, self._field.race.population
-        few = stack([encode(field.robot, self.walker.catalogue, changes) for changes in field.sets])
+        few = stack([encode(field.robot, self.simulator.catalogue, changes) for changes in field.sets])
         values = {name: array[np.arange(n) % len(field.sets)] for name, array in few.items()}
-        start = self.walker.home(values)
+        start = self.simulator.home(values)
         named = {k: getattr(field.start, k) for k in ("qpos", "qvel", "warmstart", "sensordata")}
         wide = {k: np.broadcast_to(x.astype(np.float32), (n, len(x))) for k, x in named.items()}
         return values, start._replace(**wide)
 
-    def walk(self, robots: int, steps: int) -> None:
+    def simulate(self, robots: int, steps: int) -> None:
         """See `Runner`."""
         values, start = jax.tree.map(lambda x: x[:robots], self._ready)
-        self.walker.walk(values, self._field.weights[:robots], start, steps)
+        self.simulator.rollout(values, self._field.weights[:robots], start, steps)
 
     def agreement(self) -> Agreement:
         """The executable that is timed, on robots with edits, against recompiled models."""
-        return closed_loop_agreement(self.walker, self._field.states, [(), *self._field.sets[: _SETS - 1]])
+        return closed_loop_agreement(self.simulator, self._field.states, [(), *self._field.sets[: _SETS - 1]])
 
     def facts(self) -> dict[str, Any]:
         """Width of a chunk, work of a step, and whether XLA took the options that make lanes fast."""
-        lanes = self.walker if isinstance(self.walker, LanesClosedLoop) else None
+        lanes = self.simulator if isinstance(self.simulator, LanesClosedLoop) else None
         return {
-            "width": self.walker.width,
+            "width": self.simulator.width,
             "flops_per_robot_step": lanes and lanes.flops,
             "fast": lanes and lanes.fast,
         }

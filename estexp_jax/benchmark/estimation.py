@@ -32,14 +32,14 @@ def estimation_time(race: BenchmarkTask, repeats: int) -> dict[str, Any]:
     few = stack([encode(robot, world.closed_loop.catalogue, changes) for changes in sets])
     values = {name: np.repeat(array, _TRIALS, axis=0) for name, array in few.items()}
     many = np.tile(weights, (len(sets), 1))
-    world.closed_loop.walk(values, many, start, _SAMPLES)
-    walks, whole = [], []
+    world.closed_loop.rollout(values, many, start, _SAMPLES)
+    rollouts, whole = [], []
     for _ in range(max(repeats, 3)):
         begin = perf_counter()
-        world.closed_loop.walk(values, many, start, _SAMPLES)
+        world.closed_loop.rollout(values, many, start, _SAMPLES)
         between = perf_counter()
         world.trials(sets, weights, _SAMPLES)
-        walks.append(between - begin)
+        rollouts.append(between - begin)
         whole.append(perf_counter() - between)
     robot_steps = len(many) * _SAMPLES * world.closed_loop.substeps
     return {
@@ -49,7 +49,7 @@ def estimation_time(race: BenchmarkTask, repeats: int) -> dict[str, Any]:
         "steps": _SAMPLES,
         "substeps": world.closed_loop.substeps,
         "robot_steps": robot_steps,
-        "walks_s": float(np.median(walks)),
+        "walks_s": float(np.median(rollouts)),
         "generation_s": float(np.median(whole)),
         "settle_steps": settings.settle_steps,
     }

@@ -66,16 +66,16 @@ def _answer(question: dict[str, Any]) -> dict[str, float]:
     if question["engine"] in ("serial_open", "rollout"):
         field.recorded.sum()  # no part of the engine
     start = time.perf_counter()
-    with count_compilations() as seen:
+    with count_compilations() as compilations:
         engine = runner(question["engine"], field)
-        engine.walk(engine.robots, 1)
+        engine.simulate(engine.robots, 1)
     first = time.perf_counter()
-    engine.walk(engine.robots, engine.steps)
+    engine.simulate(engine.robots, engine.steps)
     peak = peak_mb()
     return {
         "import_s": imported - begin,
         "first_result_s": first - start,
-        "xla_s": seen.seconds,
+        "xla_s": compilations.seconds,
         "peak_mb": peak,
         "rise_mb": peak - before,
     }

@@ -21,9 +21,10 @@ from estexp_jax.physics.effects.sites import actuator_sites, body_sites, scalar_
 from estexp_jax.physics.engines.agreement import SampledStates, sample_states
 from estexp_jax.physics.engines.c.closed_loop import CRollouts, PooledSimulator, StartState, at_rest
 from estexp_jax.physics.engines.controller_interface import Interface, interface_of
+from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.model.travel import root_position_map
-from estexp_jax.recovery.control.network import n_weights
+from estexp_jax.recovery.control.network import RecurrentPolicy
 
 EFFECTS = (BodyMass.name, MotorWeakness.name, JointJam.name, GravityTilt.name)
 """What differs from robot to robot: masses and inertias, gains and force ranges, damping, gravity."""
@@ -67,8 +68,9 @@ class BenchmarkRobots:
         self.race, self.robot = race, load(race.model, feet=race.feet)
         root_position_map(self.robot)  # refuses robots that cannot travel, as any engine would later
         self.face: Interface = interface_of(self.robot)
+        self.policy: Policy = RecurrentPolicy()
         self.rng = np.random.default_rng(race.seed)
-        size = (race.population, n_weights(self.face.n_inputs, self.face.n_outputs))
+        size = (race.population, self.policy.n_weights(self.face.n_inputs, self.face.n_outputs))
         self.weights = self.rng.uniform(-1.0, 1.0, size).astype(np.float32)
         self.sets = [small_changes(self.robot, self.rng) for _ in range(min(race.population, _DRAWN))]
         self.start: StartState = at_rest(self.robot.model, self.robot.home(), self.face.ctrl_centre, _REST)
@@ -76,7 +78,7 @@ class BenchmarkRobots:
     @property
     def course(self) -> CRollouts:
         """What the C engine is given: the nominal robot."""
-        return CRollouts(self.robot.model, self.face, self.start, self.weights, self.race.substeps)
+        return CRollouts(self.robot.model, self.face, self.policy, self.start, self.weights, self.race.substeps)
 
     @cached_property
     def recorded(self) -> np.ndarray:

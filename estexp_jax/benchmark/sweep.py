@@ -62,21 +62,21 @@ def _cast(
     for (name, _), members in groups.items():
         each = made(name, BenchmarkRobots(replace(race, population=max(n for _, n in members))))
         for point in members:
-            each.walk(point[1], 1)
+            each.simulate(point[1], 1)
             cast[point] = each
         progress.advance(note=f"{name}, {members[-1][1]} robots")
     return cast
 
 
 def _rate(each: Runner, robots: int, steps: int, substeps: int) -> float:
-    """Robot steps per second, over as many walks as take a fifth of a second."""
+    """Robot steps per second, over as many rollouts as take a fifth of a second."""
     steps = int(np.clip(_MOST // (robots * substeps), 1, steps))
-    begin, walks = perf_counter(), 0
+    begin, rollouts = perf_counter(), 0
     while True:
-        each.walk(robots, steps)
-        walks += 1
+        each.simulate(robots, steps)
+        rollouts += 1
         if (spent := perf_counter() - begin) >= _LEAST_S:
-            return walks * robots * steps * substeps / spent
+            return rollouts * robots * steps * substeps / spent
 
 
 def _share(one: dict[str, Any], found: Sequence[dict[str, Any]]) -> float | None:

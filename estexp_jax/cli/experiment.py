@@ -5,13 +5,11 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-import tyro
-
+from estexp_jax.api.options.experiment import ExperimentOptions
 from estexp_jax.errors import InputError, known
+from estexp_jax.runs.cluster import check_installed
 
 EXPERIMENTS = Path("experiments")
 """Where experiments are looked for, from the current folder."""
@@ -19,44 +17,16 @@ EXPERIMENTS = Path("experiments")
 _INTERRUPTED = 3
 
 
-@dataclass(frozen=True)
-class Options:
-    """Run an experiment: all its runs, its figures, its numbers.
-
-    An experiment is a folder with a `run.py`, in ./experiments or anywhere; it runs as its own process, whose exit code
-    becomes this one's.
-
-    Example:
-        estexp experiment stuck_knee --quick
-        estexp experiment stuck_knee --ray 10.0.0.1:6379 --out /shared/experiments
-    """
-
-    name: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="NAME")]
-    """A folder of ./experiments, or the path of one."""
-    quick: bool = False
-    """Few and short runs: shows that everything works, proves nothing."""
-    resume: bool = False
-    """Go on with an interrupted experiment."""
-    workers: int | None = None
-    """How many runs at a time; the experiment chooses where this is not given."""
-    ray: Annotated[tuple[str, ...] | None, tyro.conf.arg(metavar="[ADDRESS]")] = None
-    """The runs as tasks of a Ray cluster, one GPU each where there are some; without an address, a Ray of its own."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Where results and checkpoints go; with --ray, a folder that all machines share. Default: the experiment's."""
-
-
-def run(options: Options) -> int:
+def experiment_command(options: ExperimentOptions) -> int:
     """Run the experiment's `run.py` and wait for it.
 
     Returns:
         Its exit code; 3 where it was ended by Ctrl-C, 1 where another signal killed it.
 
     Raises:
-        InputError: there is no such experiment; lists those that exist. `workers` is less than one, there are several
-            addresses, or Ray is not installed.
+        InputError: there is no such experiment; lists those that exist. There are several addresses, or Ray is not
+            installed.
     """
-    if options.workers is not None and options.workers < 1:
-        raise InputError(f"is {options.workers}", where="--workers", right="at least 1")
     if options.ray is not None:
         _check_ray(options.ray)
     script = find(options.name, EXPERIMENTS) / "run.py"
@@ -67,21 +37,39 @@ def find(name: str, experiments: Path) -> Path:
     """The folder of an experiment.
 
     Args:
-        name: of a folder of `experiments`, or a path.
+        name: of a study's folder in `experiments` or in one of its groups (`planted`), with its group
+            (`explain/planted`), or a path.
         experiments: where they are.
 
     Raises:
-        InputError: neither has a `run.py`.
+        InputError: none has a `run.py`, or several groups have a study of this name; lists what exists.
     """
-    for folder in (experiments / name, Path(name)):
-        if (folder / "run.py").is_file():
-            return folder
-    names = sorted(script.parent.name for script in experiments.glob("*/run.py"))
-    right = f"a path, or a folder of {experiments.resolve()} with a run.py; {known(names)}"
+    there = studies(experiments)
+    named = [there[name]] if name in there else [folder for folder in there.values() if folder.name == name]
+    if len(named) == 1:
+        return named[0]
+    if len(named) > 1:
+        names = [folder.relative_to(experiments).as_posix() for folder in named]
+        raise InputError(f"there are {len(named)} experiments '{name}'", right=f"one of {', '.join(names)}")
+    if (Path(name) / "run.py").is_file():
+        return Path(name)
+    right = f"a path, or a folder of {experiments.resolve()} with a run.py; {known(_short_names(there))}"
     raise InputError(f"there is no experiment '{name}'", right=right)
 
 
-def _arguments(options: Options) -> list[str]:
+def studies(experiments: Path) -> dict[str, Path]:
+    """Folders with a `run.py`, by their paths in `experiments`; groups are one level deep."""
+    scripts = [*experiments.glob("*/run.py"), *experiments.glob("*/*/run.py")]
+    return {s.parent.relative_to(experiments).as_posix(): s.parent for s in sorted(scripts)}
+
+
+def _short_names(there: dict[str, Path]) -> list[str]:
+    """Names of studies, with their group only where two groups have the same one."""
+    leaves = [folder.name for folder in there.values()]
+    return sorted(f.name if leaves.count(f.name) == 1 else path for path, f in there.items())
+
+
+def _arguments(options: ExperimentOptions) -> list[str]:
     flags = [f"--{name}" for name in ("quick", "resume") if getattr(options, name)]
     workers = [] if options.workers is None else ["--workers", str(options.workers)]
     ray = [] if options.ray is None else ["--ray", *options.ray]
@@ -90,9 +78,7 @@ def _arguments(options: Options) -> list[str]:
 
 
 def _check_ray(addresses: tuple[str, ...]) -> None:
-    """Tell what is wrong before anything runs."""
-    from estexp_jax.runs.cluster import check_installed
-
+    """Refuse what is wrong before anything runs."""
     if len(addresses) > 1:
         raise InputError(f"has {len(addresses)} addresses", where="--ray", right="one, or none; NAME goes before it")
     check_installed()

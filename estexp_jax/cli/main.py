@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from inspect import cleandoc
 from typing import Annotated, Any, Union
 
+import estexp_jax
 from estexp_jax.errors import InputError
 
 COMMANDS = (
@@ -20,10 +21,14 @@ COMMANDS = (
     "record",
     "recover",
 )
-"""The subcommands, in the help's order; each is a module of this folder. It has `Options`, a frozen dataclass whose
-docstrings are the help (its own ends with an example), and `run(options) -> int`, the exit code. To keep `--help` fast,
-modules import what computes inside `run`."""
+"""The subcommands, in the help's order. For each, `api/options/<name>.py` has `<Name>Options`, a frozen dataclass whose
+docstrings are the help (its own ends with an example); `cli/<name>.py` has `<name>_command(options) -> int`, the exit
+code. Help needs only the options, so what computes is imported when a command runs."""
 
+_SUMMARY = (
+    "Finds what broke on a robot, or what physics its simulator lacks, by searching simulations until they "
+    "reproduce its sensors. `estexp COMMAND --help` explains a command; `estexp --version` prints the version."
+)
 DONE, DEFECT, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 3
 
 
@@ -41,15 +46,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _print_version()
     try:
         options = _parsed(arguments)
-    except SystemExit as end:  # after --help, or after telling what is wrong
-        return end.code if isinstance(end.code, int) else DONE
-    from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
-    from estexp_jax.runs import quiet_xla
+        from estexp_jax.api.session import command_session
 
-    quiet_xla()
-    try:
-        with mujoco_warnings_suppressed():
-            return _module_of(options).run(options)
+        with command_session():
+            return _run_of(options)(options)
+    except SystemExit as end:  # after --help, or after a message about wrong usage
+        return end.code if isinstance(end.code, int) else DONE
     except InputError as error:
         print(f"estexp: error: {error}", file=sys.stderr)
         return WRONG_INPUT
@@ -59,9 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _print_version() -> int:
-    from estexp_jax.runs.versions import version
-
-    print(f"estexp {version('estexp_jax')}")
+    print(f"estexp {estexp_jax.__version__}")
     return DONE
 
 
@@ -71,33 +71,32 @@ def _parsed(arguments: list[str]) -> Any:
 
     settings = (tyro.conf.FlagCreatePairsOff,)
     if arguments and arguments[0] in COMMANDS:
-        options = _module(arguments[0]).Options
+        options = _options_of(arguments[0])
         # The whole docstring: left to itself, tyro would drop the example as a section of its own.
-        description = cleandoc(options.__doc__ or "")
-        prog = f"estexp {arguments[0]}"
-        return tyro.cli(options, prog=prog, description=description, args=arguments[1:], config=settings)
+        texts: dict[str, Any] = {"prog": f"estexp {arguments[0]}", "description": cleandoc(options.__doc__ or "")}
+        return tyro.cli(options, **texts, args=arguments[1:], config=settings)
     choices: Any = Union[tuple(_choice(name) for name in COMMANDS)]  # noqa: UP007
-    description = (
-        "Finds what broke on a robot, or what physics its simulator lacks, by searching simulations until they "
-        "reproduce its sensors. `estexp COMMAND --help` explains a command; `estexp --version` tells the version."
-    )
-    return tyro.cli(choices, prog="estexp", description=description, args=arguments, config=settings)
+    texts = {"prog": "estexp", "description": _SUMMARY}
+    return tyro.cli(choices, **texts, args=arguments, config=settings)
 
 
 def _choice(name: str) -> Any:
     import tyro
 
-    options = _module(name).Options
-    summary = cleandoc(options.__doc__ or "").partition("\n")[0]
-    return Annotated[options, tyro.conf.subcommand(name, description=summary)]
+    options = _options_of(name)
+    texts: dict[str, Any] = {"description": cleandoc(options.__doc__ or "").partition("\n")[0]}
+    return Annotated[options, tyro.conf.subcommand(name, **texts)]
 
 
-def _module(name: str) -> Any:
-    return importlib.import_module(f"estexp_jax.cli.{name}")
+def _options_of(name: str) -> Any:
+    """The options class of a command."""
+    return getattr(importlib.import_module(f"estexp_jax.api.options.{name}"), f"{name.capitalize()}Options")
 
 
-def _module_of(options: Any) -> Any:
-    return sys.modules[type(options).__module__]
+def _run_of(options: Any) -> Callable[[Any], int]:
+    """The function that runs a command with such options."""
+    name = type(options).__module__.rpartition(".")[2]
+    return getattr(importlib.import_module(f"estexp_jax.cli.{name}"), f"{name}_command")
 
 
 if __name__ == "__main__":

@@ -13,8 +13,9 @@ import numpy as np
 
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.effects.changes import neutral, stack
-from estexp_jax.physics.engines.open_loop import OpenLoopRollout, is_acceleration
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, command_steps
+from estexp_jax.physics.engines.open_loop_states import is_acceleration
 from estexp_jax.physics.window import Window
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]

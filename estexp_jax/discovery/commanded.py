@@ -53,7 +53,7 @@ def _with_commands(problem: Problem, sides: list[np.ndarray]) -> Problem:
     recordings = tuple(with_other_commands(r, side) for r, side in zip(problem.recordings, sides, strict=True))
 
     def retold(segments: tuple[Window, ...]) -> tuple[Window, ...]:
-        return tuple(replace(s, history=s.history.told(recordings[s.recording].ctrl)) for s in segments)
+        return tuple(replace(s, history=s.history.with_commands(recordings[s.recording].ctrl)) for s in segments)
 
     cut = problem.replays.cut
     cut = cut._replace(whole=retold(cut.whole), half=retold(cut.half), fine=retold(cut.fine))

@@ -87,7 +87,7 @@ def other_commands(recordings: Sequence[Recording], segments: Sequence[Window]) 
             for actuator in np.flatnonzero(spread[s.recording] > 0.0):
                 ctrl = s.history.logged.copy()
                 ctrl[row, actuator] += spread[s.recording][actuator]
-                copies.append(replace(s, history=s.history.told(ctrl)))
+                copies.append(replace(s, history=s.history.with_commands(ctrl)))
     most = max(map(len, found), default=0)
     return [[copies[k] if k < len(copies) else None for copies in found] for k in range(most)]
 

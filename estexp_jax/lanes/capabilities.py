@@ -1,4 +1,4 @@
-"""What lanes can simulate, and by name what they cannot."""
+"""Checks whether lanes support a model, and names what they do not support."""
 
 from __future__ import annotations
 

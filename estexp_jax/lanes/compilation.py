@@ -22,7 +22,7 @@ import jax
 _LOOP_BYTES = 30_000
 """Memory that a loop may touch for each robot in one pass and still be compiled as one function, which saves it XLA's
 executor: enough for the solver, too little for the step around it. With the step in it as well, LLVM takes half as long
-again over the walk of the quadruped, in one thread instead of all, and the walk is no faster."""
+again over the rollout of the quadruped, in one thread instead of all, and the rollout is no faster."""
 _EXACT = {"xla_disable_hlo_passes": "fusion,cpu-instruction-fusion"}
 """A public option under which the program is right and slow: no fusion, no copies of values."""
 _BUILD_OPTIONS, _DEBUG_OPTIONS, _BACKEND_EXTRA = 3, 3, 500

@@ -1,4 +1,4 @@
-"""Where a robot can touch a plane: the points of its spheres, capsules and boxes.
+"""Contact candidates of a robot with a plane: the points of its spheres, capsules and boxes.
 
 Source: MuJoCo `engine_collision_primitive.c`; a sphere touches at one point, a capsule at the ends of its axis (which
 also turns the contact's frame), a box at its lower corners.
@@ -41,7 +41,7 @@ class Candidate:
 
     @property
     def signature(self) -> Any:
-        """What points share that may stand in one array."""
+        """Properties that points in one array share."""
         return int(self.shape), self.plane, self.condim
 
     @property

@@ -66,55 +66,53 @@ class Contact:
         return self.rows.forces(r)[2] if isinstance(self.rows, Pyramid) else self.rows.forces(r)
 
 
-def contacts(plan: Layout, numbers: ModelParameters, moving: BodyMotion, dt: Scalar) -> list[Contact]:
+def contacts(layout: Layout, params: ModelParameters, moving: BodyMotion, dt: Scalar) -> list[Contact]:
     """All contacts; those that do not touch have no stiffness."""
     return [
-        _contact(plan, numbers, moving, group, candidate, dt) for group in plan.groups for candidate in group.touches
+        _contact(layout, params, moving, group, candidate, dt) for group in layout.groups for candidate in group.touches
     ]
 
 
 def _contact(
-    plan: Layout, numbers: ModelParameters, moving: BodyMotion, group: Group, candidate: Candidate, dt: Scalar
+    layout: Layout, params: ModelParameters, moving: BodyMotion, group: Group, candidate: Candidate, dt: Scalar
 ) -> Contact:
-    model, k = plan.model, candidate.k
-    place, normal = _plane(model, numbers, candidate.plane)
-    point, radius, along, upper = _point(numbers, moving, group, candidate, normal)
+    model, k = layout.model, candidate.k
+    place, normal = _plane(model, params, candidate.plane)
+    point, radius, along, upper = _point(params, moving, group, candidate, normal)
     height = sub(dot(normal, vadd(point, all_to_children(moving.origin[group.index], group.k, k))), dot(normal, place))
     distance = sub(height, radius)
     position = vsub(point, scale(radius + 0.5 * distance, normal))
-    margin = add(
-        numbers.get("geom_margin", candidate.geoms), numbers.get("geom_margin", [candidate.plane] * candidate.k)
-    )
+    margin = add(params.get("geom_margin", candidate.geoms), params.get("geom_margin", [candidate.plane] * candidate.k))
     violation = sub(distance, margin)
-    touching = violation < 0
+    active = violation < 0
     if upper is not None:
-        touching = touching & (upper <= 0)
-    soft = _softness(numbers, candidate)
+        active = active & (upper <= 0)
+    soft = _softness(params, candidate)
     impedance = soft.impedance(violation)
     spring, damper = soft.spring(dt, safe=not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_REFSAFE)
-    weight = numbers.get("body_invweight0", _bodies(model, candidate), 0)
+    weight = params.get("body_invweight0", _bodies(model, candidate), 0)
     frame = (normal,) if candidate.condim == 1 else (*_tangents(normal, along), normal)
     axes = [
         tuple(dot(axis, velocity) for axis in frame)
         for velocity in (
             vadd(
-                all_to_children(moving.linear[i], plan.dofs[i].k, k),
-                cross(all_to_children(moving.angular[i], plan.dofs[i].k, k), position),
+                all_to_children(moving.linear[i], layout.dofs[i].k, k),
+                cross(all_to_children(moving.angular[i], layout.dofs[i].k, k), position),
             )
             for i in group.chain
         )
     ]
-    moved = [to_children(moving.speed[i], plan.dofs[i].k, k) for i in group.chain]
+    moved = [to_children(moving.speed[i], layout.dofs[i].k, k) for i in group.chain]
     speed = [total(mul(a[e], v) for a, v in zip(axes, moved, strict=True)) for e in range(len(frame))]
     back = -spring * impedance * violation
     if candidate.condim == 1:
-        stiffness = jnp.where(touching, regularised(weight, impedance), 0.0)
+        stiffness = jnp.where(active, regularised(weight, impedance), 0.0)
         rows = ContactPush(k, group.chain, tuple(a[0] for a in axes), stiffness, back - damper * speed[0])
         return Contact(group.index, candidate, rows, position, normal)
-    friction = _friction(model, numbers, candidate)
+    friction = _friction(model, params, candidate)
     mu = friction / np.sqrt(model.opt.impratio)
     edge = 2 * mu * mu * (weight + friction * friction * weight)
-    stiffness = jnp.where(touching, regularised(edge, impedance), 0.0)
+    stiffness = jnp.where(active, regularised(edge, impedance), 0.0)
     slip = [mul(friction, s) for s in speed[:2]]
     aref = tuple(back - damper * (speed[2] + s) for s in (slip[0], -slip[0], slip[1], -slip[1]))
     rows = Pyramid(k, group.chain, tuple(axes), friction, stiffness, aref)
@@ -125,30 +123,30 @@ def _bodies(model: mujoco.MjModel, candidate: Candidate) -> Sequence[int]:
     return [int(model.geom_bodyid[g]) for g in candidate.geoms]
 
 
-def _plane(model: mujoco.MjModel, numbers: ModelParameters, plane: int) -> tuple[Vector, Vector]:
+def _plane(model: mujoco.MjModel, params: ModelParameters, plane: int) -> tuple[Vector, Vector]:
     """A point of a plane and its normal, world axes."""
     body = int(model.geom_bodyid[plane])
     position, quaternion = world_pose(model, body, model.geom_pos[plane], model.geom_quat[plane])
     normal = rotation_matrix(quaternion)[:, 2]
-    return numbers.known_vector(position[None]), numbers.known_vector(normal[None])
+    return params.known_vector(position[None]), params.known_vector(normal[None])
 
 
 def _point(
-    numbers: ModelParameters, moving: BodyMotion, group: Group, candidate: Candidate, normal: Vector
+    params: ModelParameters, moving: BodyMotion, group: Group, candidate: Candidate, normal: Vector
 ) -> tuple[Vector, Scalar, Vector | None, Scalar | None]:
     """The point, the radius around it, a capsule's axis, how far a corner is above its box's centre."""
     pose, k, geoms = moving.poses[group.index], candidate.k, candidate.geoms
     rotation = [all_to_children(row, group.k, k) for row in pose.rotation]
-    centre = vadd(all_to_children(pose.position, group.k, k), apply(rotation, numbers.vector("geom_pos", geoms)))
+    centre = vadd(all_to_children(pose.position, group.k, k), apply(rotation, params.vector("geom_pos", geoms)))
     if candidate.shape == _GEOM.mjGEOM_SPHERE:
-        return centre, numbers.get("geom_size", geoms, 0), None, None
-    turned = numbers.rotation("geom_quat", geoms)
-    side = numbers.known_vector(np.array(candidate.at, dtype=float))
+        return centre, params.get("geom_size", geoms, 0), None, None
+    turned = params.rotation("geom_quat", geoms)
+    side = params.known_vector(np.array(candidate.at, dtype=float))
     if candidate.shape == _GEOM.mjGEOM_CAPSULE:
         axis = apply(rotation, tuple(row[2] for row in turned))
-        half = mul(side[2], numbers.get("geom_size", geoms, 1))
-        return vadd(centre, scale(half, axis)), numbers.get("geom_size", geoms, 0), axis, None
-    size = numbers.vector("geom_size", geoms)
+        half = mul(side[2], params.get("geom_size", geoms, 1))
+        return vadd(centre, scale(half, axis)), params.get("geom_size", geoms, 0), axis, None
+    size = params.vector("geom_size", geoms)
     corner = apply(rotation, apply(turned, tuple(mul(s, x) for s, x in zip(side, size, strict=True))))
     return vadd(centre, corner), 0, None, dot(normal, corner)
 
@@ -165,15 +163,15 @@ def _tangents(normal: Vector, along: Vector | None) -> tuple[Vector, Vector]:
     return flat, cross(normal, flat)
 
 
-def _softness(numbers: ModelParameters, candidate: Candidate) -> Softness:
-    refs, imps = zip(*(mixed(numbers.model, candidate.plane, g) for g in candidate.geoms), strict=True)
-    return Softness.of(numbers, np.array(refs), np.array(imps))
+def _softness(params: ModelParameters, candidate: Candidate) -> Softness:
+    refs, imps = zip(*(mixed(params.model, candidate.plane, g) for g in candidate.geoms), strict=True)
+    return Softness.of(params, np.array(refs), np.array(imps))
 
 
-def _friction(model: mujoco.MjModel, numbers: ModelParameters, candidate: Candidate) -> Scalar:
+def _friction(model: mujoco.MjModel, params: ModelParameters, candidate: Candidate) -> Scalar:
     """Sliding friction: the greater of the two, unless one has priority."""
-    own = numbers.get("geom_friction", candidate.geoms, 0)
-    floor = numbers.get("geom_friction", [candidate.plane] * candidate.k, 0)
+    own = params.get("geom_friction", candidate.geoms, 0)
+    floor = params.get("geom_friction", [candidate.plane] * candidate.k, 0)
     ahead = model.geom_priority[list(candidate.geoms)] - model.geom_priority[candidate.plane]
     if np.all(ahead == 0):
         least = mujoco.mjMINMU

@@ -34,45 +34,45 @@ from estexp_jax.lanes.sparse import Entries
 class Inertias:
     """Each group's mass and its inertia about the centre of mass, in the axes of the body: once a rollout."""
 
-    def __init__(self, plan: Layout, numbers: ModelParameters) -> None:
+    def __init__(self, layout: Layout, params: ModelParameters) -> None:
         """Take them from the numbers."""
         self.mass: list[Scalar] = []
         self.centre: list[Vector] = []
         self.inertia: list[Symmetric] = []
-        for group in plan.groups:
-            self.mass.append(numbers.get("body_mass", group.bodies))
-            self.centre.append(numbers.vector("body_ipos", group.bodies))
-            turned = numbers.rotation("body_iquat", group.bodies)
-            principal = numbers.vector("body_inertia", group.bodies)
+        for group in layout.groups:
+            self.mass.append(params.get("body_mass", group.bodies))
+            self.centre.append(params.vector("body_ipos", group.bodies))
+            turned = params.rotation("body_iquat", group.bodies)
+            principal = params.vector("body_inertia", group.bodies)
             self.inertia.append(symmetric_rotated(turned, (*principal, 0, 0, 0)))
 
 
 def mass_and_bias(
-    plan: Layout, numbers: ModelParameters, inertias: Inertias, moving: BodyMotion
+    layout: Layout, params: ModelParameters, inertias: Inertias, moving: BodyMotion
 ) -> tuple[Entries, list[Scalar]]:
     """The mass matrix, armature included, and the force that zero accelerations need."""
-    composite = [_single(group, inertias, moving) for group in plan.groups]
+    composite = [_single(group, inertias, moving) for group in layout.groups]
     matrix: Entries = {}
-    bias: list[Scalar] = [0] * len(plan.dofs)
-    for group in reversed(plan.groups):
+    bias: list[Scalar] = [0] * len(layout.dofs)
+    for group in reversed(layout.groups):
         whole = composite[group.index]
-        for child in plan.children[group.index]:
+        for child in layout.children[group.index]:
             whole = [
                 add(a, sum_over_children(b, child.k, group.k))
                 for a, b in zip(whole, composite[child.index], strict=True)
             ]
         composite[group.index] = whole
-        mass, first, second, force, moment = whole[0], whole[1:4], whole[4:10], whole[10:13], whole[13:16]
+        mass, first, second, force, torque = whole[0], whole[1:4], whole[4:10], whole[10:13], whole[13:16]
         for joint in group.joints:
             for i in joint.dofs:
                 linear, angular = moving.linear[i], moving.angular[i]
                 push = vadd(scale(mass, linear), cross(angular, first))
                 twist = vadd(cross(first, linear), symmetric_apply(second, angular))
-                for j in (*plan.dofs[i].above, i):
-                    above = [all_to_children(m[j], plan.dofs[j].k, group.k) for m in (moving.linear, moving.angular)]
+                for j in (*layout.dofs[i].above, i):
+                    above = [all_to_children(m[j], layout.dofs[j].k, group.k) for m in (moving.linear, moving.angular)]
                     matrix[i, j] = add(dot(above[0], push), dot(above[1], twist))
-                matrix[i, i] = add(matrix[i, i], numbers.get("dof_armature", plan.dofs[i].addresses))
-                bias[i] = add(dot(linear, force), dot(angular, moment))
+                matrix[i, i] = add(matrix[i, i], params.get("dof_armature", layout.dofs[i].addresses))
+                bias[i] = add(dot(linear, force), dot(angular, torque))
     return matrix, bias
 
 
@@ -86,6 +86,6 @@ def _single(group: Group, inertias: Inertias, moving: BodyMotion) -> list[Scalar
     inertia = symmetric_rotated(pose.rotation, inertias.inertia[group.index])
     force = scale(mass, centre.acceleration)
     spinning = symmetric_apply(inertia, pose.spin)
-    moment = vadd(symmetric_apply(inertia, pose.spin_rate), cross(pose.spin, spinning))
+    torque = vadd(symmetric_apply(inertia, pose.spin_rate), cross(pose.spin, spinning))
     second = parallel_axis(inertia, mass, centre.position)
-    return [mass, *scale(mass, centre.position), *second, *force, *vadd(moment, cross(centre.position, force))]
+    return [mass, *scale(mass, centre.position), *second, *force, *vadd(torque, cross(centre.position, force))]

@@ -45,7 +45,7 @@ class JointForces:
 @final
 @dataclass
 class MotorCommands:
-    """What the motors are told, by the slots of `Motor`.
+    """Commands of the motors, by the slots of `Motor`.
 
     Attributes:
         command: (k, N) for each slot.
@@ -58,39 +58,45 @@ class MotorCommands:
     share: dict[tuple[int, ...], Scalar] | None = None
 
 
+def motor_commands(layout: Layout, ctrl: Sequence[Scalar]) -> MotorCommands:
+    """Commands of all motors, all of them on, from one array (N,) for each of the model's `nu` actuators."""
+    slots = [motor.ids for joint in layout.joints for motor in joint.motors]
+    return MotorCommands({ids: ctrl[ids[0]] if len(ids) == 1 else jnp.stack([ctrl[i] for i in ids]) for ids in slots})
+
+
 def joint_forces(
-    plan: Layout,
-    numbers: ModelParameters,
+    layout: Layout,
+    params: ModelParameters,
     positions: Sequence[Sequence[Scalar]],
     speed: Sequence[Scalar],
-    drive: MotorCommands,
+    commands: MotorCommands,
 ) -> JointForces:
     """Forces in a state.
 
     Args:
-        plan: structure.
-        numbers: of the robots.
+        layout: structure.
+        params: of the robots.
         positions: per joint.
         speed: per degree of freedom.
-        drive: what the motors are told.
+        commands: of the motors.
     """
-    n = len(plan.dofs)
+    n = len(layout.dofs)
     found = JointForces([0] * n, [0] * n, [0] * n, [0] * n)
-    for joint, q in zip(plan.joints, positions, strict=True):
+    for joint, q in zip(layout.joints, positions, strict=True):
         for dof in joint.dofs:
-            _brake(plan, numbers, found, dof, speed[dof])
+            _brake(layout, params, found, dof, speed[dof])
         if not joint.free:
-            _spring(plan, numbers, found, joint, q[0])
-            _drive(plan, numbers, found, joint, q[0], speed[joint.dofs[0]], drive)
+            _spring(layout, params, found, joint, q[0])
+            _drive(layout, params, found, joint, q[0], speed[joint.dofs[0]], commands)
     return found
 
 
-def _brake(plan: Layout, numbers: ModelParameters, found: JointForces, dof: int, speed: Scalar) -> None:
-    if plan.model.opt.disableflags & _OFF.mjDSBL_DAMPER:
+def _brake(layout: Layout, params: ModelParameters, found: JointForces, dof: int, speed: Scalar) -> None:
+    if layout.model.opt.disableflags & _OFF.mjDSBL_DAMPER:
         return
-    damping = numbers.get("dof_damping", plan.dofs[dof].addresses)
+    damping = params.get("dof_damping", layout.dofs[dof].addresses)
     found.force[dof] = sub(found.force[dof], mul(damping, speed))
-    square, cube = (numbers.get("dof_dampingpoly", plan.dofs[dof].addresses, i) for i in range(2))
+    square, cube = (params.get("dof_dampingpoly", layout.dofs[dof].addresses, i) for i in range(2))
     if not (is_number(square, 0) and is_number(cube, 0)):
         more = damper(square, cube, speed)
         found.force[dof], damping = add(found.force[dof], more.force), add(damping, more.slope)
@@ -98,40 +104,40 @@ def _brake(plan: Layout, numbers: ModelParameters, found: JointForces, dof: int,
     found.braking[dof] = damping
 
 
-def _spring(plan: Layout, numbers: ModelParameters, found: JointForces, joint: Joint, q: Scalar) -> None:
-    stiffness = numbers.get("jnt_stiffness", joint.ids)
-    square, cube = (numbers.get("jnt_stiffnesspoly", joint.ids, i) for i in range(2))
-    slack = all(is_number(x, 0) for x in (stiffness, square, cube))
-    if slack or plan.model.opt.disableflags & _OFF.mjDSBL_SPRING:
+def _spring(layout: Layout, params: ModelParameters, found: JointForces, joint: Joint, q: Scalar) -> None:
+    stiffness = params.get("jnt_stiffness", joint.ids)
+    square, cube = (params.get("jnt_stiffnesspoly", joint.ids, i) for i in range(2))
+    absent = all(is_number(x, 0) for x in (stiffness, square, cube))
+    if absent or layout.model.opt.disableflags & _OFF.mjDSBL_SPRING:
         return
-    stretched = sub(q, numbers.get("qpos_spring", joint.qpos))
-    found.force[joint.dofs[0]] = sub(found.force[joint.dofs[0]], mul(stiffness, stretched))
+    extension = sub(q, params.get("qpos_spring", joint.qpos))
+    found.force[joint.dofs[0]] = sub(found.force[joint.dofs[0]], mul(stiffness, extension))
     if not (is_number(square, 0) and is_number(cube, 0)):
-        own = numbers.known(plan.model.qpos_spring[np.asarray(joint.qpos)])  # what effects add rests where they say
+        own = params.known(layout.model.qpos_spring[np.asarray(joint.qpos)])  # what effects add rests where they say
         found.force[joint.dofs[0]] = add(found.force[joint.dofs[0]], spring(square, cube, sub(q, own)).force)
 
 
 def _drive(
-    plan: Layout,
-    numbers: ModelParameters,
+    layout: Layout,
+    params: ModelParameters,
     found: JointForces,
     joint: Joint,
     q: Scalar,
     speed: Scalar,
-    drive: MotorCommands,
+    commands: MotorCommands,
 ) -> None:
-    if not joint.motors or plan.model.opt.disableflags & _OFF.mjDSBL_ACTUATION:
+    if not joint.motors or layout.model.opt.disableflags & _OFF.mjDSBL_ACTUATION:
         return
     torque: Scalar = 0
     slope: Scalar = 0
     for motor in joint.motors:
-        gear = numbers.get("actuator_gear", motor.ids, 0)
-        force, by_speed = motor_force(plan, numbers, motor, mul(gear, q), mul(gear, speed), drive)
+        gear = params.get("actuator_gear", motor.ids, 0)
+        force, by_speed = motor_force(layout, params, motor, mul(gear, q), mul(gear, speed), commands)
         found.actuator[motor.ids] = force
         torque = add(torque, mul(gear, force))
         slope = add(slope, mul(mul(gear, gear), by_speed))
-    if plan.model.jnt_actfrclimited[joint.ids[0]]:
-        low, high = (numbers.get("jnt_actfrcrange", joint.ids, i) for i in range(2))
+    if layout.model.jnt_actfrclimited[joint.ids[0]]:
+        low, high = (params.get("jnt_actfrcrange", joint.ids, i) for i in range(2))
         torque = clip(torque, low, high)
     dof = joint.dofs[0]
     found.motor[dof] = torque
@@ -140,31 +146,31 @@ def _drive(
 
 
 def motor_force(
-    plan: Layout, numbers: ModelParameters, motor: Motor, length: Scalar, rate: Scalar, drive: MotorCommands
+    layout: Layout, params: ModelParameters, motor: Motor, length: Scalar, rate: Scalar, commands: MotorCommands
 ) -> tuple[Scalar, Scalar]:
     """An actuator's force, and its derivative by its own rate: zero where the force range clips it."""
-    model, ids = plan.model, motor.ids
-    command = drive.command[ids]
+    model, ids = layout.model, motor.ids
+    command = commands.command[ids]
     if model.actuator_ctrllimited[ids[0]] and not model.opt.disableflags & _OFF.mjDSBL_CLAMPCTRL:
-        command = clip(command, *(numbers.get("actuator_ctrlrange", ids, i) for i in range(2)))
-    gain = numbers.get("actuator_gainprm", ids, 0)
+        command = clip(command, *(params.get("actuator_ctrlrange", ids, i) for i in range(2)))
+    gain = params.get("actuator_gainprm", ids, 0)
     slope: Scalar = 0
     if model.actuator_gaintype[ids[0]] == _AFFINE_GAIN:
-        by_length, by_rate = (numbers.get("actuator_gainprm", ids, i) for i in (1, 2))
+        by_length, by_rate = (params.get("actuator_gainprm", ids, i) for i in (1, 2))
         gain = add(gain, add(mul(by_length, length), mul(by_rate, rate)))
         slope = mul(by_rate, command)
     force = mul(gain, command)
     if model.actuator_biastype[ids[0]] == _AFFINE_BIAS:
-        constant, by_length, by_rate = (numbers.get("actuator_biasprm", ids, i) for i in range(3))
+        constant, by_length, by_rate = (params.get("actuator_biasprm", ids, i) for i in range(3))
         force = add(force, add(constant, add(mul(by_length, length), mul(by_rate, rate))))
         slope = add(slope, by_rate)
-    if drive.enable is not None:
-        force, slope = mul(force, drive.enable[ids]), mul(slope, drive.enable[ids])
+    if commands.enable is not None:
+        force, slope = mul(force, commands.enable[ids]), mul(slope, commands.enable[ids])
     if model.actuator_forcelimited[ids[0]]:
-        low, high = (numbers.get("actuator_forcerange", ids, i) for i in range(2))
+        low, high = (params.get("actuator_forcerange", ids, i) for i in range(2))
         if not is_number(slope, 0):
             slope = jnp.where((force <= low) | (force >= high), 0.0, slope)
         force = clip(force, low, high)
-    if drive.share is not None:
-        force, slope = mul(force, drive.share[ids]), mul(slope, drive.share[ids])
+    if commands.share is not None:
+        force, slope = mul(force, commands.share[ids]), mul(slope, commands.share[ids])
     return force, slope

@@ -1,4 +1,4 @@
-"""Where bodies are and how they move without forces: one pass from the roots to the leaves.
+"""Poses, velocities and force-free accelerations of bodies: one pass from the roots to the leaves.
 
 Everything is in world axes about the origin of the tree: the floating base, or the world where the base is fixed. The
 accelerations are those of zero joint accelerations, with gravity as an acceleration of the base (Featherstone 2008,
@@ -57,7 +57,7 @@ class Pose:
 @final
 @dataclass
 class BodyMotion:
-    """What the pass from the roots found.
+    """Results of the pass from the roots.
 
     Attributes:
         poses: of each group.
@@ -76,59 +76,59 @@ class BodyMotion:
 
 
 def body_motion(
-    plan: Layout, numbers: ModelParameters, qpos: Sequence[Sequence[Scalar]], qvel: Sequence[Scalar]
+    layout: Layout, params: ModelParameters, qpos: Sequence[Sequence[Scalar]], qvel: Sequence[Scalar]
 ) -> BodyMotion:
     """Poses and velocities.
 
     Args:
-        plan: structure.
-        numbers: of the robots.
+        layout: structure.
+        params: of the robots.
         qpos: per joint of `layout_of.joints`: seven scalars for a floating base, else one.
         qvel: per degree of freedom; a floating base's spin in its own axes, as in MuJoCo.
     """
     found = BodyMotion(speed=list(qvel))
     coordinates = iter(qpos)
-    for group in plan.groups:
-        pose, origin = _before_joints(plan, numbers, group, found)
+    for group in layout.groups:
+        pose, origin = _before_joints(layout, params, group, found)
         for joint in group.joints:
             q = next(coordinates)
             if joint.free:
-                pose, origin = _float(joint, q, numbers, found)
+                pose, origin = _float(joint, q, params, found)
             elif joint.hinge:
-                pose = _hinge(joint, q[0], pose, numbers, found)
+                pose = _hinge(joint, q[0], pose, params, found)
             else:
-                pose = _slide(joint, q[0], pose, numbers, found)
+                pose = _slide(joint, q[0], pose, params, found)
         found.poses.append(pose)
         found.origin.append(origin)
     return found
 
 
-def _before_joints(plan: Layout, numbers: ModelParameters, group: Group, found: BodyMotion) -> tuple[Pose, Vector]:
+def _before_joints(layout: Layout, params: ModelParameters, group: Group, found: BodyMotion) -> tuple[Pose, Vector]:
     if group.parent is None:
-        rotation, place = _on_world(plan.model, numbers, group.bodies)
-        return Pose(rotation, place, ZERO, ZERO, scale(-1, numbers.gravity()), ZERO), ZERO
-    parent, k_from, k = found.poses[group.parent], plan.groups[group.parent].k, group.k
+        rotation, place = _on_world(layout.model, params, group.bodies)
+        return Pose(rotation, place, ZERO, ZERO, scale(-1, params.gravity()), ZERO), ZERO
+    parent, k_from, k = found.poses[group.parent], layout.groups[group.parent].k, group.k
     rotation = tuple(all_to_children(row, k_from, k) for row in parent.rotation)
     spin, rate, position, acceleration, velocity = (
         all_to_children(v, k_from, k)
         for v in (parent.spin, parent.spin_rate, parent.position, parent.acceleration, parent.velocity)
     )
-    arm = apply(rotation, numbers.vector("body_pos", group.bodies))
+    arm = apply(rotation, params.vector("body_pos", group.bodies))
     pose = Pose(rotation, position, spin, rate, acceleration, velocity)
     _move(pose, arm)
-    pose.rotation = compose(rotation, numbers.rotation("body_quat", group.bodies))
+    pose.rotation = compose(rotation, params.rotation("body_quat", group.bodies))
     return pose, tuple(all_to_children(found.origin[group.parent], k_from, k))
 
 
-def _on_world(model: mujoco.MjModel, numbers: ModelParameters, bodies: Sequence[int]) -> tuple[Matrix, Vector]:
+def _on_world(model: mujoco.MjModel, params: ModelParameters, bodies: Sequence[int]) -> tuple[Matrix, Vector]:
     """Pose of a body that hangs from the world, maybe by others that cannot move, without its joints."""
     if model.body_parentid[bodies[0]] == 0:
-        return numbers.rotation("body_quat", bodies), numbers.vector("body_pos", bodies)
+        return params.rotation("body_quat", bodies), params.vector("body_pos", bodies)
     body = int(bodies[0])
     position, quaternion = world_pose(
         model, int(model.body_parentid[body]), model.body_pos[body], model.body_quat[body]
     )
-    return numbers.known_rotation(quaternion[None]), numbers.known_vector(position[None])
+    return params.known_rotation(quaternion[None]), params.known_vector(position[None])
 
 
 def _move(pose: Pose, arm: Vector) -> None:
@@ -141,7 +141,7 @@ def _move(pose: Pose, arm: Vector) -> None:
     pose.velocity = vadd(pose.velocity, cross(pose.spin, arm))
 
 
-def _float(joint: Joint, q: Sequence[Scalar], numbers: ModelParameters, found: BodyMotion) -> tuple[Pose, Vector]:
+def _float(joint: Joint, q: Sequence[Scalar], params: ModelParameters, found: BodyMotion) -> tuple[Pose, Vector]:
     first = joint.dofs[0]
     rotation = from_quaternion(*q[3:])
     found.base[first] = rotation
@@ -152,16 +152,16 @@ def _float(joint: Joint, q: Sequence[Scalar], numbers: ModelParameters, found: B
         found.linear[first + e], found.angular[first + e] = unit, ZERO
         found.linear[first + 3 + e], found.angular[first + 3 + e] = ZERO, unit
     velocity = tuple(found.speed[first : first + 3])
-    return Pose(rotation, ZERO, spin, ZERO, scale(-1, numbers.gravity()), velocity), tuple(q[:3])
+    return Pose(rotation, ZERO, spin, ZERO, scale(-1, params.gravity()), velocity), tuple(q[:3])
 
 
-def _hinge(joint: Joint, q: Scalar, pose: Pose, numbers: ModelParameters, found: BodyMotion) -> Pose:
+def _hinge(joint: Joint, q: Scalar, pose: Pose, params: ModelParameters, found: BodyMotion) -> Pose:
     dof, speed = joint.dofs[0], found.speed[joint.dofs[0]]
-    local, anchor = numbers.vector("jnt_axis", joint.ids), numbers.vector("jnt_pos", joint.ids)
+    local, anchor = params.vector("jnt_axis", joint.ids), params.vector("jnt_pos", joint.ids)
     axis = apply(pose.rotation, local)
     _move(pose, apply(pose.rotation, anchor))
     found.linear[dof], found.angular[dof] = cross(pose.position, axis), axis
-    angle = sub(q, numbers.get("qpos0", joint.qpos))
+    angle = sub(q, params.get("qpos0", joint.qpos))
     rotation = compose(pose.rotation, rotation_about(local, jnp.sin(angle), jnp.cos(angle)))
     turning = scale(speed, axis)
     pose.spin_rate = vadd(pose.spin_rate, cross(pose.spin, turning))
@@ -171,10 +171,10 @@ def _hinge(joint: Joint, q: Scalar, pose: Pose, numbers: ModelParameters, found:
     return pose
 
 
-def _slide(joint: Joint, q: Scalar, pose: Pose, numbers: ModelParameters, found: BodyMotion) -> Pose:
+def _slide(joint: Joint, q: Scalar, pose: Pose, params: ModelParameters, found: BodyMotion) -> Pose:
     dof, speed = joint.dofs[0], found.speed[joint.dofs[0]]
-    axis = apply(pose.rotation, numbers.vector("jnt_axis", joint.ids))
-    _move(pose, scale(sub(q, numbers.get("qpos0", joint.qpos)), axis))
+    axis = apply(pose.rotation, params.vector("jnt_axis", joint.ids))
+    _move(pose, scale(sub(q, params.get("qpos0", joint.qpos)), axis))
     pose.acceleration = vadd(pose.acceleration, scale(2 * speed, cross(pose.spin, axis)))
     pose.velocity = vadd(pose.velocity, scale(speed, axis))
     found.linear[dof], found.angular[dof] = axis, ZERO

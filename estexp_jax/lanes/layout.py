@@ -100,13 +100,13 @@ class Dof:
         index: in `Layout.dofs`.
         addresses: (k,) in qvel.
         above: our indices of those it hangs from, topmost first.
-        rubs: whether there is friction loss.
+        has_friction_loss: whether there is friction loss.
     """
 
     index: int
     addresses: tuple[int, ...]
     above: tuple[int, ...]
-    rubs: bool
+    has_friction_loss: bool
 
     @property
     def k(self) -> int:
@@ -141,7 +141,7 @@ class Layout:
 
 def layout_of(model: mujoco.MjModel) -> Layout:
     """The structure of a compiled model that `refusal` finds nothing against."""
-    return _LayoutBuilder(model).plan()
+    return _LayoutBuilder(model).build()
 
 
 @final
@@ -153,7 +153,7 @@ class _LayoutBuilder:
         self._touches = candidates(model)
         self._signatures: dict[int, Any] = {}
 
-    def plan(self) -> Layout:
+    def build(self) -> Layout:
         model = self._model
         for body in range(1, model.nbody):
             if model.body_weldid[body] != 0 and model.body_weldid[model.body_parentid[body]] == 0:
@@ -168,7 +168,7 @@ class _LayoutBuilder:
         return list(range(first, first + int(self._model.body_jntnum[body])))
 
     def _signature(self, body: int) -> Any:
-        """What alike subtrees share."""
+        """Properties that alike subtrees share."""
         if body not in self._signatures:
             self._signatures[body] = (
                 tuple(self._joint_signature(j) for j in self._joints(body)),
@@ -221,8 +221,8 @@ class _LayoutBuilder:
         address = model.jnt_dofadr[list(ids)]
         dofs: list[int] = []
         for i in range(6 if kind == _JOINT.mjJNT_FREE else 1):
-            rubs = bool(np.any(model.dof_frictionloss[address + i] > 0.0))
-            dof = Dof(len(self._dofs), tuple((address + i).tolist()), (*above, *dofs), rubs)
+            has_friction_loss = bool(np.any(model.dof_frictionloss[address + i] > 0.0))
+            dof = Dof(len(self._dofs), tuple((address + i).tolist()), (*above, *dofs), has_friction_loss)
             self._dofs.append(dof)
             dofs.append(dof.index)
         return Joint(

@@ -95,7 +95,7 @@ def solve(
 
         downhill = robot_sum([(d.k, mul(w, g)) for d, w, g in zip(dofs, way, slope, strict=True)])
 
-        def slopes(length: Scalar) -> tuple[Scalar, Scalar]:
+        def derivatives(length: Scalar) -> tuple[Scalar, Scalar]:
             """First and second derivative of the cost along the way."""
             ones, twos = [], []
             for row, r, s in zip(rows, guess.residuals, along, strict=True):
@@ -106,12 +106,12 @@ def solve(
 
         one = jnp.ones_like(downhill)
         if sharp:
-            length = _searched(slopes, downhill, one, settled)
+            length = _searched(derivatives, downhill, one, settled)
         else:
-            slope, curvature = slopes(one)
+            slope, curvature = derivatives(one)
             nudged = one - slope / jnp.maximum(curvature, 1e-20)
             easy = count < _EASY
-            length = _searched(slopes, downhill, jnp.where(easy, nudged, one), settled | easy)
+            length = _searched(derivatives, downhill, jnp.where(easy, nudged, one), settled | easy)
         whole = jnp.abs(length - 1.0) < _WHOLE
         length = jnp.where(settled, 0.0, length)  # so that a robot's motion does not depend on who is in its chunk
         ahead = lambda xs, ys: tuple(x + length * y for x, y in zip(xs, ys, strict=True))  # noqa: E731
@@ -145,8 +145,10 @@ def solve(
     return Solution(list(end.x), force, list(end.residuals))
 
 
-def _searched(slopes: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scalar, begin: Scalar, found: Any) -> Scalar:
-    """Where along the way the cost is least: Newton's method on its slope, which never falls, between two bounds.
+def _searched(
+    derivatives: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scalar, begin: Scalar, found: Any
+) -> Scalar:
+    """Step length of least cost along a direction: Newton's method on the slope, which never falls, between bounds.
 
     Friction losses bend the cost so sharply that without bounds the method would jump to and fro over the bend.
     """
@@ -157,7 +159,7 @@ def _searched(slopes: Callable[[Scalar], tuple[Scalar, Scalar]], downhill: Scala
 
     def narrow(carry: tuple[Any, ...]) -> tuple[Any, ...]:
         count, length, low, high, found = carry
-        slope, curvature = slopes(length)
+        slope, curvature = derivatives(length)
         found = found | ~(jnp.abs(slope) > _FLAT * jnp.abs(downhill))
         high, low = jnp.where(slope > 0, length, high), jnp.where(slope > 0, low, length)
         ahead = length - slope / jnp.maximum(curvature, 1e-20)

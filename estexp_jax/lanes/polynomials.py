@@ -12,7 +12,7 @@ import jax.numpy as jnp
 
 
 class HigherOrder(NamedTuple):
-    """What is beyond the first degree: a force, and minus its derivative by the speed or the stretch."""
+    """Terms beyond the first degree: a force, and minus its derivative by the speed or the extension."""
 
     force: Any
     slope: Any

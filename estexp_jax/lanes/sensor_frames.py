@@ -1,4 +1,4 @@
-"""Where sensors sit, and how that moves: on sites, geoms and bodies."""
+"""Poses and velocities of the frames that sensors are attached to: sites, geoms and bodies."""
 
 from __future__ import annotations
 
@@ -29,70 +29,70 @@ from estexp_jax.lanes.step import StepState
 
 _OBJECT = mujoco.mjtObj
 FRAMES = (_OBJECT.mjOBJ_SITE, _OBJECT.mjOBJ_GEOM, _OBJECT.mjOBJ_BODY, _OBJECT.mjOBJ_XBODY)
-"""What sensors of motion may be on."""
+"""Objects that motion sensors may be attached to."""
 
 
 @final
 class SensorFrames:
     """Places, axes and speeds at an instant; each component is an array (N,)."""
 
-    def __init__(self, plan: Layout, numbers: ModelParameters, inertias: Inertias) -> None:
+    def __init__(self, layout: Layout, params: ModelParameters, inertias: Inertias) -> None:
         """For robots of these numbers."""
-        self._plan, self._numbers, self._inertias = plan, numbers, inertias
+        self._layout, self._params, self._inertias = layout, params, inertias
 
     def frame(self, now: StepState, sensor: int) -> tuple[Matrix, Vector, Vector, int]:
         """Axes, place about the tree's origin, the origin, and the body of what a sensor sits on."""
-        body, seat = sensor_frame_of(self._plan.model, sensor)
-        group, member = self._plan.place_of_body[body]
+        body, prefix = sensor_frame_of(self._layout.model, sensor)
+        group, member = self._layout.place_of_body[body]
         pose, origin = now.moving.poses[group], members_of(now.moving.origin[group], member)
         rotation, place = _turn(pose.rotation, member), members_of(pose.position, member)
-        if not seat:
+        if not prefix:
             return rotation, place, origin, body
-        axes, place = self._on(rotation, place, seat, int(self._plan.model.sensor_objid[sensor]))
+        axes, place = self._on(rotation, place, prefix, int(self._layout.model.sensor_objid[sensor]))
         return axes, place, origin, body
 
     def site(self, now: StepState, site: int) -> tuple[Matrix, Vector]:
         """Axes of a site, and its place about the tree's origin."""
-        group, member = self._plan.place_of_body[int(self._plan.model.site_bodyid[site])]
+        group, member = self._layout.place_of_body[int(self._layout.model.site_bodyid[site])]
         pose = now.moving.poses[group]
         return self._on(_turn(pose.rotation, member), members_of(pose.position, member), "site_", site)
 
-    def _on(self, rotation: Matrix, place: Vector, seat: str, element: int) -> tuple[Matrix, Vector]:
+    def _on(self, rotation: Matrix, place: Vector, prefix: str, element: int) -> tuple[Matrix, Vector]:
         """Axes and place of an element fixed to a body whose axes and place these are."""
-        local = self._numbers.rotation(f"{seat}quat", [element])
+        local = self._params.rotation(f"{prefix}quat", [element])
         axes = tuple(tuple(dot(row, column) for column in transposed(local)) for row in rotation)
-        return axes, vadd(place, apply(rotation, self._numbers.vector(f"{seat}pos", [element])))
+        return axes, vadd(place, apply(rotation, self._params.vector(f"{prefix}pos", [element])))
 
     def velocity(self, now: StepState, body: int, place: Vector) -> Vector:
         """Velocity of a body's point at a place about the tree's origin, world axes."""
-        group, member = self._plan.place_of_body[body]
+        group, member = self._layout.place_of_body[body]
         pose = now.moving.poses[group]
         arm = vsub(place, members_of(pose.position, member))
         return vadd(members_of(pose.velocity, member), cross(members_of(pose.spin, member), arm))
 
     def centre(self, now: StepState, body: int) -> Vector:
         """Centre of mass of a body about its tree's origin."""
-        group, member = self._plan.place_of_body[body]
+        group, member = self._layout.place_of_body[body]
         pose = now.moving.poses[group]
         arm = apply(_turn(pose.rotation, member), members_of(self._inertias.centre[group], member))
         return vadd(members_of(pose.position, member), arm)
 
     def origin(self, now: StepState, body: int) -> Vector:
         """Origin of a body's tree."""
-        group, member = self._plan.place_of_body[body]
+        group, member = self._layout.place_of_body[body]
         return members_of(now.moving.origin[group], member)
 
     def weighed(self, top: int, of: Callable[[int], Vector]) -> tuple[Scalar, Vector]:
         """Mass of the subtree under a body, and the sum of what each body of it has times its mass."""
-        model = self._plan.model
+        model = self._layout.model
         mass: Scalar = 0
         whole: Vector = (0, 0, 0)
         for body in range(1, model.nbody):
             above = body
             while above > top:
                 above = int(model.body_parentid[above])
-            if above == top and body in self._plan.place_of_body:
-                group, member = self._plan.place_of_body[body]
+            if above == top and body in self._layout.place_of_body:
+                group, member = self._layout.place_of_body[body]
                 weight = member_of(self._inertias.mass[group], member)
                 mass, whole = add(mass, weight), vadd(whole, scale(weight, of(body)))
         return mass, whole

@@ -1,4 +1,4 @@
-"""What sensors read of a state, as MuJoCo defines them; each reading is one array (N,).
+"""Sensor readings of a state, as MuJoCo defines them; each reading is one array (N,).
 
 Source: MuJoCo documentation, "XML reference": "sensor"; `engine_sensor.c`.
 """
@@ -43,13 +43,13 @@ _AXES = (_SENSOR.mjSENS_FRAMEXAXIS, _SENSOR.mjSENS_FRAMEYAXIS, _SENSOR.mjSENS_FR
 class SensorReader:
     """Reads sensors off an instant."""
 
-    def __init__(self, plan: Layout, numbers: ModelParameters, inertias: Inertias) -> None:
+    def __init__(self, layout: Layout, params: ModelParameters, inertias: Inertias) -> None:
         """For robots of these numbers."""
-        self._plan, self._numbers, self._seats = plan, numbers, SensorFrames(plan, numbers, inertias)
+        self._layout, self._params, self._frames = layout, params, SensorFrames(layout, params, inertias)
 
     def read(self, now: StepState, sensors: Sequence[int]) -> dict[int, Scalar]:
         """Readings (N,) by their address in `sensordata`, of the sensors with these indices."""
-        model, found = self._plan.model, {}
+        model, found = self._layout.model, {}
         for sensor in sensors:
             kind, first = _SENSOR(int(model.sensor_type[sensor])), int(model.sensor_adr[sensor])
             if kind in RESTING and on_fixed_body(model, sensor):
@@ -64,13 +64,13 @@ class SensorReader:
     @cached_property
     def _at_rest(self) -> np.ndarray:
         """`sensordata` of the robot as described: what sensors on bodies that cannot move always show."""
-        model = self._plan.model
+        model = self._layout.model
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         return data.sensordata.copy()
 
     def _object(self, sensor: int) -> int:
-        return int(self._plan.model.sensor_objid[sensor])
+        return int(self._layout.model.sensor_objid[sensor])
 
     def joint_position(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`jointpos`."""
@@ -80,10 +80,10 @@ class SensorReader:
     def joint_speed(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`jointvel`."""
         slot, member = self._joint(self._object(sensor))
-        return (member_of(now.state.qvel[self._plan.joints[slot].dofs[0]], member),)
+        return (member_of(now.state.qvel[self._layout.joints[slot].dofs[0]], member),)
 
     def _joint(self, joint: int) -> tuple[int, int]:
-        return next((n, j.ids.index(joint)) for n, j in enumerate(self._plan.joints) if joint in j.ids)
+        return next((n, j.ids.index(joint)) for n, j in enumerate(self._layout.joints) if joint in j.ids)
 
     def actuator_force(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`actuatorfrc`."""
@@ -93,98 +93,98 @@ class SensorReader:
     def joint_actuator_force(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`jointactuatorfrc`."""
         slot, member = self._joint(self._object(sensor))
-        torque = now.pulled.motor[self._plan.joints[slot].dofs[0]]
+        torque = now.pulled.motor[self._layout.joints[slot].dofs[0]]
         return (member_of(torque, member) + jnp.zeros_like(member_of(now.state.qvel[0], 0)),)
 
     def touch(self, now: StepState, sensor: int) -> tuple[Scalar, ...]:
         """`touch`: normal forces of the body's contacts whose line of force meets the site."""
-        site, body = self._object(sensor), int(self._plan.model.site_bodyid[self._object(sensor)])
+        site, body = self._object(sensor), int(self._layout.model.site_bodyid[self._object(sensor)])
         forces = [
             self._felt(now, contact, residual, member, site)
             for contact, residual in now.touched
             for member, geom in enumerate(contact.candidate.geoms)
-            if int(self._plan.model.geom_bodyid[geom]) == body
+            if int(self._layout.model.geom_bodyid[geom]) == body
         ]
         return (total(forces) + jnp.zeros_like(member_of(now.state.qvel[0], 0)),)
 
     def _felt(self, now: StepState, contact: Contact, residual: Residual, member: int, site: int) -> Scalar:
         force = member_of(contact.normal_force(residual), member)
-        rotation, place = self._seats.site(now, site)
+        rotation, place = self._frames.site(now, site)
         point = tuple(member_of(x, member) for x in contact.position)
         ray = tuple(neg(member_of(x, member)) for x in contact.normal)
         local = transposed(rotation)
         start, way = apply(local, vsub(point, place)), apply(local, ray)
-        shape, size = mujoco.mjtGeom(int(self._plan.model.site_type[site])), self._plan.model.site_size[site]
+        shape, size = mujoco.mjtGeom(int(self._layout.model.site_type[site])), self._layout.model.site_size[site]
         return jnp.where((force > 0) & ray_intersection(shape, size, start, way), force, 0.0)
 
     def frame_position(self, now: StepState, sensor: int) -> Vector:
         """`framepos`, world axes."""
-        _, place, origin, _ = self._seats.frame(now, sensor)
+        _, place, origin, _ = self._frames.frame(now, sensor)
         return self._full(now, vadd(place, origin))
 
     def frame_velocity(self, now: StepState, sensor: int) -> Vector:
         """`framelinvel`, world axes."""
-        _, place, _, body = self._seats.frame(now, sensor)
-        return self._full(now, self._seats.velocity(now, body, place))
+        _, place, _, body = self._frames.frame(now, sensor)
+        return self._full(now, self._frames.velocity(now, body, place))
 
     def frame_spin(self, now: StepState, sensor: int) -> Vector:
         """`frameangvel`, world axes."""
-        group, member = self._plan.place_of_body[self._seats.frame(now, sensor)[3]]
+        group, member = self._layout.place_of_body[self._frames.frame(now, sensor)[3]]
         return self._full(now, members_of(now.moving.poses[group].spin, member))
 
     def frame_axis(self, now: StepState, sensor: int) -> Vector:
         """`framexaxis`, `frameyaxis`, `framezaxis`, world axes."""
-        axes, *_ = self._seats.frame(now, sensor)
-        column = _AXES.index(_SENSOR(int(self._plan.model.sensor_type[sensor])))
+        axes, *_ = self._frames.frame(now, sensor)
+        column = _AXES.index(_SENSOR(int(self._layout.model.sensor_type[sensor])))
         return self._full(now, tuple(row[column] for row in axes))
 
     def frame_quaternion(self, now: StepState, sensor: int) -> Sequence[Scalar]:
         """`framequat`."""
-        body, seat = sensor_frame_of(self._plan.model, sensor)
-        found = attitude(self._plan, self._numbers, now.state.qpos, body)
-        if seat:
-            found = quaternion_product(found, quaternion(self._numbers, f"{seat}quat", self._object(sensor)))
+        body, prefix = sensor_frame_of(self._layout.model, sensor)
+        found = attitude(self._layout, self._params, now.state.qpos, body)
+        if prefix:
+            found = quaternion_product(found, quaternion(self._params, f"{prefix}quat", self._object(sensor)))
         return self._full(now, found)
 
     def velocimeter(self, now: StepState, sensor: int) -> Vector:
         """`velocimeter`, in the site's axes."""
-        rotation, place, _, body = self._seats.frame(now, sensor)
-        return self._full(now, apply(transposed(rotation), self._seats.velocity(now, body, place)))
+        rotation, place, _, body = self._frames.frame(now, sensor)
+        return self._full(now, apply(transposed(rotation), self._frames.velocity(now, body, place)))
 
     def gyro(self, now: StepState, sensor: int) -> Vector:
         """`gyro`, in the site's axes."""
-        rotation, _, _, body = self._seats.frame(now, sensor)
-        group, member = self._plan.place_of_body[body]
+        rotation, _, _, body = self._frames.frame(now, sensor)
+        group, member = self._layout.place_of_body[body]
         return self._full(now, apply(transposed(rotation), members_of(now.moving.poses[group].spin, member)))
 
     def accelerometer(self, now: StepState, sensor: int) -> Vector:
         """`accelerometer`, in the site's axes: gravity shows as an upward acceleration."""
-        rotation, place, _, body = self._seats.frame(now, sensor)
-        group, member = self._plan.place_of_body[body]
+        rotation, place, _, body = self._frames.frame(now, sensor)
+        group, member = self._layout.place_of_body[body]
         pose = now.moving.poses[group]
         spin, rate = members_of(pose.spin, member), members_of(pose.spin_rate, member)
         arm = vsub(place, members_of(pose.position, member))
         whole = vadd(members_of(pose.acceleration, member), vadd(cross(rate, arm), cross(spin, cross(spin, arm))))
-        for i in self._plan.groups[group].chain:
-            k = self._plan.dofs[i].k
-            above = member * k // self._plan.groups[group].k if k > 1 else 0
+        for i in self._layout.groups[group].chain:
+            k = self._layout.dofs[i].k
+            above = member * k // self._layout.groups[group].k if k > 1 else 0
             unit = vadd(members_of(now.moving.linear[i], above), cross(members_of(now.moving.angular[i], above), place))
             whole = vadd(whole, scale(member_of(now.solution.acceleration[i], above), unit))
         return self._full(now, apply(transposed(rotation), whole))
 
     def subtree_centre(self, now: StepState, sensor: int) -> Vector:
         """`subtreecom`, world axes."""
-        seats = self._seats
-        mass, moment = seats.weighed(
-            self._object(sensor), lambda body: vadd(seats.centre(now, body), seats.origin(now, body))
+        frames = self._frames
+        mass, first_moment = frames.weighed(
+            self._object(sensor), lambda body: vadd(frames.centre(now, body), frames.origin(now, body))
         )
-        return self._full(now, scale(1.0 / mass, moment))
+        return self._full(now, scale(1.0 / mass, first_moment))
 
     def subtree_velocity(self, now: StepState, sensor: int) -> Vector:
         """`subtreelinvel`, world axes."""
-        seats = self._seats
-        mass, momentum = seats.weighed(
-            self._object(sensor), lambda body: seats.velocity(now, body, seats.centre(now, body))
+        frames = self._frames
+        mass, momentum = frames.weighed(
+            self._object(sensor), lambda body: frames.velocity(now, body, frames.centre(now, body))
         )
         return self._full(now, scale(1.0 / mass, momentum))
 

@@ -1,4 +1,4 @@
-"""How soft a constraint is: its impedance, spring and damper by solref and solimp, and the stiffness of its rows.
+"""Softness of a constraint: its impedance, spring and damper by solref and solimp, and the stiffness of its rows.
 
 Source: MuJoCo documentation, "Computation": "Constraint model", "Parameters".
 """
@@ -30,14 +30,14 @@ class Softness:
     imp: tuple[Scalar, ...]
 
     @classmethod
-    def of(cls, numbers: ModelParameters, ref: np.ndarray, imp: np.ndarray) -> Softness:
+    def of(cls, params: ModelParameters, ref: np.ndarray, imp: np.ndarray) -> Softness:
         """From solref (k, 2) and solimp (k, 5)."""
         low, high = mujoco.mjMINIMP, mujoco.mjMAXIMP
         imp = imp.copy()
         imp[:, :2], imp[:, 3] = np.clip(imp[:, :2], low, high), np.clip(imp[:, 3], low, high)
         imp[:, 2] = np.maximum(imp[:, 2], mujoco.mjMINVAL)
         imp[:, 4] = np.maximum(imp[:, 4], 1.0)
-        return cls(tuple(numbers.known(ref[:, i]) for i in range(2)), tuple(numbers.known(imp[:, i]) for i in range(5)))
+        return cls(tuple(params.known(ref[:, i]) for i in range(2)), tuple(params.known(imp[:, i]) for i in range(5)))
 
     def impedance(self, violation: Scalar) -> Scalar:
         """d(r), between 0 and 1."""

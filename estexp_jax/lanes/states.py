@@ -11,24 +11,24 @@ from estexp_jax.lanes.layout import Layout
 from estexp_jax.lanes.step import LaneState
 
 
-def to_lanes(plan: Layout, qpos: jax.Array, qvel: jax.Array, warmstart: jax.Array) -> LaneState:
+def to_lanes(layout: Layout, qpos: jax.Array, qvel: jax.Array, warmstart: jax.Array) -> LaneState:
     """Lanes of (nq, N), (nv, N), (nv, N): MuJoCo's states with the robots last."""
     coordinates = tuple(
-        tuple(qpos[j.qpos[0] + i] for i in range(7)) if j.free else (_rows(qpos, j.qpos),) for j in plan.joints
+        tuple(qpos[j.qpos[0] + i] for i in range(7)) if j.free else (_rows(qpos, j.qpos),) for j in layout.joints
     )
-    speed = tuple(_rows(qvel, d.addresses) for d in plan.dofs)
-    start = [_rows(warmstart, d.addresses) for d in plan.dofs]
-    for joint, q in zip(plan.joints, coordinates, strict=True):
+    speed = tuple(_rows(qvel, d.addresses) for d in layout.dofs)
+    start = [_rows(warmstart, d.addresses) for d in layout.dofs]
+    for joint, q in zip(layout.joints, coordinates, strict=True):
         if joint.free:
             first = joint.dofs[0] + 3
             start[first : first + 3] = apply(from_quaternion(*q[3:]), start[first : first + 3])
     return LaneState(coordinates, speed, tuple(start))
 
 
-def configuration_of(plan: Layout, state: LaneState) -> list[jax.Array]:
+def configuration_of(layout: Layout, state: LaneState) -> list[jax.Array]:
     """The configuration, one array (N,) for each of its nq numbers."""
-    qpos: list[Scalar] = [None] * plan.model.nq
-    for joint, q in zip(plan.joints, state.qpos, strict=True):
+    qpos: list[Scalar] = [None] * layout.model.nq
+    for joint, q in zip(layout.joints, state.qpos, strict=True):
         if joint.free:
             qpos[joint.qpos[0] : joint.qpos[0] + 7] = q
         else:
@@ -36,19 +36,19 @@ def configuration_of(plan: Layout, state: LaneState) -> list[jax.Array]:
     return qpos
 
 
-def from_lanes(plan: Layout, state: LaneState) -> tuple[jax.Array, jax.Array, jax.Array]:
+def from_lanes(layout: Layout, state: LaneState) -> tuple[jax.Array, jax.Array, jax.Array]:
     """The inverse of `to_lanes`: (nq, N), (nv, N), (nv, N)."""
-    qvel: list[Scalar] = [None] * plan.model.nv
-    warmstart: list[Scalar] = [None] * plan.model.nv
+    qvel: list[Scalar] = [None] * layout.model.nv
+    warmstart: list[Scalar] = [None] * layout.model.nv
     start = list(state.warmstart)
-    for joint, q in zip(plan.joints, state.qpos, strict=True):
+    for joint, q in zip(layout.joints, state.qpos, strict=True):
         if joint.free:
             first = joint.dofs[0] + 3
             start[first : first + 3] = apply(transposed(from_quaternion(*q[3:])), start[first : first + 3])
-    for dof in plan.dofs:
+    for dof in layout.dofs:
         _put(qvel, dof.addresses, state.qvel[dof.index])
         _put(warmstart, dof.addresses, start[dof.index])
-    return jnp.stack(configuration_of(plan, state)), jnp.stack(qvel), jnp.stack(warmstart)
+    return jnp.stack(configuration_of(layout, state)), jnp.stack(qvel), jnp.stack(warmstart)
 
 
 def _rows(table: jax.Array, members: tuple[int, ...]) -> jax.Array:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, final
 
-import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
@@ -32,6 +31,7 @@ from estexp_jax.lanes.algebra import (
 from estexp_jax.lanes.contacts import Contact, contacts
 from estexp_jax.lanes.dynamics import Inertias, mass_and_bias
 from estexp_jax.lanes.forces import JointForces, MotorCommands, joint_forces
+from estexp_jax.lanes.integration import moved, speed_since_start
 from estexp_jax.lanes.joint_constraints import friction_loss_rows, limit_rows
 from estexp_jax.lanes.kinematics import BodyMotion, body_motion
 from estexp_jax.lanes.layout import Layout
@@ -65,7 +65,7 @@ class LaneState(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False)
 class AddedForces:
-    """What effects add during one step; numbers 0 where nothing is added.
+    """Additions of effects during one step; the number 0 where nothing is added.
 
     Attributes:
         force: per degree of freedom, N m or N.
@@ -112,45 +112,47 @@ class StepState:
 class Stepper:
     """Steps the robots of one set of numbers; made once in a rollout, outside its loop."""
 
-    def __init__(self, plan: Layout, numbers: ModelParameters, tolerance: float) -> None:
+    def __init__(self, layout: Layout, params: ModelParameters, tolerance: float) -> None:
         """For robots of these numbers; `tolerance` as in `newton.solve`."""
-        self.plan, self.numbers, self.tolerance = plan, numbers, tolerance
-        self.inertias = Inertias(plan, numbers)
+        self.layout, self.params, self.tolerance = layout, params, tolerance
+        self.inertias = Inertias(layout, params)
 
     def step(
-        self, state: LaneState, drive: MotorCommands, dt: Scalar, added: AddedForces | None = None
+        self, state: LaneState, commands: MotorCommands, dt: Scalar, added: AddedForces | None = None
     ) -> tuple[LaneState, StepState]:
         """The next state, and all about this one.
 
         Args:
             state: of the robots.
-            drive: what the motors are told.
+            commands: of the motors.
             dt: length of the step, s: a number or (N,).
             added: by effects.
         """
-        added = added or AddedForces.nothing(len(self.plan.dofs))
-        if self.plan.model.opt.integrator == _INTEGRATOR.mjINT_RK4:
-            return self._runge_kutta(state, drive, dt, added)
-        now, matrix = self._instant(state, drive, dt, added)
+        added = added or AddedForces.nothing(len(self.layout.dofs))
+        if self.layout.model.opt.integrator == _INTEGRATOR.mjINT_RK4:
+            return self._runge_kutta(state, commands, dt, added)
+        now, matrix = self._instant(state, commands, dt, added)
         rate = self._implicit(now, matrix, dt)
         speed = tuple(v + dt * a for v, a in zip(state.qvel, rate, strict=True))
-        return LaneState(self._moved(state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
+        return LaneState(moved(self.layout, state.qpos, speed, dt), speed, tuple(now.solution.acceleration)), now
 
-    def _instant(self, state: LaneState, drive: MotorCommands, dt: Scalar, added: AddedForces) -> tuple[StepState, Any]:
-        plan, numbers = self.plan, self.numbers
-        moving = body_motion(plan, numbers, state.qpos, state.qvel)
-        matrix, bias = mass_and_bias(plan, numbers, self.inertias, moving)
+    def _instant(
+        self, state: LaneState, commands: MotorCommands, dt: Scalar, added: AddedForces
+    ) -> tuple[StepState, Any]:
+        layout, params = self.layout, self.params
+        moving = body_motion(layout, params, state.qpos, state.qvel)
+        matrix, bias = mass_and_bias(layout, params, self.inertias, moving)
         for i, inertia in enumerate(added.inertia):
             matrix[i, i] = add(matrix[i, i], inertia)
-        pulled = joint_forces(plan, numbers, state.qpos, moving.speed, drive)
+        pulled = joint_forces(layout, params, state.qpos, moving.speed, commands)
         self._take(pulled, moving, added)
         smooth = [sub(f, b) for f, b in zip(pulled.force, bias, strict=True)]
-        touched = contacts(plan, numbers, moving, dt)
+        touched = contacts(layout, params, moving, dt)
         rows: list[Rows] = [c.rows for c in touched]
-        rows += limit_rows(plan, numbers, state.qpos, state.qvel, dt)
-        rows += friction_loss_rows(plan, numbers, moving.speed, dt, added.friction)
+        rows += limit_rows(layout, params, state.qpos, state.qvel, dt)
+        rows += friction_loss_rows(layout, params, moving.speed, dt, added.friction)
         start = state.warmstart
-        solution = solve(plan.dofs, matrix, smooth, rows, start, ITERATIONS, self.tolerance)
+        solution = solve(layout.dofs, matrix, smooth, rows, start, ITERATIONS, self.tolerance)
         whole = [jnp.broadcast_to(a, s.shape) for a, s in zip(solution.acceleration, start, strict=True)]
         solution = solution._replace(acceleration=whole)
         pairs = tuple(zip(touched, solution.residuals[: len(touched)], strict=True))
@@ -163,18 +165,18 @@ class Stepper:
             pulled.force[i] = add(pulled.force[i], sub(force, mul(damping, moving.speed[i])))
             pulled.damping[i], pulled.braking[i] = (add(x[i], damping) for x in (pulled.damping, pulled.braking))
         for index, force in added.pull.items():
-            group, pose = self.plan.groups[index], moving.poses[index]
+            group, pose = self.layout.groups[index], moving.poses[index]
             centre = vadd(pose.position, apply(pose.rotation, self.inertias.centre[index]))
-            moment = cross(centre, force)
+            torque = cross(centre, force)
             for i in group.chain:
-                k = self.plan.dofs[i].k
+                k = self.layout.dofs[i].k
                 linear, angular = (all_to_children(m[i], k, group.k) for m in (moving.linear, moving.angular))
-                push = sum_over_children(add(dot(linear, force), dot(angular, moment)), group.k, k)
+                push = sum_over_children(add(dot(linear, force), dot(angular, torque)), group.k, k)
                 pulled.force[i] = add(pulled.force[i], push)
 
     def _implicit(self, now: StepState, matrix: Any, dt: Scalar) -> list[Scalar]:
         """Accelerations with the damping taken at the end of the step; a floating base's spin in its own axes."""
-        (matrix, force), model = matrix, self.plan.model
+        (matrix, force), model = matrix, self.layout.model
         fast = model.opt.integrator == _INTEGRATOR.mjINT_IMPLICITFAST
         euler = model.opt.integrator == _INTEGRATOR.mjINT_EULER and not (
             model.opt.disableflags & (_OFF.mjDSBL_EULERDAMP | _OFF.mjDSBL_DAMPER)
@@ -183,9 +185,9 @@ class Stepper:
         rate = now.solution.acceleration
         if (fast or euler) and not all(is_number(d, 0) for d in damping):
             implicit = dict(matrix)
-            for dof, d in zip(self.plan.dofs, damping, strict=True):
+            for dof, d in zip(self.layout.dofs, damping, strict=True):
                 implicit[dof.index, dof.index] = add(matrix[dof.index, dof.index], mul(dt, d))
-            rate = Factor(self.plan.dofs, implicit).solve(force)
+            rate = Factor(self.layout.dofs, implicit).solve(force)
         return self._own_axes(rate, now.moving)
 
     def _own_axes(self, rate: Sequence[Scalar], moving: BodyMotion) -> list[Scalar]:
@@ -194,27 +196,21 @@ class Stepper:
             turned[first + 3 : first + 6] = apply(transposed(rotation), rate[first + 3 : first + 6])
         return turned
 
-    def _moved(self, qpos: Any, speed: Sequence[Scalar], dt: Scalar) -> tuple[tuple[Any, ...], ...]:
-        return tuple(
-            _floated(q, speed[j.dofs[0] : j.dofs[0] + 6], dt) if j.free else (q[0] + dt * speed[j.dofs[0]],)
-            for j, q in zip(self.plan.joints, qpos, strict=True)
-        )
-
     def _runge_kutta(
-        self, state: LaneState, drive: MotorCommands, dt: Scalar, added: AddedForces
+        self, state: LaneState, commands: MotorCommands, dt: Scalar, added: AddedForces
     ) -> tuple[LaneState, StepState]:
         """Fourth order, as MuJoCo's: the stages' states all start from this one, and so do their bases' turns.
 
         Source: Munthe-Kaas, BIT Numerical Mathematics 38 (1998).
         """
-        first, _ = self._instant(state, drive, dt, added)
+        first, _ = self._instant(state, commands, dt, added)
         speeds, rates = [state.qvel], [tuple(self._own_axes(first.solution.acceleration, first.moving))]
         warm = tuple(first.solution.acceleration)
         for share in (0.5, 0.5, 1.0):
             there = tuple(v + share * dt * a for v, a in zip(state.qvel, rates[-1], strict=True))
-            stage = LaneState(self._moved(state.qpos, speeds[-1], share * dt), there, warm)
-            now, _ = self._instant(stage, drive, dt, added)
-            speeds.append(self._seen_from_start(speeds[-1], there, share * dt))
+            stage = LaneState(moved(self.layout, state.qpos, speeds[-1], share * dt), there, warm)
+            now, _ = self._instant(stage, commands, dt, added)
+            speeds.append(speed_since_start(self.layout, speeds[-1], there, share * dt))
             rates.append(tuple(self._own_axes(now.solution.acceleration, now.moving)))
             warm = tuple(now.solution.acceleration)
         mean = [
@@ -222,44 +218,4 @@ class Stepper:
             for stages in (speeds, rates)
         ]
         speed = tuple(v + dt * a for v, a in zip(state.qvel, mean[1], strict=True))
-        return LaneState(self._moved(state.qpos, mean[0], dt), speed, warm), first
-
-    def _seen_from_start(self, turning: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
-        """Speeds with a floating base's spin as the rate at which the turn since the step began changes.
-
-        Args:
-            turning: speeds that, for `dt`, make up that turn.
-            speed: where it has led.
-            dt: s.
-        """
-        found = list(speed)
-        for joint in self.plan.joints:
-            if joint.free:
-                spin = slice(joint.dofs[0] + 3, joint.dofs[0] + 6)
-                found[spin] = _rate_of_turn(tuple(dt * v for v in turning[spin]), speed[spin])
-        return tuple(found)
-
-
-def _rate_of_turn(turn: Sequence[Scalar], spin: Sequence[Scalar]) -> list[Scalar]:
-    """How a turn (rotation vector, own axes) changes under a spin: the inverse derivative of the exponential."""
-    once = cross(turn, spin)
-    twice, square = cross(turn, once), dot(turn, turn)
-    third = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
-    return [a + 0.5 * b + third * c for a, b, c in zip(spin, once, twice, strict=True)]
-
-
-def _floated(q: Sequence[Scalar], speed: Sequence[Scalar], dt: Scalar) -> tuple[Scalar, ...]:
-    """A floating base after `dt` at this speed, its spin in its own axes."""
-    w, x, y, z = q[3:]
-    spin = jnp.sqrt(dot(speed[3:], speed[3:]) + 1e-30)
-    half = 0.5 * dt * spin
-    c, s = jnp.cos(half), jnp.sin(half) / spin
-    a, b, d = (s * v for v in speed[3:])
-    turned = (
-        w * c - x * a - y * b - z * d,
-        w * a + x * c + y * d - z * b,
-        w * b - x * d + y * c + z * a,
-        w * d + x * b - y * a + z * c,
-    )
-    size = jax.lax.rsqrt(dot(turned, turned))
-    return tuple(p + dt * v for p, v in zip(q[:3], speed[:3], strict=True)) + tuple(t * size for t in turned)
+        return LaneState(moved(self.layout, state.qpos, mean[0], dt), speed, warm), first

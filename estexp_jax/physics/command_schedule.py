@@ -1,4 +1,4 @@
-"""When a replay steps, and what is commanded in each step.
+"""Physics steps of an open-loop rollout, and the commands in each step.
 
 Physics steps never straddle a row of the log: each interval between rows is cut into equal steps, no longer than the
 model's own, so that no reading is compared with the state of another time.
@@ -88,20 +88,20 @@ class CommandHistory:
         Args:
             start: (steps,) s.
             length: (steps,) s.
-            shift: (nu,) s, how late each command arrives.
+            shift: (nu,) s, delay of each command.
             source: (nu,) whose command each motor gets; None: its own.
         """
         own = np.arange(self.logged.shape[1]) if source is None else source
         row = np.searchsorted(self.time, start, side="right") - 1
         held = np.where(row[:, None] < 0, self._before, self.logged[np.clip(row, 0, None)])[:, own]
-        late = np.flatnonzero(shift)
-        for a in late.tolist():
+        delayed = np.flatnonzero(shift)
+        for a in delayed.tolist():
             begin = start - shift[a]
             span = np.maximum(length, 1e-9)
             held[:, a] = (self._area(begin + span, own[a]) - self._area(begin, own[a])) / span
         return held
 
-    def told(self, ctrl: np.ndarray) -> CommandHistory:
+    def with_commands(self, ctrl: np.ndarray) -> CommandHistory:
         """The same with other commands (rows, nu)."""
         return CommandHistory(self.time, ctrl, self._before)
 
@@ -113,10 +113,10 @@ class CommandHistory:
 
 
 def command_before(ctrl: np.ndarray, qvel: np.ndarray) -> np.ndarray:
-    """The command (nu,) in force until the first row, which nobody logged.
+    """The command (nu,) in force until the first row, which the log does not hold.
 
-    A robot that moves at the first row was cut out of a longer motion: where its commands go on smoothly from there
-    they came as smoothly. One at rest had the first row's.
+    A robot that moves at the first row was cut out of a longer motion: where its commands continue smoothly, they
+    are extrapolated back by one row. A robot at rest is taken to have had the first row's command.
 
     Args:
         ctrl: (rows, nu).

@@ -1,4 +1,4 @@
-"""What a robot's log holds, aligned with its model: one row a time stamp, one column an element."""
+"""A robot's log aligned with its model: one row a time stamp, one column an element."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A stretch of a recording to replay: rows, the steps between them, and the state it starts from."""
+"""A window of a recording: its rows, the physics steps between them, and its initial state."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 from estexp_jax.physics.command_schedule import CommandHistory, CommandSchedule, command_before, physics_steps
 from estexp_jax.physics.recording import Recording
 
-_MOMENT = 1e-6
-"""So long before a row its command is not yet there, s."""
-_LEAST = 1e-3
+_JUST_BEFORE = 1e-6
+"""Time before a row at which its command is not yet in force, s."""
+_SHORTEST = 1e-3
 """Shortest time that a command of a past row is the mean of, s."""
 
 
@@ -24,7 +24,7 @@ class InitialState(NamedTuple):
     Attributes:
         qpos, qvel: (nq,), (nv,).
         sensed: (address in `sensordata`, address in qpos, address in qvel) of each joint whose position a sensor gave;
-            a hypothesis that doubts the sensor starts elsewhere.
+            a hypothesis with a fault of that sensor starts elsewhere.
         covariance: (nv, 2, 2) of each degree of freedom's position (in the tangent space) and speed, as far as the
             state was measured with noise; None: it is exact.
     """
@@ -36,7 +36,7 @@ class InitialState(NamedTuple):
 
 
 class PastRows(NamedTuple):
-    """Rows of a recording up to the one that a segment starts at, that one last.
+    """Rows of a recording up to a window's first row, that one last.
 
     Attributes:
         qpos, qvel: (rows, nq), (rows, nv).
@@ -54,11 +54,11 @@ class PastRows(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False)
 class StateEstimate:
-    """Where a recording's sensors say that the robot was, at each row.
+    """States estimated from a recording's sensors, one for each row.
 
     Attributes:
         time: (rows,) s.
-        qpos, qvel: (rows, nq), (rows, nv); at home, at rest, what nothing measured.
+        qpos, qvel: (rows, nq), (rows, nv); home and at rest where nothing was measured.
     """
 
     time: np.ndarray
@@ -79,10 +79,10 @@ class Window:
         recording: index of the recording among those replayed together.
         first, last: rows.
         steps: physics steps between the rows.
-        history: the whole recording's commands, for what arrives late.
+        history: the whole recording's commands, for delayed ones.
         enable: (rows of the recording, nu).
         start: the state it starts from.
-        path: where the robot was in the whole recording, for what remembers it; None: at rest before the start.
+        path: states in the whole recording, for effects with hidden variables; None: at rest before the start.
     """
 
     recording: int
@@ -104,9 +104,9 @@ class Window:
         return replace(self, steps=physics_steps(self.history.time[self.first : self.last + 1], timestep))
 
     def commands(self, shift: np.ndarray, source: np.ndarray) -> np.ndarray:
-        """Commands (1 + steps, nu) of a moment before the first row and of each step, as `CommandHistory.mean`."""
-        start = np.concatenate([self.steps.start[:1] - _MOMENT, self.steps.start])
-        return self.history.mean(start, np.concatenate([[_MOMENT], self.steps.length]), shift, source)
+        """Commands (1 + steps, nu) just before the first row and in each step, as `CommandHistory.mean`."""
+        start = np.concatenate([self.steps.start[:1] - _JUST_BEFORE, self.steps.start])
+        return self.history.mean(start, np.concatenate([[_JUST_BEFORE], self.steps.length]), shift, source)
 
     @cached_property
     def logged(self) -> np.ndarray:
@@ -115,7 +115,7 @@ class Window:
 
     @cached_property
     def switched_on(self) -> np.ndarray:
-        """Which motors were on (1 + steps, nu), a moment before the first row and in each step."""
+        """Which motors were on (1 + steps, nu), just before the first row and in each step."""
         return self.enable[np.concatenate([[max(self.first - 1, 0)], self.first + self.steps.row])]
 
     def past(self, rows: int, shift: np.ndarray, source: np.ndarray) -> PastRows:
@@ -124,7 +124,7 @@ class Window:
         known = self.first + 1 if self.path is not None else 1
         at = np.arange(max(known - rows, 0), known)
         length = np.append(np.diff(path.time[at]), 0.0)
-        ctrl = self.history.mean(path.time[at], np.maximum(length, _LEAST), shift, source)
+        ctrl = self.history.mean(path.time[at], np.maximum(length, _SHORTEST), shift, source)
         return PastRows(path.qpos[at], path.qvel[at], ctrl, self.enable[at + self.first + 1 - known], length)
 
     @property
@@ -150,7 +150,7 @@ def window_of(
     path: StateEstimate | None = None,
     history: CommandHistory | None = None,
 ) -> Window:
-    """The stretch `rows` (first, last) of `recordings[index]`, whose `command_history_of` need be found only once."""
+    """The window `rows` (first, last) of `recordings[index]`; its `command_history_of` may be passed in."""
     recording, (first, last) = recordings[index], rows
     steps = physics_steps(recording.time[first : last + 1], timestep)
     history = command_history_of(recording, path) if history is None else history
@@ -158,6 +158,6 @@ def window_of(
 
 
 def command_history_of(recording: Recording, path: StateEstimate | None = None) -> CommandHistory:
-    """The commands of a recording, and before it as they came if it moved at the start."""
+    """The commands of a recording, extrapolated to before its start if the robot moved then."""
     before = None if path is None else command_before(recording.ctrl, path.qvel)
     return CommandHistory(recording.time, recording.ctrl, before)

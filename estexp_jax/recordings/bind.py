@@ -19,16 +19,16 @@ from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import Selection, Table
 
 _PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")
-_READINGS = ("sensor", "qpos", "qvel")
+_READING_KINDS = ("sensor", "qpos", "qvel")
 _SHORTEST = 1e-12
-"""Rows closer than this, s, have the same time: no clock is that fine."""
+"""Time steps below this, s, count as zero: no clock resolves less."""
 COORDINATES = {
     mujoco.mjtJoint.mjJNT_FREE: (7, 6),
     mujoco.mjtJoint.mjJNT_BALL: (4, 3),
     mujoco.mjtJoint.mjJNT_SLIDE: (1, 1),
     mujoco.mjtJoint.mjJNT_HINGE: (1, 1),
 }
-"""Numbers in qpos and in qvel of each type of joint."""
+"""How many values each joint type has in qpos and in qvel."""
 
 
 def read_recording(
@@ -48,28 +48,28 @@ def read_recording(
         path: the log.
         role: `train` or `test`.
         mapping: our column name to its source, where the log uses other names.
-        settings: what is known to differ in this recording; kept, not applied (see `apply_settings`).
-        selection: which episode or clock of the log; what is wanted of it is told by `mapping`.
-        mend: leave rows out whose time does not increase, and say so in the notes, rather than refuse the log.
+        settings: known differences of this recording; stored, not applied (see `apply_settings`).
+        selection: which episode or clock of the log; its `wanted` columns are taken from `mapping`.
+        mend: drop rows whose time does not increase and report them in the notes, instead of refusing the log.
 
     Raises:
         InputError: the file cannot be read, or its contents do not fit the robot; names file, row and column.
     """
-    wanted = frozenset(source.column for source in (mapping or {}).values() if source.column) or None
-    table = read_table(path, replace(selection, wanted=wanted))
+    requested = frozenset(source.column for source in (mapping or {}).values() if source.column) or None
+    table = read_table(path, replace(selection, wanted=requested))
     return bind_columns(robot, table, role=role, mapping=mapping, settings=settings, mend=mend)
 
 
 def column_names(robot: Robot) -> tuple[str, ...]:
     """All column names that a recording of this robot may have."""
-    return ("time", *_places(robot))
+    return ("time", *_column_places(robot))
 
 
 def check_names(robot: Robot, names: Iterable[str], where: str) -> None:
-    """See that each name is `time` or one of the robot's columns.
+    """Check that each name is `time` or one of the robot's columns.
 
     Raises:
-        InputError: a name means nothing on this robot; lists those that do.
+        InputError: a name does not exist on this robot; lists the names that do.
     """
     choices = column_names(robot)
     for name in names:
@@ -92,43 +92,45 @@ def bind_columns(
 ) -> Recording:
     """Tie a log's columns to a robot.
 
-    A column counts when it is `mapping`'s source of one of our columns, or bears one of our names that is not mapped:
-    `time`, `ctrl.<actuator>`, `enable.<actuator>`, `sensor.<sensor>`, `qpos.<joint>`, `qvel.<joint>`, with `.0 .1 ...`
-    where there are several values. Columns of other names are ignored and listed in the notes. An empty command or
-    switch repeats the last; a motor is on until a switch says otherwise.
+    A column is used if `mapping` names it as a source, or if it has one of our names that is not mapped. Our names are
+    `time`, `ctrl.<actuator>`, `enable.<actuator>`, `sensor.<sensor>`, `qpos.<joint>` and `qvel.<joint>`, with
+    `.0 .1 ...` where there are several values. Other columns are ignored and listed in the notes. An empty command or
+    switch repeats the last one; a motor is on until a switch says otherwise.
 
     Args: as for `read_recording`.
 
     Raises:
-        InputError: no time, or time that does not increase; an actuator without commands, or whose first is empty; no
-            reading at all; a name that the robot does not have; a text or an infinite value in a column that counts.
+        InputError: time is missing or does not increase; an actuator has no commands, or its first is empty; there is
+            no reading; a name is not on the robot; or a used column holds a text or an infinite value.
     """
     sources = _sources(robot, table, mapping or {})
-    mended = ""
+    clock_note = ""
     if mend and "time" in sources:
-        table, mended = strictly_increasing(table, sources["time"])
+        table, clock_note = strictly_increasing(table, sources["time"])
     time = _time(table, sources)
     sizes = {"ctrl": robot.model.nu, "enable": robot.model.nu, "sensor": robot.model.nsensordata}
     sizes |= {"qpos": robot.model.nq, "qvel": robot.model.nv}
     arrays = {kind: np.full((len(time), size), np.nan) for kind, size in sizes.items()}
     arrays["enable"][:] = 1.0
-    for name, (kind, index) in _places(robot).items():
+    for name, (kind, index) in _column_places(robot).items():
         if name in sources:
-            values = _values(table, name, sources[name], len(time))
-            arrays[kind][:, index] = _held(table, name, sources[name], values, kind)
+            values = _read_values(table, name, sources[name], len(time))
+            arrays[kind][:, index] = _fill_commands(table, name, sources[name], values, kind)
         elif kind == "ctrl":
             right = "every actuator needs its command: a column, a mapping, or a constant { value = 0.0 } in a manifest"
-            raise InputError(f"no column '{name}'", where=table.source, right=f"{right}; columns are: {_listed(table)}")
-    if not any(np.isfinite(arrays[kind]).any() for kind in _READINGS):
-        right = f"at least one column with samples of: {', '.join(n for n in _places(robot) if _kind(n) in _READINGS)}"
+            right += f"; columns are: {_column_list(table)}"
+            raise InputError(f"no column '{name}'", where=table.source, right=right)
+    if not any(np.isfinite(arrays[kind]).any() for kind in _READING_KINDS):
+        names = ", ".join(name for name in _column_places(robot) if _kind(name) in _READING_KINDS)
+        right = f"at least one column with samples of: {names}"
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
-    notes = (*((mended,) if mended else ()), *table.notes, *_notes(table, sources))
+    notes = (*((clock_note,) if clock_note else ()), *table.notes, *_notes(table, sources))
     name = printable(table.label or Path(table.source).name)
     return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=notes)
 
 
-def _places(robot: Robot) -> dict[str, tuple[str, int]]:
-    """Each of our column names but `time`: the array it fills, and the column there."""
+def _column_places(robot: Robot) -> dict[str, tuple[str, int]]:
+    """Each of our column names except `time`, with its array and its column in that array."""
     places: dict[str, tuple[str, int]] = {}
     for kind in ("ctrl", "enable"):
         places |= {f"{kind}.{name}": (kind, index) for index, name in enumerate(robot.names("actuator"))}
@@ -146,12 +148,12 @@ def _kind(name: str) -> str:
     return name.partition(".")[0]
 
 
-def _listed(table: Table) -> str:
+def _column_list(table: Table) -> str:
     return listing((*table.names, *table.parts)) or "none"
 
 
 def _sources(robot: Robot, table: Table, mapping: Mapping[str, Source]) -> dict[str, Source]:
-    """The source of each of our columns that this log gives."""
+    """The source of each of our columns that is in this log."""
     check_names(robot, mapping, "mapping")
     theirs = {source.column for source in mapping.values()}
     choices = set(column_names(robot))
@@ -165,24 +167,24 @@ def _sources(robot: Robot, table: Table, mapping: Mapping[str, Source]) -> dict[
     return own | dict(mapping)
 
 
-def _values(table: Table, name: str, source: Source, rows: int) -> np.ndarray:
+def _read_values(table: Table, name: str, source: Source, rows: int) -> np.ndarray:
     values = source.read(table, rows)
     if source.column is None:
         return values
     if len(values) != rows:
         what = f"has {len(values)} rows, `time` has {rows}"
         raise InputError(what, where=f"{table.source}, column '{source.column}'")
-    huge = np.abs(values) > LARGEST
-    if huge.any():
-        what = f"{'infinite value' if np.isinf(values[huge][0]) else f'{values[huge][0]:.4g}'} for {name}"
-        where = table.place(int(np.argmax(huge)), source.column)
+    too_large = np.abs(values) > LARGEST
+    if too_large.any():
+        what = f"{'infinite value' if np.isinf(values[too_large][0]) else f'{values[too_large][0]:.4g}'} for {name}"
+        where = table.place(int(np.argmax(too_large)), source.column)
         raise InputError(what, where=where, right=f"a finite number up to {LARGEST:g}, or an empty cell")
     return values
 
 
 def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
     if "time" not in sources:
-        right = f"seconds, strictly increasing; map it if it has another name; columns are: {_listed(table)}"
+        right = f"seconds, strictly increasing; map it if it has another name; columns are: {_column_list(table)}"
         raise InputError("no column 'time'", where=table.source, right=right)
     source = sources["time"]
     if source.column is None:
@@ -204,9 +206,9 @@ def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
     return values
 
 
-def _held(table: Table, name: str, source: Source, values: np.ndarray, kind: str) -> np.ndarray:
-    """Commands and switches without gaps; readings as they are."""
-    if kind in _READINGS:
+def _fill_commands(table: Table, name: str, source: Source, values: np.ndarray, kind: str) -> np.ndarray:
+    """Commands and switches with the last value held; readings unchanged."""
+    if kind in _READING_KINDS:
         return values
     column = source.column or name
     empty = np.isnan(values)

@@ -26,10 +26,10 @@ UNITS: Mapping[str, float] = {
     "m": 1.0,
     "mm": 1e-3,
 }
-"""Units that a manifest may name, each in SI."""
+"""Units that a manifest may name, each with its factor to SI."""
 
 LARGEST = 1e30
-"""Beyond what any sensor or clock reads in any unit; its square is still a number."""
+"""Limit of magnitude: above any sensor or clock in any unit, and its square is still finite."""
 _KEYS = ("column", "scale", "offset", "unit", "index", "value")
 
 
@@ -39,8 +39,8 @@ class Source:
     """Where one of our columns comes from: ours = scale * theirs + offset, or a constant.
 
     Attributes:
-        column: the name in the log; None for a constant.
-        scale: factor, into SI.
+        column: name in the log; None for a constant.
+        scale: factor to SI.
         offset: added after scaling, SI.
         index: which value of a list column, from 0; None for one number a row.
         value: the constant, SI; None for a column.
@@ -68,7 +68,7 @@ class Source:
         # An unscaled column stays as it was recorded, to the last bit and the sign of zero.
         if (self.scale, self.offset) == (1.0, 0.0):
             return values
-        with np.errstate(over="ignore", invalid="ignore"):  # what becomes infinite is told with its row
+        with np.errstate(over="ignore", invalid="ignore"):  # `bind_columns` reports an infinite value with its row
             return self.scale * values + self.offset
 
 
@@ -81,7 +81,7 @@ def parse_source(entry: object, where: str) -> Source:
         where: the entry's place, for messages.
 
     Raises:
-        InputError: the entry is neither, or a key in it is unknown or of the wrong type.
+        InputError: the entry has none of these forms, or one of its keys is unknown or of the wrong type.
     """
     if isinstance(entry, str):
         return Source(column=entry)
@@ -113,7 +113,7 @@ def _unit(unit: object, where: str) -> float:
 
 
 def parse_number(value: object, where: str) -> float:
-    """A finite number, or the user's mistake told.
+    """A finite number from a manifest.
 
     Raises:
         InputError: `value` is no number, or not finite.

@@ -24,7 +24,7 @@ _MOST_BYTES = 16 * 2**20
 @final
 @dataclass(frozen=True, eq=False)
 class Manifest:
-    """What a manifest says, with its recordings read.
+    """A manifest and the recordings that it lists.
 
     Attributes:
         path: the manifest.
@@ -46,7 +46,7 @@ def read_manifest(path: str | Path, *, mend: bool = False) -> Manifest:
 
     Args:
         path: the manifest.
-        mend: judge rather than refuse logs whose clock stands still or runs backwards (see `read_recording`).
+        mend: drop rows whose clock stands still or runs backwards, instead of refusing the log (see `read_recording`).
 
     Raises:
         InputError: a file is missing or cannot be read, the TOML is broken (with its line), a key is unknown or of the
@@ -120,7 +120,7 @@ def _columns(value: object, robot: Robot, where: str) -> dict[str, Source]:
 
 
 def _exists(path: Path, *, file: bool = False) -> bool:
-    """Whether there is such a file, or file or folder; a path that no file can have is that of none."""
+    """Whether the path is a file, or (without `file`) a file or folder; False for a path that cannot exist."""
     try:
         return path.is_file() if file else path.is_file() or path.is_dir()
     except (OSError, ValueError):
@@ -139,7 +139,7 @@ def _recording(
     if role not in ROLES:
         raise InputError(f"role is {abbreviated(role)}", where=where, right=known(ROLES))
     settings = _settings(table.get("set", {}), f"{where}, set")
-    apply_settings(robot, settings, where=f"{where}, set")  # told now rather than in the middle of a fit
+    apply_settings(robot, settings, where=f"{where}, set")  # reported now, not in the middle of a fit
     part = _selection(table, where)
     return read_recording(robot, file, role=role, mapping=columns, settings=settings, selection=part, mend=mend)
 

@@ -1,4 +1,4 @@
-"""Which recordings are fitted and which are kept back for the test."""
+"""Split recordings into those that are fitted and those that are held out for the test."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.recording import Recording
 
 KEPT_BACK = 0.3
-"""Share of a lone recording's duration that is cut off as a test."""
+"""Share of a single recording's duration that is held out as the test."""
 
 
 def assign_roles(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Make sure that there is something to fit and something to test on.
+    """Make sure that there is at least one training and one test recording.
 
-    Roles given are kept. Without a test recording the last one becomes it; a lone recording is cut in two, its last
-    30 % of time being the test, under the name `<stem>_last30<extension>`.
+    Given roles are kept. Without a test recording, the last one becomes the test. A single recording is cut in two:
+    its last 30 % of time is the test, named `<stem>_last30<extension>`.
 
     Returns:
         The recordings in the order given, at least one `train` and one `test`.
 
     Raises:
-        InputError: no recordings; only test recordings; two with the same file name up to the extension, whose
-            predictions would share a file; or a lone one too short to cut.
+        InputError: there are no recordings, or only test recordings; two file names are equal up to the extension, so
+            that their predictions would share a file; or a single recording is too short to cut.
     """
     if not recordings:
         raise InputError("no recordings", right="give at least one log of the robot")

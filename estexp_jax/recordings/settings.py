@@ -1,4 +1,4 @@
-"""What is known to differ in a recording, put into the robot's description: `actuator.servo.kp = 1.77`."""
+"""Apply the known differences of a recording to the robot's MJCF: `actuator.servo.kp = 1.77`."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ _ATTRIBUTES = {
     "option": "timestep gravity wind magnetic density viscosity impratio tolerance iterations ls_iterations"
     " noslip_iterations o_margin o_solref o_solimp o_friction",
 }
-# Fewer numbers than the field holds are as good as all of them, as in the XML; the others need them all.
+# These lists may be shorter than the field, as in the XML; all others need every value.
 _MAY_BE_SHORTER = ("damping", "stiffness", "gear", "size", "friction", "gainprm", "biasprm", "dynprm", "fluidcoef")
 _MAY_BE_SHORTER += ("solref", "solimp", "solreflimit", "solimplimit", "solreffriction", "solimpfriction", "noise")
 
-# (law of the actuator, shortcut) -> (field, index, sign) of what it stands for in the XML.
+# (law of the actuator, shortcut attribute) -> (field, index, sign) that the XML sets for it.
 _GAINS = {
     ("position", "kp"): (("gainprm", 0, 1.0), ("biasprm", 1, -1.0)),
     ("position", "kv"): (("biasprm", 2, -1.0),),
@@ -57,21 +57,21 @@ _LAWS = {
 
 
 def apply_settings(robot: Robot, settings: Mapping[str, Any], *, where: str = "set") -> Robot:
-    """The robot as it was in a recording, recompiled from a copy of its description.
+    """The robot as it was in a recording, recompiled from a copy of its MJCF.
 
     Keys are `<element>.<name>.<attribute>` as in MJCF, split at the first and the last dot, or `option.<attribute>`;
     values are numbers, or lists where MJCF has lists, in the MJCF file's own units (degrees where its compiler says
-    so). Of a list that may be shorter in MJCF, values left out stay as they are. `kp` and `kv` change gain and bias, as
-    in the XML. `body.<name>.mass` scales the body's inertia with its mass.
+    so). Where MJCF allows a shorter list, missing values are unchanged. `kp` and `kv` change gain and bias, as in the
+    XML. `body.<name>.mass` scales the body's inertia with its mass.
 
     Args:
         robot: unchanged.
-        settings: what differs; empty gives `robot` itself.
-        where: the place of the settings, for messages.
+        settings: the differences; empty returns `robot` itself.
+        where: origin of the settings, for messages.
 
     Raises:
-        InputError: an unknown element, name or attribute, with what exists; a value that does not fit; or a robot that
-            no longer compiles.
+        InputError: an element, name or attribute is unknown (lists those that exist), a value does not fit, or the
+            robot no longer compiles.
     """
     if not settings:
         return robot
@@ -117,11 +117,11 @@ def _index(robot: Robot, element: str, name: str, place: str) -> int:
 
 
 def _element(robot: Robot, spec: mujoco.MjSpec, element: str, name: str, place: str) -> Any:
-    # Not by name: unnamed elements have one only with us. A copy keeps the indices of the compiled original.
+    # By id, not by name: only this package names unnamed elements. A copy keeps the ids of the compiled original.
     index = _index(robot, element, name, place)
-    listed = {"joint": spec.joints, "actuator": spec.actuators, "geom": spec.geoms, "body": spec.bodies}
-    listed |= {"site": spec.sites, "sensor": spec.sensors}
-    return next(item for item in listed[element] if item.id == index)
+    elements = {"joint": spec.joints, "actuator": spec.actuators, "geom": spec.geoms, "body": spec.bodies}
+    elements |= {"site": spec.sites, "sensor": spec.sensors}
+    return next(item for item in elements[element] if item.id == index)
 
 
 def _positive(value: object, place: str) -> float:
@@ -147,22 +147,22 @@ def _assign(target: Any, element: str, attribute: str, value: Any, place: str) -
         setattr(target, field, int(checked))
     else:
         setattr(target, field, _positive(value, place) if attribute == "timestep" else parse_number(value, place))
-    if attribute == "quat":  # a rotation given in another way in the XML would win
+    if attribute == "quat":  # otherwise another form of rotation in the XML would take precedence
         target.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
 
 
-def _assign_list(old: np.ndarray, attribute: str, value: object, place: str) -> None:
-    """Write into a view of the description."""
+def _assign_list(target: np.ndarray, attribute: str, value: object, place: str) -> None:
+    """Write values into an array that is a view of the MJCF."""
     values = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else [value]
-    numbers = [parse_number(v, place) for v in values]
-    fits = 1 <= len(numbers) <= len(old) if attribute in _MAY_BE_SHORTER else len(numbers) == len(old)
+    entries = [parse_number(v, place) for v in values]
+    fits = 1 <= len(entries) <= len(target) if attribute in _MAY_BE_SHORTER else len(entries) == len(target)
     if not fits:
         at_most = "at most " if attribute in _MAY_BE_SHORTER else ""
-        raise InputError(f"has {len(numbers)} numbers", where=place, right=f"{at_most}{len(old)} numbers")
-    if attribute.endswith("range") and any(numbers) and numbers[0] >= numbers[1]:
-        # MuJoCo would take it for no limit at all.
-        raise InputError(f"is {numbers}, not low to high", where=place, right="low below high; 0 0 for no limit")
-    old[: len(numbers)] = numbers
+        raise InputError(f"has {len(entries)} numbers", where=place, right=f"{at_most}{len(target)} numbers")
+    if attribute.endswith("range") and any(entries) and entries[0] >= entries[1]:
+        # MuJoCo would read it as no limit.
+        raise InputError(f"is {entries}, not low to high", where=place, right="low below high; 0 0 for no limit")
+    target[: len(entries)] = entries
 
 
 def _assign_gain(actuator: Any, attribute: str, value: float, place: str) -> None:
@@ -175,7 +175,7 @@ def _assign_gain(actuator: Any, attribute: str, value: float, place: str) -> Non
 
 
 def _law_of_general(actuator: Any) -> str:
-    """A `general` actuator that is written as a servo is one: MuJoCo saves them so."""
+    """The law of a `general` actuator; MuJoCo saves servos in this form."""
     if (actuator.gaintype, actuator.biastype) != (mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE):
         return "general"
     if actuator.gainprm[0] == -actuator.biasprm[1]:
@@ -192,10 +192,10 @@ def _compiled(spec: mujoco.MjSpec, source: str, where: str) -> Robot:
 
 
 def _scale_masses(spec: mujoco.MjSpec, robot: Robot, masses: Mapping[int, float], where: str) -> None:
-    """Give bodies other masses, the inertia in proportion.
+    """Set the masses of bodies and scale their inertia in proportion.
 
-    Every body's inertia is written down as compiled first, whether it was explicit or came from geoms: the compiler's
-    own ways to arrive at it (inertiafromgeom, settotalmass) would otherwise act a second time, on scaled values.
+    All bodies get explicit inertias as compiled. Otherwise the compiler's options (inertiafromgeom, settotalmass)
+    would act a second time, on the scaled values.
     """
     model = robot.model
     spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE

@@ -1,4 +1,4 @@
-"""A log as it lies in its file: named columns of numbers, before anything is known about a robot."""
+"""The columns of a log file, before they are bound to a robot."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import numpy as np
 from estexp_jax.errors import InputError, known
 
 MOST_NUMBERS = 250_000_000
-"""Numbers that one log may hold, 2 GB of them: a small hostile file can claim, or unpack to, far more."""
+"""Limit of values in one log (2 GB): a small hostile file can claim, or unpack to, far more."""
 MOST_COLUMNS = 10_000
-"""Columns that one log may have."""
+"""Limit of columns in one log."""
 
 
 @final
@@ -22,15 +22,14 @@ class Table:
     """The columns of one log file.
 
     Attributes:
-        source: the file, as the user gave it; for messages.
-        columns: name to float64 values, (rows,), or (rows, k) where a cell holds a list. No sample is NaN.
-        unusable: columns that are no numbers, each with the error to raise if somebody needs it: a log may hold text
-            that nobody asks for.
-        row_numbers: (rows,) the number under which the user finds each row in the file; None: 1, 2, 3, ...
-        label: what the recording is called, with an extension; empty: the file's name.
-        parts: names of single values in list columns, each with its column and its index there, as in
-            `action.elbow_flex.pos`; where a data set names them.
-        notes: what the reader had to do, for the user.
+        source: path of the file as the user gave it, for messages.
+        columns: name to float64 values, (rows,), or (rows, k) where a cell holds a list. NaN means no sample.
+        unusable: non-numeric columns, each with the error to raise if it is read. Unused text columns are allowed.
+        row_numbers: (rows,) number of each row in the file; None: 1, 2, 3, ...
+        label: name of the recording, with an extension; empty: the file's name.
+        parts: names of single values in list columns, such as `action.elbow_flex.pos`, each with its column and index;
+            empty where the data set has no such names.
+        notes: remarks of the reader, for the user.
     """
 
     source: str
@@ -47,7 +46,7 @@ class Table:
         return (*self.columns, *self.unusable)
 
     def place(self, row: int, column: str) -> str:
-        """Where a cell is, for a message: file, row (a CSV's header is row 1) and column.
+        """Location of a cell, for messages: file, row (a CSV's header is row 1) and column.
 
         Args:
             row: 0-based index into the columns.
@@ -57,7 +56,7 @@ class Table:
         return f"{self.source}, row {number}, column '{column}'"
 
     def column(self, name: str, index: int | None = None) -> np.ndarray:
-        """One number a row, (rows,) float64.
+        """The values of a column, (rows,) float64.
 
         Args:
             name: the column's name in the file, or that of one value of a list column.
@@ -92,7 +91,7 @@ class Selection:
         episode: of a LeRobot data set, from 0; None: its only one.
         clock: of an MCAP file's messages: `log` (when the logger got them), `publish` (when they were sent) or
             `header` (the stamp in the message).
-        wanted: names that somebody will ask for; None: unknown, so all are read. Readers that cannot pick read all.
+        wanted: columns that will be used; None: read all. Formats without random access are read in full.
     """
 
     episode: int | None = None
@@ -100,26 +99,26 @@ class Selection:
     wanted: frozenset[str] | None = None
 
 
-def check_size(numbers: int, where: str) -> None:
-    """See that a log is small enough to be read, before memory is taken for it.
+def check_size(count: int, where: str) -> None:
+    """Check that a log is small enough to read, before memory is allocated for it.
 
     Args:
-        numbers: how many it says it holds.
+        count: how many values it claims to hold.
         where: the file.
 
     Raises:
-        InputError: more than `MOST_NUMBERS`, or fewer than none.
+        InputError: the count is negative or above `MOST_NUMBERS`.
     """
-    if not 0 <= numbers <= MOST_NUMBERS:
+    if not 0 <= count <= MOST_NUMBERS:
         right = f"at most {MOST_NUMBERS:,}; cut the log into shorter ones, or leave columns out"
-        raise InputError(f"claims to hold {numbers:,} numbers", where=where, right=right)
+        raise InputError(f"claims to hold {count:,} numbers", where=where, right=right)
 
 
 def check_width(columns: int, where: str) -> None:
-    """See that a log has no more columns than `MOST_COLUMNS`.
+    """Check that a log has at most `MOST_COLUMNS` columns.
 
     Raises:
-        InputError: it has.
+        InputError: it has more.
     """
     if columns > MOST_COLUMNS:
         raise InputError(f"has {columns:,} columns", where=where, right=f"at most {MOST_COLUMNS:,}; leave some out")

@@ -1,4 +1,4 @@
-"""Write a table of numbers so that reading it gives back every bit."""
+"""Write columns of numbers as CSV; reading the file returns the same bits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from estexp_jax.errors import unwritable
 
 
 def write_csv(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
-    """Write columns of one length to a CSV file, replacing it at once or not at all.
+    """Write columns of one length to a CSV file, atomically.
 
     Floats are written with the fewest digits that give the same float64 back; NaN is an empty cell.
 
@@ -34,7 +34,7 @@ def write_csv(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
     shapes = {name: values.shape for name, values in arrays.items()}
     if len(set(shapes.values())) > 1 or any(len(shape) != 1 for shape in shapes.values()):
         raise ValueError(f"columns are not of one length: {shapes}")
-    # Beside its place and renamed into it: a reader, or a run that dies, never meets half a file.
+    # Written beside its place and then renamed, so that no reader or killed run leaves half a file.
     draft = path.with_name(f".{path.name}.{socket.gethostname()}-{os.getpid()}.part")
     try:
         _write(draft, arrays)

@@ -25,6 +25,7 @@ from estexp_jax.physics.engines.closed_loop import (
 )
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.recovery.control.trial import Controller, Trial
 
 
@@ -37,11 +38,13 @@ class DamageSimulator:
         closed_loop: the engine.
         settle_steps: control steps with motors at home before each trial.
         control_step: time between two commands, s.
+        gain: of the controllers' neurons.
     """
 
     closed_loop: ClosedLoopSimulator
     settle_steps: int
     control_step: float
+    gain: float
 
     @property
     def robot(self) -> Robot:
@@ -60,7 +63,7 @@ class DamageSimulator:
 
     def controller(self, weights: np.ndarray, steps: int) -> Controller:
         """The controller of weights (n_weights,), as a robot in the world runs it."""
-        return Controller(weights, self.closed_loop.interface, self.closed_loop.gain, self.control_step, steps)
+        return Controller(weights, self.closed_loop.interface, self.gain, self.control_step, steps)
 
     def settled(self, sets: Sequence[Sequence[Change]]) -> BodyState:
         """States (sets, ...) in which robots with these changes come to rest; their trials start there."""
@@ -90,7 +93,7 @@ class DamageSimulator:
         s, c = len(sets), len(weights)
         initial, values = jax.tree.map(lambda x: np.repeat(x, c, axis=0), (start, self._values(sets)))
         many = jax.tree.map(lambda x: np.broadcast_to(x, (s, c, *x.shape[2:])).reshape(s * c, *x.shape[2:]), override)
-        rollout = self.closed_loop.walk(values, np.tile(weights, (s, 1)), initial, steps, many)
+        rollout = self.closed_loop.rollout(values, np.tile(weights, (s, 1)), initial, steps, many)
         return jax.tree.map(lambda x: x.reshape(s, c, *x.shape[1:]), rollout)
 
     def trials(
@@ -114,7 +117,7 @@ class DamageSimulator:
         Returns:
             Arrays (sets, ...).
         """
-        return self.closed_loop.walk(self._values(sets), weights, self.settled(sets), steps)
+        return self.closed_loop.rollout(self._values(sets), weights, self.settled(sets), steps)
 
     def motions(self, sets: Sequence[Sequence[Change]], weights: np.ndarray, rows: Sequence[int]) -> np.ndarray:
         """Configurations of many damaged robots, each under its own controller.
@@ -131,7 +134,7 @@ class DamageSimulator:
             Configurations (sets, rows, nq).
         """
         values, start = self._values(sets), self.settled(sets)
-        ends = (self.closed_loop.walk(values, weights, start, row).final if row else start for row in rows)
+        ends = (self.closed_loop.rollout(values, weights, start, row).final if row else start for row in rows)
         return np.stack([np.asarray(end.qpos) for end in ends], axis=1)
 
     def trial(self, changes: Sequence[Change], weights: np.ndarray, steps: int) -> Trial:
@@ -162,10 +165,10 @@ def damage_simulator(robot: Robot, settings: Settings, planted: Sequence[Change]
     engine = closed_loop_simulator(
         robot,
         catalogue(names),
+        policy=RecurrentPolicy(settings.gain),
         rows=max(settings.steps, settings.settle_steps, settings.samples),
         control_step=settings.control_step,
-        gain=settings.gain,
         population=settings.population,
         engine=settings.engine,
     )
-    return DamageSimulator(engine, settings.settle_steps, settings.control_step)
+    return DamageSimulator(engine, settings.settle_steps, settings.control_step, settings.gain)

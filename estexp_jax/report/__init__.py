@@ -1,1 +1,1 @@
-"""Figures and pages: functions of results; drawing libraries are imported where they draw."""
+"""Figures and pages as functions of results; drawing libraries are imported where they are used."""

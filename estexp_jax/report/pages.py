@@ -1,8 +1,8 @@
-"""What all report pages share: one file that needs nothing else, for screens, phones and paper.
+"""Rendering of report pages: single files without external parts, for screens, phones and paper.
 
-Figures open large on a click and tables sort by their headings, with the script of `page.js`. A content security policy
-names that script by its hash and forbids everything else that is not in the page: names from a log, which the
-templates escape anyway, can load and run nothing.
+Figures enlarge on a click and tables sort by their headings, with the script of `page.js`. A content security policy
+allows only this script, by its hash, and data in the page. So names from a log can load and run nothing, even if the
+templates did not escape them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def render_page(template: str, **values: Any) -> str:
 
     Args:
         template: a file of this folder that extends `page.html`.
-        values: what it shows; texts are escaped.
+        values: contents of the page; texts are escaped.
     """
     from markupsafe import Markup
 
@@ -38,7 +38,7 @@ def render_page(template: str, **values: Any) -> str:
 
 
 def policy(script: str) -> str:
-    """The content security policy of a page with this script and no other, and with data in it only."""
+    """The content security policy that allows one script and data in the page only."""
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return (
         "default-src 'none'; img-src data:; media-src data:; style-src 'unsafe-inline'; "
@@ -54,7 +54,7 @@ def _environment() -> Environment:
 
 
 def image(figure: Figure) -> str:
-    """A figure as the source of an <img>: SVG, letters drawn, so that no font is needed."""
+    """A figure as the source of an <img>: SVG with letters as paths, so that no font is needed."""
     import matplotlib
 
     stream = io.BytesIO()
@@ -64,34 +64,34 @@ def image(figure: Figure) -> str:
 
 
 def finite(value: Any) -> bool:
-    """Whether there is a number."""
+    """Whether a value is a finite number."""
     return value is not None and bool(np.isfinite(value))
 
 
 def format_number(value: Any, digits: int = 3) -> str:
-    """A number with so many digits; a text as it is; a dash where there is none."""
+    """A number with some digits; a text unchanged; a dash if there is no number."""
     if isinstance(value, str):
         return value
     return f"{value:.{digits}g}" if finite(value) else "–"
 
 
 def percent(value: Any, digits: int | None = None) -> str:
-    """A share in per cent, with so many digits after the point, or three in all."""
+    """A share in per cent with some digits after the point, by default three digits in all."""
     if not finite(value):
         return "–"
     return f"{100.0 * value:.3g} %" if digits is None else f"{100.0 * value:.{digits}f} %"
 
 
 def metres(value: float) -> str:
-    """A distance in a sentence, where nobody may have measured it."""
+    """A distance in a sentence; it may be unknown."""
     return f"{value:.2f} m" if finite(value) else "an unknown distance"
 
 
 def probability(value: float) -> str:
-    """Never quite certain, never quite impossible: it comes from a limited number of resamples."""
+    """A probability; never 0 or 100 %, since it comes from a limited number of resamples."""
     return "> 99 %" if value > 0.99 else "< 1 %" if value < 0.01 else percent(value, 0)
 
 
 def capital(text: str) -> str:
-    """A text that begins a line."""
+    """A text with a capital first letter."""
     return text[:1].upper() + text[1:]

@@ -1,4 +1,4 @@
-"""Runs: their folders, checkpoints, progress, and what they ran on."""
+"""Run folders, checkpoints, progress, workers, and versions."""
 
 from estexp_jax.runs.cache import count_compilations, enable_compilation_cache, forget_programs, quiet_xla
 from estexp_jax.runs.checkpoint import load_checkpoint, save_checkpoint

@@ -1,4 +1,4 @@
-"""Compiled programs kept from run to run, and how many were compiled."""
+"""Keep compiled programs between runs, and count compilations."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ from pathlib import Path
 
 _COMPILED = "/jax/core/compile/backend_compile_duration"
 _FROM_CACHE = "/jax/compilation_cache/cache_hits"
-_MOST_MAPS = 0.5
-"""Share of the memory maps that a process may have from which on compiled programs are forgotten."""
+_MAP_LIMIT = 0.5
+"""Share of the allowed memory maps of a process above which compiled programs are dropped."""
 
 
 def enable_compilation_cache() -> Path | None:
     """Keep programs that took long to compile on disk, so that the next run loads them.
 
     They go to `estexp_jax/xla` in the user's cache folder (`XDG_CACHE_HOME`, else `~/.cache`), in a folder for this
-    kind of processor: JAX's own key does not tell processors apart, and in a home that several machines share one would
-    run what was compiled for another. A cache that is already configured, or `JAX_COMPILATION_CACHE_DIR` (empty: none),
-    is left as it is. A folder that cannot be written costs time only, so it is told in one line. For front doors to
-    call; never on import.
+    kind of processor. JAX's own key does not distinguish processors, so machines with a shared home would load each
+    other's programs. A cache that is already configured, or `JAX_COMPILATION_CACHE_DIR` (empty: none), is unchanged. A
+    folder that cannot be written only costs time, so it is a one-line warning. Front doors call this, never an import.
 
     Returns:
-        The folder in force; None where there is none.
+        The folder in use; None without a cache.
     """
     import jax
 
@@ -50,17 +49,17 @@ def enable_compilation_cache() -> Path | None:
 
 
 def forget_programs() -> bool:
-    """Forget what was compiled, where the system would soon refuse this process more of it.
+    """Drop compiled programs if this process is close to the limit of memory maps.
 
-    JAX keeps each program for as long as the process lives, each takes some memory maps, and Linux allows a process
-    only so many (65530): beyond, it crashes. Who explains hundreds of recordings in one process comes there. What is
-    still needed is compiled again, or read from the cache on disk.
+    JAX keeps each program for the life of the process, and each needs some memory maps. Linux allows 65530 of them;
+    above that, the process crashes. Hundreds of explained recordings in one process reach the limit. Programs that are
+    still needed are compiled again, or read from the cache on disk.
 
     Returns:
-        Whether it was done.
+        Whether programs were dropped.
     """
     maps = _memory_maps()
-    if maps is None or maps[0] < _MOST_MAPS * maps[1]:
+    if maps is None or maps[0] < _MAP_LIMIT * maps[1]:
         return False
     import jax
 
@@ -70,7 +69,7 @@ def forget_programs() -> bool:
 
 
 def _memory_maps() -> tuple[int, int] | None:
-    """This process's memory maps, and how many it may have; None where no system tells."""
+    """This process's number of memory maps and its limit; None if the system does not report them."""
     try:
         with Path("/proc/self/maps").open("rb") as maps:
             return sum(1 for _ in maps), int(Path("/proc/sys/vm/max_map_count").read_text("ascii"))
@@ -84,34 +83,34 @@ def _user_cache() -> Path:
 
 
 def _processor() -> str:
-    """A name for what this machine's processor can do."""
+    """A name for the features of this machine's processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         lines = []
     features = [line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))]
-    said = "\n".join([platform.machine(), platform.processor(), *dict.fromkeys(features)])
-    return f"{platform.machine()}-{hashlib.sha256(said.encode()).hexdigest()[:12]}"
+    text = "\n".join([platform.machine(), platform.processor(), *dict.fromkeys(features)])
+    return f"{platform.machine()}-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
 
 
 def quiet_xla() -> None:
-    """Keep XLA's own log off the terminal; works until JAX is imported, and where the user has not chosen otherwise.
+    """Keep XLA's own log off the terminal. It must be called before JAX is imported, and the user's setting wins.
 
-    On a processor with AVX-512, XLA warns at each program it loads from the cache that the machine does not support
-    `+prefer-no-gather`, and may crash. That is a tuning preference, no instruction: https://github.com/jax-ml/jax/issues/38445
-    What goes wrong in XLA also comes as an exception.
+    On processors with AVX-512, XLA warns for each program from the cache that the machine does not support
+    `+prefer-no-gather`, and may crash. That is only a tuning preference: https://github.com/jax-ml/jax/issues/38445
+    Errors in XLA are raised as exceptions in any case.
     """
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
 
 @dataclass
 class Compilations:
-    """Programs that JAX made ready, so far.
+    """Programs that JAX has prepared so far.
 
     Attributes:
-        count: all of them, compiled or loaded from the cache on disk.
-        cached: those loaded.
-        seconds: the time it took.
+        count: all programs, compiled or loaded from the cache on disk.
+        cached: loaded programs.
+        seconds: time spent, s.
     """
 
     count: int = 0
@@ -119,13 +118,13 @@ class Compilations:
     seconds: float = 0.0
 
     def on_duration(self, event: str, duration_secs: float, **_: str | int) -> None:
-        """Listen to JAX: something took a time."""
+        """Listener for JAX's durations."""
         if event == _COMPILED:
             self.count += 1
             self.seconds += duration_secs
 
     def on_event(self, event: str, **_: str | int) -> None:
-        """Listen to JAX: something happened."""
+        """Listener for JAX's events."""
         if event == _FROM_CACHE:
             self.cached += 1
 
@@ -135,12 +134,12 @@ def count_compilations() -> Iterator[Compilations]:
     """Count the programs that JAX compiles, in any thread, until the end of the block."""
     from jax import monitoring
 
-    seen = Compilations()
-    on_duration, on_event = seen.on_duration, seen.on_event
+    compilations = Compilations()
+    on_duration, on_event = compilations.on_duration, compilations.on_event
     monitoring.register_event_duration_secs_listener(on_duration)
     monitoring.register_event_listener(on_event)
     try:
-        yield seen
+        yield compilations
     finally:
         monitoring.unregister_event_duration_listener(on_duration)
         monitoring.unregister_event_listener(on_event)

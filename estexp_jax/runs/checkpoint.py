@@ -1,4 +1,4 @@
-"""Checkpoints: a nested structure in one file, given back to the last bit."""
+"""Checkpoints: a nested structure in one file, restored to the last bit."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from estexp_jax.runs.files import replacing
 
 _TREE = "tree"
 _KINDS = "biufcSUMm"
-"""NumPy's kinds of values that need no pickle."""
-# What reading a cut or otherwise damaged archive can raise.
+"""NumPy's kinds of dtype that need no pickle."""
+# Exceptions from reading a truncated or damaged archive.
 _DAMAGE = (OSError, EOFError, ValueError, KeyError, IndexError, TypeError, RuntimeError, MemoryError)
 _DAMAGE += (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, RecursionError)
 
 
 def previous_of(path: str | Path) -> Path:
-    """Where the checkpoint before the one at `path` is kept."""
+    """The path of the checkpoint before the one at `path`."""
     path = Path(path)
     return path.with_name(f"{path.name}.previous")
 
 
 def save_checkpoint(path: str | Path, tree: Any) -> None:
-    """Write a checkpoint; the one before is kept beside it until the next.
+    """Write a checkpoint; the previous one is kept beside it.
 
-    A run that is killed at any moment of this leaves a checkpoint that loads: this one or the one before.
+    If the run is killed at any moment, either this checkpoint or the previous one can be loaded.
 
     Args:
         path: the file; its folder must exist.
         tree: dicts, lists and tuples of str, int, float, bool, None, NumPy numbers and arrays. Other arrays (JAX) are
-            saved as NumPy's. Types count, not their subclasses: a named tuple would come back as another thing.
+            saved as NumPy's. Subclasses are refused, as a named tuple would come back as another type.
 
     Raises:
-        TypeError: something else is in it; names its place.
+        TypeError: the tree contains another type; names its place.
     """
     path = Path(path)
     arrays: list[np.ndarray] = []
@@ -51,22 +51,22 @@ def save_checkpoint(path: str | Path, tree: Any) -> None:
 
 
 def load_checkpoint(path: str | Path) -> Any:
-    """Read the checkpoint at `path`, or the one before where that is damaged or missing.
+    """Read the checkpoint at `path`, or the previous one if that is damaged or missing.
 
     Returns:
-        What was saved, bit by bit and type by type; None where there is no checkpoint.
+        The saved tree, equal in every bit and type; None if there is no checkpoint.
 
     Raises:
-        InputError: there are checkpoints, and none can be read.
+        InputError: checkpoints exist, but none can be read.
     """
     path = Path(path)
-    found = [file for file in (path, previous_of(path)) if file.exists()]
-    for file in found:
+    existing = [file for file in (path, previous_of(path)) if file.exists()]
+    for file in existing:
         try:
             return _read(file)
         except _DAMAGE:
             continue
-    if found:
+    if existing:
         raise InputError("the checkpoint is damaged", where=str(path), right="begin anew with --force")
     return None
 
@@ -76,14 +76,14 @@ def _named(arrays: list[np.ndarray]) -> dict[str, Any]:
 
 
 def _read(file: Path) -> Any:
-    # Members carry a checksum, and reading them in full checks it.
+    # Reading a member in full verifies its checksum.
     with file.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
         text = archive[_TREE].tobytes().decode()
         return _decoded(json.loads(text), archive)
 
 
 def _encoded(value: Any, arrays: list[np.ndarray], place: str) -> Any:
-    """JSON of a tree: what JSON holds exactly stands for itself, the rest is a list that begins with its type."""
+    """JSON of a tree: exact JSON types as they are, all others as a list that begins with the type."""
     kind = type(value)
     if value is None or kind in (str, int, float, bool):
         return value

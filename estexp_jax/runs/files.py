@@ -1,4 +1,4 @@
-"""Write files whole or not at all, and results as plain JSON."""
+"""Atomic writes of files, and results as plain JSON."""
 
 from __future__ import annotations
 
@@ -21,43 +21,42 @@ _DRAFT = ".part"
 
 
 def draft_of(path: Path) -> Path:
-    """Where this process writes a file before it takes its place; left behind by a run that was killed.
+    """Where this process writes a file before renaming it; a killed run leaves it behind.
 
-    Another process, on this machine or one that shares the folder, has another draft: neither spoils the other's.
+    Each process has its own draft, also across machines that share the folder, so they do not overwrite each other.
     """
     return path.with_name(f".{path.name}.{socket.gethostname()}-{os.getpid()}{_DRAFT}")
 
 
 def drafts_of(path: Path) -> list[Path]:
-    """The drafts of a file that processes have left behind; or are writing."""
+    """The drafts of a file: left behind, or being written now."""
     if not path.parent.is_dir():
         return []
     return [item for item in path.parent.iterdir() if is_draft(item.name, path.name)]
 
 
 def remove_drafts(folder: Path) -> None:
-    """Remove what kills in the middle of a write have left of a folder's files; nobody may be writing there."""
+    """Remove the drafts that killed processes have left in a folder; no process may be writing there."""
     for draft in folder.glob(f".*{_DRAFT}"):
         with suppress(OSError):
             draft.unlink()
 
 
 def is_draft(name: str, of: str) -> bool:
-    """Whether a file's name is that of a draft of another's."""
+    """Whether `name` is the name of a draft of the file `of`."""
     return name.startswith(f".{of}.") and name.endswith(_DRAFT)
 
 
 @contextmanager
 def replacing(path: str | Path, *, previous: Path | None = None) -> Iterator[IO[bytes]]:
-    """A stream whose contents become the file at the end, unless an error ends it sooner.
+    """A stream whose contents become the file at the end, unless an error ends the block.
 
-    A reader, or a run that is killed at any moment, meets the old file or the new one, never half of one: the contents
-    are gathered in memory, go to a draft in the same folder, reach the disk, and only then take the file's name. On a
-    full disk the old file stays.
+    Readers and killed runs find the old file or the new one, never a partial one. The contents are collected in memory,
+    written to a draft in the same folder, synced to the disk, and then renamed. On a full disk the old file stays.
 
     Args:
-        path: the file; its folder must exist. Of several writers, the last one's is kept.
-        previous: in the same folder; where to keep the file that is replaced.
+        path: the file; its folder must exist. Of several writers, the last one wins.
+        previous: path in the same folder at which the replaced file is kept.
 
     Raises:
         InputError: the disk is full, or the folder may not be written.
@@ -89,7 +88,7 @@ def _replace(path: Path, contents: memoryview, previous: Path | None) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Bring a rename to the disk; where folders cannot be opened (Windows) the system does without."""
+    """Sync a rename to the disk; skipped where folders cannot be opened (Windows)."""
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:
@@ -101,7 +100,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write a text (UTF-8), replacing the file at once or not at all.
+    """Write a text (UTF-8) atomically.
 
     Args:
         path: the file; its folder must exist.
@@ -115,30 +114,30 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def write_json(path: str | Path, value: Any) -> None:
-    """Write a result as JSON (UTF-8, indented), replacing the file at once or not at all.
+    """Write a result as JSON (UTF-8, indented) atomically.
 
     Args:
         path: the file; its folder must exist.
-        value: anything `printable` understands.
+        value: anything `json_plain` accepts.
 
     Raises:
-        TypeError: something in `value` has no JSON form; names its place.
+        TypeError: a part of `value` has no JSON form; names its place.
         InputError: the disk is full, or the folder may not be written.
     """
     write_text(path, f"{json.dumps(json_plain(value), indent=2, ensure_ascii=False, allow_nan=False)}\n")
 
 
 def json_plain(value: Any, place: str = "value") -> Any:
-    """What JSON can hold: dicts with text keys, lists, texts, numbers, booleans and None.
+    """A value as plain JSON types: dicts with text keys, lists, texts, numbers, booleans and None.
 
     Arrays become lists, dataclasses dicts, paths texts; numbers that are not finite become None.
 
     Args:
-        value: the above, nested.
-        place: its name, for messages.
+        value: of these types, nested.
+        place: name of the value, for messages.
 
     Raises:
-        TypeError: something in it has no such form; names its place.
+        TypeError: a part of it has no JSON form; names its place.
     """
     if value is None or isinstance(value, str | bool):
         return value

@@ -1,4 +1,4 @@
-"""Many runs in one view: each tells how far it is in a small file, on the folder that all machines share."""
+"""Progress of many runs in one view: each reports its progress in a small file in a shared folder."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from estexp_jax.runs.progress import ProgressDisplay, duration
 from estexp_jax.runs.workers import Call, WorkerPool
 
 _EVERY = 2.0
-"""Least time between two words of a run, and between two looks at all, s."""
+"""Shortest time between two reports of a run, and between two updates of the view, s."""
 _STALE = 120.0
-"""A run that has said nothing for so long is not shown: its worker may be lost, s."""
-_SHOWN = 2
-"""Runs that the view names."""
+"""Age of a report, s, above which it is ignored, since the run's worker may be lost."""
+_N_NAMED = 2
+"""How many runs the view names."""
 
 
 @final
 class Heartbeat:
-    """A run under way tells how far it is; nobody sees it any more when the context ends.
+    """Reports of a run under way; they are removed when the context ends.
 
     Args:
-        folder: of all runs' words; made if need be.
+        folder: of the reports of all runs; created if needed.
         name: of the run.
     """
 
@@ -50,8 +50,13 @@ class Heartbeat:
         with suppress(OSError):
             self._path.unlink(missing_ok=True)
 
-    def tell(self, share: float, where: str) -> None:
-        """How far it is: a share of the whole (0 to 1), and what is under way. A full disk only silences it."""
+    def report(self, share: float, where: str) -> None:
+        """Report progress. A full disk is ignored.
+
+        Args:
+            share: of the whole, 0 to 1.
+            where: the stage that is under way.
+        """
         if time.monotonic() - self._last >= _EVERY:
             with suppress(InputError):
                 write_json(self._path, {"share": share, "where": where, "machine": socket.gethostname()})
@@ -59,63 +64,63 @@ class Heartbeat:
 
 
 def under_way(folder: Path) -> dict[str, dict[str, Any]]:
-    """What the runs under way last said, by their names."""
-    said = {}
+    """The last reports of the runs under way, by name."""
+    reports = {}
     for path in sorted(folder.glob("*.json")):
-        with suppress(OSError, ValueError):  # it may end while we look
+        with suppress(OSError, ValueError):  # the run may end meanwhile
             if time.time() - path.stat().st_mtime < _STALE:
-                said[path.stem] = json.loads(path.read_text(encoding="utf-8"))
-    return said
+                reports[path.stem] = json.loads(path.read_text(encoding="utf-8"))
+    return reports
 
 
 def run_all(
-    title: str, calls: Sequence[Call], crew: WorkerPool, beats: Path, progress: ProgressDisplay | None = None
+    title: str, calls: Sequence[Call], pool: WorkerPool, folder: Path, progress: ProgressDisplay | None = None
 ) -> list[Any]:
-    """Let a crew do calls, and show how far all of them are.
+    """Run calls on a pool of workers, and show the progress of all of them.
 
     Args:
-        title: what they are: `runs`.
+        title: of the calls, such as `runs`.
         calls: functions and arguments.
-        crew: who does them.
-        beats: the folder of the runs' words.
-        progress: where it shows; None: on the terminal.
+        pool: the workers.
+        folder: of the runs' reports (see `Heartbeat`).
+        progress: the display; None: a new one on the terminal.
 
     Returns:
-        What they gave, in the order of the calls.
+        The results, in order of the calls.
     """
     results: list[Any] = [None] * len(calls)
     if not calls:
         return results
     begin = time.monotonic()
-    with ProgressDisplay() if progress is None else progress as shown:
-        shown.say(f"{title}: {len(calls)} to do, {crew.about()}")
-        shown.stage(title, total=len(calls))
-        view = _View(shown, crew, beats, len(calls))
+    with ProgressDisplay() if progress is None else progress as display:
+        display.say(f"{title}: {len(calls)} to do, {pool.summary()}")
+        display.stage(title, total=len(calls))
+        view = _FleetView(display, pool, folder, len(calls))
         with view.watching():
-            for index, result in crew.each(calls):
+            for index, result in pool.each(calls):
                 results[index] = result
                 view.count += 1
                 view.show()
-        shown.say(f"{title}: {len(calls)} done in {duration(time.monotonic() - begin)}")
+        display.say(f"{title}: {len(calls)} done in {duration(time.monotonic() - begin)}")
     return results
 
 
 @final
-class _View:
-    """How many calls are done, and how far the others are."""
+class _FleetView:
+    """The number of finished calls, and the progress of the others."""
 
-    def __init__(self, progress: ProgressDisplay, crew: WorkerPool, beats: Path, total: int) -> None:
-        self._progress, self._crew, self._beats, self._total = progress, crew, beats, total
-        self._about, self.count = crew.about(), 0
+    def __init__(self, progress: ProgressDisplay, pool: WorkerPool, folder: Path, total: int) -> None:
+        self._progress, self._pool, self._folder, self._total = progress, pool, folder, total
+        self._summary, self.count = pool.summary(), 0
 
     def show(self) -> None:
-        said = under_way(self._beats)
-        done = min(self.count + sum(each["share"] for each in said.values()), self._total)
-        self._progress.reach(round(done, 1) if self.count < self._total else self._total, self._note(said))
+        reports = under_way(self._folder)
+        done = min(self.count + sum(report["share"] for report in reports.values()), self._total)
+        self._progress.reach(round(done, 1) if self.count < self._total else self._total, self._note(reports))
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Look now and then, in a thread of its own: a crew tells only of what is done."""
+        """Update the view regularly in a thread, since a pool reports finished calls only."""
         ended = threading.Event()
         watcher = threading.Thread(target=self._watch, args=(ended,), name="fleet", daemon=True)
         watcher.start()
@@ -127,18 +132,19 @@ class _View:
 
     def _watch(self, ended: threading.Event) -> None:
         while not ended.wait(_EVERY):
-            with suppress(Exception):  # a cluster that does not answer now is asked again
-                self._tell_of_crew()
+            with suppress(Exception):  # a cluster that does not answer is asked again later
+                self._report_pool()
             self.show()
 
-    def _tell_of_crew(self) -> None:
-        """Machines that were lost, or have come."""
-        about = self._crew.about()
-        if about != self._about:
-            self._progress.say(f"now {about}; before, {self._about}")
-            self._about = about
+    def _report_pool(self) -> None:
+        """Report machines that were lost or added."""
+        summary = self._pool.summary()
+        if summary != self._summary:
+            self._progress.say(f"now {summary}; before, {self._summary}")
+            self._summary = summary
 
-    def _note(self, said: dict[str, dict[str, Any]]) -> str:
-        named = [f"{name} on {each['machine']}: {each['where']}" for name, each in list(said.items())[:_SHOWN]]
-        more = f"; {len(said) - _SHOWN} more" if len(said) > _SHOWN else ""
-        return f"{len(said)} under way ({'; '.join(named)}{more})" if said else ""
+    def _note(self, reports: dict[str, dict[str, Any]]) -> str:
+        first = list(reports.items())[:_N_NAMED]
+        named = [f"{name} on {report['machine']}: {report['where']}" for name, report in first]
+        more = f"; {len(reports) - _N_NAMED} more" if len(reports) > _N_NAMED else ""
+        return f"{len(reports)} under way ({'; '.join(named)}{more})" if reports else ""

@@ -1,4 +1,4 @@
-"""Run folders: what `--out`, `--force` and `--resume` mean."""
+"""Run folders: the meaning of `--out`, `--force` and `--resume`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from estexp_jax.runs.files import drafts_of, is_draft, json_plain, write_json
 from estexp_jax.runs.lock import LOCK, FolderLock, lock_folder
 
 MARKER = ".estexp-run.json"
-"""The file by which a run folder is known: what was run, and which files it wrote."""
+"""The file that identifies a run folder: what was run, and which files it wrote."""
 
 _FORMAT = "estexp.run/1"
 
@@ -24,17 +24,17 @@ _FORMAT = "estexp.run/1"
 @final
 @dataclass(frozen=True, eq=False)
 class RunFolder:
-    """A folder that holds one run's results. Made by `open_run`.
+    """A folder that holds one run's results, created by `open_run`.
 
-    Every file of the run is asked for with `file` or `directory`: what was asked for is what `--force` may remove.
+    Every path of the run is requested with `file` or `directory`; `--force` removes only paths that were requested.
 
     Attributes:
         path: the folder.
-        marker: what is run: its command and configuration, as plain JSON.
-        resumed: whether an earlier run of the same marker is gone on with.
-        kept: what `--force` found in the folder and left there, as the run had not written it.
+        marker: command and configuration of the run, as plain JSON.
+        resumed: whether this continues an earlier run with the same marker.
+        kept: files that `--force` left in the folder, since the run had not written them.
 
-    As long as this object lives, no other process gets the folder.
+    While this object exists, no other process can open the folder.
     """
 
     path: Path
@@ -42,29 +42,29 @@ class RunFolder:
     resumed: bool = False
     kept: tuple[str, ...] = ()
     _written: dict[str, None] = field(default_factory=dict, repr=False)
-    _hold: FolderLock | None = field(default=None, repr=False)
+    _lock: FolderLock | None = field(default=None, repr=False)
 
     def file(self, name: str) -> Path:
-        """Where the run's file `name` (`run.json`, `predictions/a.csv`) is to be written; its folder is made.
+        """The path of the run's file `name` (`run.json`, `predictions/a.csv`); its folder is created.
 
         Raises:
             InputError: the folder cannot be written.
         """
-        path = self._noted(name)
+        path = self._register(name)
         _make(path.parent)
         return path
 
     def directory(self, name: str) -> Path:
-        """A folder of the run, made if need be; all in it counts as written by the run.
+        """A folder of the run, created if needed; everything in it counts as written by the run.
 
         Raises:
             InputError: the folder cannot be written.
         """
-        path = self._noted(name)
+        path = self._register(name)
         _make(path)
         return path
 
-    def _noted(self, name: str) -> Path:
+    def _register(self, name: str) -> Path:
         if not _inside(name) or name in (MARKER, LOCK):
             raise ValueError(f"'{name}' is no place inside a run folder")
         if name not in self._written:
@@ -85,56 +85,56 @@ def open_run(
     marker: Mapping[str, Any] | None = None,
     patience: float = 0.0,
 ) -> RunFolder:
-    """Take a folder for a run's results; it and its parents are made if need be.
+    """Open a folder for a run's results; it and its parents are created if needed.
 
     Args:
         out: the folder. New, empty, or the folder of an earlier run.
-        force: remove what the earlier run wrote, and begin anew. Files that it did not write stay.
-        resume: go on with the earlier run. Where there is none, a new one begins.
-        marker: what decides the results, such as `{"command": "recover", "config": options}`; leave out what may
-            change from one attempt to the next (`force`, `resume`, a number of workers).
-        patience: how long to wait where another process is at work in the folder, s.
+        force: remove the files of the earlier run and start a new one. Other files stay.
+        resume: continue the earlier run, or start a new one if there is none.
+        marker: everything that determines the results, such as `{"command": "recover", "config": options}`; without
+            options that may change between attempts (`force`, `resume`, the number of workers).
+        patience: how long to wait if another process uses the folder, s.
 
     Raises:
-        InputError: the folder holds results and neither `force` nor `resume` is given, or both are; it holds things and
-            is no run folder; the run to resume had another marker (names the field); another process is at work in it;
-            or it cannot be written.
+        InputError: the folder holds results and neither or both of `force` and `resume` are given; it holds files and
+            is not a run folder; the run to resume had another marker (names the field); another process uses it; or it
+            cannot be written.
     """
     path, wanted = Path(out), json_plain(marker or {}, "marker")
     if force and resume:
         raise InputError("--force and --resume together", right="--force begins anew, --resume goes on: give one")
     if path.exists() and not path.is_dir():
         raise InputError("is a file", where=str(path), right="a folder for the results")
-    _earlier(path)  # nothing is written in a foreign folder, not even a lock
+    _earlier(path)  # before the lock file, as nothing may be written in a folder that is not a run's
     _make(path)
-    held = lock_folder(path, patience)
+    lock = lock_folder(path, patience)
     earlier = _earlier(path)
     if earlier is None:
         _remove_drafts(path, [])
-        return _begun(RunFolder(path, wanted, _hold=held))
+        return _save_new(RunFolder(path, wanted, _lock=lock))
     if resume:
         _check_same(wanted, earlier["marker"], path)
         _remove_drafts(path, earlier["written"])
-        return RunFolder(path, wanted, resumed=True, _written=dict.fromkeys(earlier["written"]), _hold=held)
+        return RunFolder(path, wanted, resumed=True, _written=dict.fromkeys(earlier["written"]), _lock=lock)
     if not force:
         right = "--force removes them and begins anew, --resume goes on with an interrupted run; or give another folder"
         raise InputError("the folder holds results of an earlier run", where=str(path), right=right)
     _remove_written(path, earlier["written"])
     kept = tuple(sorted(item.name for item in path.iterdir() if item.name not in (MARKER, LOCK)))
-    return _begun(RunFolder(path, wanted, kept=kept, _hold=held))
+    return _save_new(RunFolder(path, wanted, kept=kept, _lock=lock))
 
 
-def _begun(folder: RunFolder) -> RunFolder:
+def _save_new(folder: RunFolder) -> RunFolder:
     folder._save()
     return folder
 
 
 def _earlier(path: Path) -> dict[str, Any] | None:
-    """The marker file of the run in a folder; None where there is no folder, or nothing in it."""
+    """The marker of the run in a folder; None if the folder does not exist or is empty."""
     try:
         if not path.exists() or all(map(_is_beginning, path.iterdir())):
             return None
-        # A link to a device is no file, and reading one might never end.
+        # Reading a link to a device might never end, so it must be a file.
         document = json.loads((path / MARKER).read_text(encoding="utf-8")) if (path / MARKER).is_file() else None
     except (FileNotFoundError, ValueError, RecursionError):
         document = None
@@ -147,7 +147,7 @@ def _earlier(path: Path) -> dict[str, Any] | None:
 
 
 def _is_beginning(item: Path) -> bool:
-    """Whether a run leaves this that was killed before its marker was there."""
+    """Whether a run that was killed before writing its marker leaves this file."""
     return item.name == LOCK or is_draft(item.name, MARKER)
 
 
@@ -163,18 +163,18 @@ def _elsewhere(path: Path) -> str:
 
 
 def _inside(name: str) -> bool:
-    """Whether a name is a place below the folder: relative, never up, and one that a file can have."""
+    """Whether a name is a valid path below the folder: relative and without `..`."""
     parts = PurePosixPath(name).parts
     return bool(parts) and not PurePosixPath(name).is_absolute() and ".." not in parts and "\0" not in name
 
 
 def _remove_written(path: Path, written: list[str]) -> None:
-    """Remove a run's files, what writing them may have left behind, and folders that are empty then."""
+    """Remove a run's files, their drafts, and folders that become empty."""
     try:
         for name in written:
             target = path / name
             if not target.parent.resolve().is_relative_to(path.resolve()):
-                continue  # below a link that somebody put there
+                continue  # below a link that was placed there
             if target.is_dir() and not target.is_symlink():
                 shutil.rmtree(target)
             for file in (target, *drafts_of(target), previous_of(target)):
@@ -185,7 +185,7 @@ def _remove_written(path: Path, written: list[str]) -> None:
 
 
 def _remove_drafts(path: Path, written: list[str]) -> None:
-    """Remove what a kill in the middle of a write has left; nobody else is at work in the folder."""
+    """Remove the drafts of killed processes; the folder is locked, so no other process is writing."""
     for name in (MARKER, *written):
         for draft in drafts_of(path / name):
             with suppress(OSError):

@@ -14,21 +14,21 @@ from estexp_jax.errors import InputError, unwritable
 
 try:
     import fcntl
-except ImportError:  # Windows: the second process is not noticed
+except ImportError:  # Windows: a second process is not detected
     fcntl = None
 
 LOCK = ".estexp-run.lock"
-"""The file that is locked. It stays when nobody holds it: removing it would let a third process in beside a second."""
+"""The lock file. It is never removed, since removal would let a third process in beside a second one."""
 
 _EVERY = 0.2
-"""Time between two looks at a folder that another process holds, s."""
+"""Time between two attempts to lock a folder, s."""
 _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
-"""What a file system that knows no locks answers; such a folder is used without."""
+"""Errors of file systems without locks; such folders are used without a lock."""
 
 
 @final
 class FolderLock:
-    """A folder that this process holds; until this object is gone, or the process, however it ended."""
+    """The lock of a folder; held until this object is deleted or the process ends."""
 
     def __init__(self, handle: int) -> None:
         self._handle = handle
@@ -38,10 +38,10 @@ class FolderLock:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Held to the end of the block at least; longer where somebody else in this process keeps the object."""
+        """Held at least to the end of the block, and longer if the object is referenced elsewhere."""
 
     def is_of(self, path: Path) -> bool:
-        """Whether the lock file at `path` is the one that is held: somebody may have removed the folder since."""
+        """Whether the lock file at `path` is still the one that is held; the folder may have been removed."""
         try:
             return os.path.samestat(os.fstat(self._handle), path.stat())
         except OSError:
@@ -49,42 +49,42 @@ class FolderLock:
 
 
 _HELD: weakref.WeakValueDictionary[Path, FolderLock] = weakref.WeakValueDictionary()
-"""What this process holds. The system's locks tell open files apart, not processes, and a process may ask twice."""
+"""Locks of this process, since it may ask twice, and system locks belong to open files, not to processes."""
 
 
 def lock_folder(folder: Path, patience: float = 0.0) -> FolderLock:
     """Keep other processes out of a folder, on this machine and on those that share it.
 
-    The system releases the lock with the process, so that a run that is killed leaves nothing to clear away.
+    The system releases the lock when the process ends, so a killed run needs no clean-up.
 
     Args:
-        folder: it must exist.
+        folder: must exist.
         patience: how long to wait for a process that holds it, s.
 
     Raises:
         InputError: another process holds it, or the lock file cannot be written.
     """
     path = folder.resolve() / LOCK
-    mine = _HELD.get(path)
-    if mine is not None and mine.is_of(path):
-        return mine
+    own = _HELD.get(path)
+    if own is not None and own.is_of(path):
+        return own
     end = time.monotonic() + patience
-    while (found := _taken(path)) is None:
+    while (lock := _try_lock(path)) is None:
         if time.monotonic() >= end:
             right = "wait for it to end, or give another folder"
-            raise InputError(f"is in use by {_holder(path)}", where=str(folder), right=right)
+            raise InputError(f"is in use by {_read_owner(path)}", where=str(folder), right=right)
         time.sleep(_EVERY)
-    _HELD[path] = found
-    return found
+    _HELD[path] = lock
+    return lock
 
 
-def _taken(path: Path) -> FolderLock | None:
-    """The lock; None where another process has it."""
+def _try_lock(path: Path) -> FolderLock | None:
+    """The lock; None if another process holds it."""
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:
         raise unwritable(path.parent, error) from None
-    found = FolderLock(handle)
+    lock = FolderLock(handle)
     try:
         if fcntl is not None:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -93,14 +93,14 @@ def _taken(path: Path) -> FolderLock | None:
     except OSError as error:
         if error.errno not in _NO_LOCKS:
             raise unwritable(path.parent, error) from None
-    if not found.is_of(path):
+    if not lock.is_of(path):
         return None  # the folder was removed meanwhile
-    _sign(handle)
-    return found
+    _write_owner(handle)
+    return lock
 
 
-def _sign(handle: int) -> None:
-    """Say who holds it, for the message to others; on a full disk nobody is told."""
+def _write_owner(handle: int) -> None:
+    """Write the owner into the lock file, for messages of other processes; skipped on a full disk."""
     try:
         os.truncate(handle, 0)
         os.pwrite(handle, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
@@ -108,7 +108,7 @@ def _sign(handle: int) -> None:
         pass
 
 
-def _holder(path: Path) -> str:
+def _read_owner(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")[:200] or "another process"
     except (OSError, ValueError):

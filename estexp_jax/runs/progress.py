@@ -1,4 +1,4 @@
-"""How far a run is: a live line on a terminal, now and then a plain line elsewhere; and its story."""
+"""Progress of a run: a live line on a terminal, periodic plain lines elsewhere, and messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PERIOD = 10.0
 
 @dataclass
 class _Stage:
-    """What is running: `total` None where nobody knows how long it is."""
+    """The running stage; `total` is None if its length is unknown."""
 
     name: str
     total: float | None
@@ -38,7 +38,7 @@ class _Stage:
 
 
 def duration(seconds: float) -> str:
-    """A time for people: `45 s`, `1 min 10 s`, `2 h 5 min`."""
+    """A duration in words: `45 s`, `1 min 10 s`, `2 h 5 min`."""
     whole = round(seconds)
     if whole < 60:
         return f"{whole} s"
@@ -50,24 +50,23 @@ def duration(seconds: float) -> str:
 @final
 @dataclass
 class ProgressDisplay:
-    """Shows what is running, how far it is, and how long it may still take.
+    """Shows the running stage, its progress and an estimate of the remaining time.
 
-    On a terminal that is one live line. Elsewhere it is a plain line on standard error, at once and then every
-    `PERIOD`, so that a log shows life even where nothing is reported, as while compiling. The story, told with `say`,
-    goes to standard output either way.
+    On a terminal this is one live line. Elsewhere it is a plain line on standard error, at once and then every
+    `PERIOD`, so that a log shows activity even while compiling. Messages of `say` always go to standard output.
 
     ```python
-    with Progress() as progress:
+    with ProgressDisplay() as progress:
         progress.stage("exploration 1/5", total=40)
         progress.advance(note="best 3.2 m")
         progress.say("walks 3.2 m")
     ```
 
     Attributes:
-        out: where the story goes; None: `sys.stdout`.
-        err: where plain lines go; None: `sys.stderr`.
+        out: stream of messages; None: `sys.stdout`.
+        err: stream of plain progress lines; None: `sys.stderr`.
         period: time between two plain lines, s.
-        clock: seconds that only grow.
+        clock: monotonic time, s.
     """
 
     out: TextIO | None = None
@@ -99,18 +98,18 @@ class ProgressDisplay:
         self._live = self._stage = None
 
     def say(self, text: str) -> None:
-        """A line of the story, always printed."""
+        """Print a message."""
         if self._live is not None and self._live.stream is self.out:
             self._live.print(text)
         else:
             print(text, file=self.out or sys.stdout, flush=True)
 
     def stage(self, name: str, total: float | None = None) -> None:
-        """Another thing runs from now on.
+        """Start the next stage.
 
         Args:
-            name: what it is, such as `exploration 1/5`.
-            total: how many steps of `advance` it has; None: nobody knows.
+            name: such as `exploration 1/5`.
+            total: number of steps of `advance`; None: unknown.
         """
         with self._lock:
             self._stage = _Stage(name, total, self.clock())
@@ -119,11 +118,11 @@ class ProgressDisplay:
             self.tick()
 
     def advance(self, steps: float = 1, note: str = "") -> None:
-        """The stage is some steps further.
+        """Advance the stage by some steps.
 
         Args:
-            steps: how many.
-            note: what there is to say of it, such as the best so far; the last one stays.
+            steps: number of steps.
+            note: remark, such as the best result so far; if empty, the last one stays.
         """
         with self._lock:
             if self._stage is None:
@@ -135,17 +134,17 @@ class ProgressDisplay:
             self.tick()
 
     def reach(self, done: float, note: str = "") -> None:
-        """The stage is so many steps far.
+        """Set the progress of the stage.
 
         Args:
-            done: from its beginning; may be less than before, where work was lost.
+            done: steps from its start; may be less than before, if work was lost.
             note: as for `advance`.
         """
         with self._lock:
             self.advance(done - (self._stage.done if self._stage is not None else 0.0), note)
 
     def tick(self) -> None:
-        """Print a plain line if it is time for one."""
+        """Print a plain line if one is due."""
         with self._lock:
             now = self.clock()
             due = self._last is None or now - self._last >= self.period
@@ -168,9 +167,9 @@ class _Live:
 
         self.stream = stream
         name, note = (parts.TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[note]}"))
-        numbers = (parts.MofNCompleteColumn(), parts.TimeElapsedColumn(), parts.TimeRemainingColumn())
-        columns = (parts.SpinnerColumn(), name, parts.BarColumn(), *numbers, note)
-        # Only what is said here goes above the line: redirecting would move all of standard output to this stream.
+        counters = (parts.MofNCompleteColumn(), parts.TimeElapsedColumn(), parts.TimeRemainingColumn())
+        columns = (parts.SpinnerColumn(), name, parts.BarColumn(), *counters, note)
+        # Only messages of `say` go above the line: redirection would move all of standard output to this stream.
         self._bars = parts.Progress(
             *columns, console=Console(file=stream), transient=True, redirect_stdout=False, redirect_stderr=False
         )

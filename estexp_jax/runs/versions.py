@@ -1,4 +1,4 @@
-"""What a run ran on, for its results: versions and machine."""
+"""Versions and machine of a run, for its results."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ _PACKAGES = ("estexp_jax", "mujoco", "mujoco-mjx", "jax", "jaxlib", "numpy")
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python, of this package and of those that compute, and the machine: `platform`, `cpu`, `cores`."""
+    """Versions of Python, this package and its numerical packages, and the machine: `platform`, `cpu`, `cores`."""
     machine = {"platform": platform.platform(), "cpu": _cpu(), "cores": str(os.cpu_count() or 1)}
     return {"python": platform.python_version(), **{name: version(name) for name in _PACKAGES}, **machine}
 
 
 def version(package: str) -> str:
-    """The version of an installed package; `not installed` where it is not, as this one in a bare checkout."""
+    """The version of an installed package, or `not installed`, as for this package in a bare checkout."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
@@ -25,7 +25,7 @@ def version(package: str) -> str:
 
 
 def _cpu() -> str:
-    """The processor's name; `platform` does not know it on Linux."""
+    """The processor's name, which `platform` does not report on Linux."""
     try:
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
             if line.startswith("model name"):

@@ -6,37 +6,15 @@ import multiprocessing
 import os
 import threading
 import time
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import AbstractContextManager
 from typing import Any, final
 
 from estexp_jax.errors import InputError
+from estexp_jax.runs.worker_pool import Call, WorkerPool
 
-Call = tuple[Callable[..., Any], tuple[Any, ...]]
-"""A function of a module, and its arguments. Both, and the result, travel to other processes."""
-_LOOK = 1.0
-"""Seconds between a worker's looks at whether it is still wanted."""
-
-
-class WorkerPool(AbstractContextManager["WorkerPool"], ABC):
-    """Workers for calls that do not depend on each other. Leaving the context sends them home."""
-
-    @abstractmethod
-    def each(self, calls: Sequence[Call]) -> Iterator[tuple[int, Any]]:
-        """Do all calls, in any order.
-
-        Yields:
-            The index of a call and its result, as each ends.
-
-        Raises:
-            Exception: what a call raised.
-        """
-
-    @abstractmethod
-    def about(self) -> str:
-        """Who works, for a person: `2 processes`."""
+_POLL_S = 1.0
+"""Period at which a worker checks that its parent is alive, s."""
 
 
 @final
@@ -44,11 +22,11 @@ class SerialPool(WorkerPool):
     """This process, one call after the other."""
 
     def each(self, calls: Sequence[Call]) -> Iterator[tuple[int, Any]]:
-        """Do all calls in their order."""
+        """Run all calls in order."""
         for index, (function, arguments) in enumerate(calls):
             yield index, function(*arguments)
 
-    def about(self) -> str:
+    def summary(self) -> str:
         """In words."""
         return "this process"
 
@@ -58,9 +36,9 @@ class SerialPool(WorkerPool):
 
 @final
 class ProcessPool(WorkerPool):
-    """Processes of this machine, each begun anew: what compiles must not be forked.
+    """Processes of this machine, spawned, since processes that compile must not be forked.
 
-    They end with this one, also where it is killed.
+    They end with this process, even if it is killed.
 
     Args:
         number: of them.
@@ -70,9 +48,9 @@ class ProcessPool(WorkerPool):
         self._number = number
 
     def each(self, calls: Sequence[Call]) -> Iterator[tuple[int, Any]]:
-        """Do all calls, as many at a time as there are processes."""
+        """Run all calls, as many at a time as there are processes."""
         spawned = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(self._number, spawned, _end_with, (os.getpid(),)) as pool:
+        with ProcessPoolExecutor(self._number, spawned, _start_watch, (os.getpid(),)) as pool:
             futures = {pool.submit(function, *arguments): i for i, (function, arguments) in enumerate(calls)}
             try:
                 for future in as_completed(futures):
@@ -81,7 +59,7 @@ class ProcessPool(WorkerPool):
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
 
-    def about(self) -> str:
+    def summary(self) -> str:
         """In words."""
         return f"{self._number} processes"
 
@@ -89,27 +67,27 @@ class ProcessPool(WorkerPool):
         pass
 
 
-def _end_with(parent: int) -> None:
-    """In a worker: end with the process that began it, whatever the worker is at."""
-    threading.Thread(target=_watch, args=(parent,), daemon=True).start()
+def _start_watch(parent: int) -> None:
+    """In a worker: exit when the parent process ends, whatever the worker is doing."""
+    threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
 
 
-def _watch(parent: int) -> None:
+def _exit_with_parent(parent: int) -> None:
     while os.getppid() == parent:
-        time.sleep(_LOOK)
+        time.sleep(_POLL_S)
     os._exit(1)
 
 
 def worker_pool_of(workers: int | None = None, ray: str | None = None, paths: Sequence[str] = ()) -> WorkerPool:
-    """The workers that the options ask for.
+    """The worker pool that the options ask for.
 
     Args:
-        workers: how many calls at a time; None: one, and with Ray as many as its machines have room for.
+        workers: number of calls at a time; None: one, or with Ray as many as its machines have room for.
         ray: address of a Ray cluster, `local` for one on this machine; None: without Ray.
-        paths: where workers on other machines find the modules of the calls, if these are not installed there.
+        paths: folders in which workers on other machines find the modules of the calls, if not installed there.
 
     Raises:
-        InputError: there is no such number of workers, Ray is not installed, or nobody answers at the address.
+        InputError: the number of workers is not positive, Ray is not installed, or the address does not answer.
     """
     if workers is not None and workers < 1:
         raise InputError(f"is {workers}", where="--workers", right="at least 1")

@@ -1,4 +1,4 @@
-"""A folder as a user has it: a model and two logs. A pendulum that rubs, recorded and explained."""
+"""A folder as a user has it: a model and two logs; or a URDF with a mesh."""
 
 from pathlib import Path
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from estexp_jax.recordings.write import write_csv
-from tests.cli.pendulum import EFFECT, PENDULUM, SMALL, run
 
 ARM = """
 <mujoco model="arm">
@@ -48,20 +47,12 @@ def data(tmp_path, monkeypatch) -> Path:
     return folder
 
 
-@pytest.fixture(scope="session")
-def recorded(tmp_path_factory) -> Path:
-    """Recordings of a pendulum that rubs, as `estexp record` writes them."""
-    folder = tmp_path_factory.mktemp("recorded")
-    (folder / "pendulum.xml").write_text(PENDULUM)
-    out = folder / "logs"
-    sizes = ("--duration", "4", "--rate", "100", "--seed", "31")
-    assert run("record", folder / "pendulum.xml", "--effect", EFFECT, "--out", out, *sizes) == 0
-    return out
+@pytest.fixture
+def arm(tmp_path, monkeypatch) -> Path:
+    """A folder with robot/arm.urdf and its mesh; robot is the current folder."""
+    from tests.physics.meshes import urdf, write_box
 
-
-@pytest.fixture(scope="session")
-def explained(recorded, tmp_path_factory) -> Path:
-    """What `estexp explain` leaves of them."""
-    out = tmp_path_factory.mktemp("explained") / "out"
-    assert run("explain", recorded / "recordings.toml", "--out", out, *SMALL) == 0
-    return out
+    write_box(tmp_path / "robot" / "meshes" / "link.stl")
+    (tmp_path / "robot" / "arm.urdf").write_text(urdf("package://arm/meshes/link.stl"))
+    monkeypatch.chdir(tmp_path / "robot")
+    return tmp_path

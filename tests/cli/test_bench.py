@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from estexp_jax.api import bench as module
 from estexp_jax.cli.main import main
 from tests.physics.robots import CARTPOLE
 
@@ -15,8 +14,12 @@ ENGINE = ("name", "robot_steps_per_s", "ratio_to_serial", "compile_s", "first_re
 def cartpole(tmp_path, monkeypatch):
     (tmp_path / "cartpole.xml").write_text(CARTPOLE)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(module, "JAX_ENGINES", ("lanes",))  # MJX compiles for long; tests/api has it
-    monkeypatch.setattr(module, "alone", lambda name, race: {"compile_s": 1.0, "first_result_s": 0.1, "peak_mb": 9.0})
+    measured = {"compile_s": 1.0, "first_result_s": 0.1, "peak_mb": 9.0}
+    monkeypatch.setattr("estexp_jax.benchmark.measure.JAX_ENGINES", ("lanes",))  # MJX compiles for long
+    monkeypatch.setattr(
+        "estexp_jax.benchmark.measure.alone",
+        lambda name, race: measured,
+    )
     return tmp_path
 
 

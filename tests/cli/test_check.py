@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from estexp_jax.cli.check_init import guess
 from estexp_jax.cli.main import main
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings import read_manifest
+from estexp_jax.recordings.write import write_csv
 
 
 def test_a_manifest_is_judged(data, capsys):
@@ -113,35 +113,6 @@ def test_init_keeps_what_is_mapped(data):
     assert read_manifest(data / "out" / "recordings.toml").columns["ctrl.servo"].column == "temp"
 
 
-TWO = """
-<mujoco><worldbody>
-  <body><joint name="Pitch" axis="0 1 0"/><geom size="0.1"/>
-    <body><joint name="Wrist_Pitch" axis="0 1 0"/><geom size="0.1"/></body></body>
-</worldbody>
-<actuator><position name="m1" joint="Pitch"/><position name="m2" joint="Wrist_Pitch"/></actuator>
-<sensor><jointpos name="Pitch_pos" joint="Pitch"/><jointpos name="Wrist_Pitch_pos" joint="Wrist_Pitch"/>
-<jointvel name="w1" joint="Pitch"/></sensor></mujoco>
-"""
-
-
-@pytest.mark.parametrize(
-    ("names", "found"),
-    [
-        (
-            ["timestamp_us", "command_Wrist_Pitch", "command_Pitch", "position_Pitch", "position_Wrist_Pitch"],
-            {"time": "timestamp_us", "ctrl.m1": "command_Pitch", "ctrl.m2": "command_Wrist_Pitch"}
-            | {"sensor.Pitch_pos": "position_Pitch", "sensor.Wrist_Pitch_pos": "position_Wrist_Pitch"},
-        ),
-        (["time", "goalPosition1", "goalPosition2"], {"ctrl.m1": "goalPosition1", "ctrl.m2": "goalPosition2"}),
-        (["t", "cmd_a", "cmd_b", "cmd_c", "speed"], {"time": "t", "sensor.w1": "speed"}),
-        (["ctrl.m1", "cmd_Pitch", "temperature"], {}),
-        (["torque_enable_Pitch", "pos"], {"enable.m1": "torque_enable_Pitch"}),
-    ],
-)
-def test_guesses(names, found):
-    assert guess(Robot.from_string(TWO), names) == found
-
-
 @pytest.mark.parametrize("folder", ["so101", "xl330", "double_pendulum"])
 def test_init_on_real_recordings(real_data, tmp_path, folder):
     logs = sorted(str(path) for path in (real_data / folder).glob("*.csv"))[:2]
@@ -151,3 +122,34 @@ def test_init_on_real_recordings(real_data, tmp_path, folder):
     judged = json.loads((tmp_path / "out" / "check.json").read_text())["recordings"]
     assert len(judged) == 2 and all(one["rows"] > 1000 for one in judged)
     assert all(joint["excited"] for joint in judged[0]["joints"].values())
+
+
+def test_a_urdf_becomes_a_robot_and_keeps_its_meshes(arm, capsys):
+    assert main(["check", "arm.urdf", "--init", "--out", "../first"]) == 0
+    assert "put the gains of your servos into it" in capsys.readouterr().out
+    first = Robot.from_xml(arm / "first" / "arm.xml")
+    assert first.names("actuator") == ("shoulder", "elbow") and first.names("sensor") == ("shoulder_pos", "elbow_pos")
+    np.testing.assert_allclose(first.model.actuator_gainprm[:, 0], 100.0)  # 10 N m at 0.1 rad
+    np.testing.assert_allclose(first.model.actuator_ctrlrange, [[-1.5, 1.5]] * 2)
+    assert (first.model.actuator_biasprm[:, 2] < 0.0).all()
+    assert main(["check", "arm.urdf", "--init", "--out", "../first"]) == 2
+    assert "arm.xml: exists already" in capsys.readouterr().err
+
+    few = ["--duration", "0.2", "--rate", "100", "--effect", "coulomb_friction@elbow T=0.5"]
+    assert main(["record", "../first/arm.xml", "--out", "../logs", *few]) == 0
+    (arm / "logs").rename(arm / "elsewhere")
+    (arm / "first").rename(arm / "gone")
+    capsys.readouterr()
+    assert main(["check", "../elsewhere/recordings.toml", "--out", "../judged"]) == 0
+    assert len(json.loads((arm / "judged" / "check.json").read_text())["recordings"]) == 3
+
+
+def test_logs_of_a_urdf_need_motors(arm, capsys):
+    time = np.arange(50) * 0.01
+    angles = {f"qpos.{joint}": np.sin(time) for joint in ("shoulder", "elbow")}
+    write_csv(arm / "robot" / "free.csv", {"time": time, **angles})
+    write_csv(arm / "robot" / "driven.csv", {"time": time, **angles, "ctrl.elbow": time})
+    assert main(["check", "arm.urdf", "free.csv"]) == 0
+    assert main(["check", "arm.urdf", "driven.csv"]) == 2
+    error = capsys.readouterr().err
+    assert "'ctrl.elbow' names nothing" in error and "`estexp check arm.urdf --init` writes an MJCF" in error

@@ -68,6 +68,23 @@ def test_an_unknown_one_is_told_with_those_that_exist(experiments, capsys):
     assert main(["experiment", "notebooks"]) == 2
 
 
+def test_a_study_of_a_group_runs_by_its_name_with_or_without_the_group(experiments, tmp_path):
+    experiments("planted", folder="experiments/explain")
+    for name in ("planted", "explain/planted", "experiments/explain/planted"):
+        (tmp_path / "seen.json").unlink(missing_ok=True)
+        assert main(["experiment", name]) == 0 and _seen(tmp_path) == [], name
+
+
+def test_a_name_that_two_groups_have_needs_its_group(experiments, tmp_path, capsys):
+    experiments("knee", folder="experiments/explain")
+    experiments("knee", folder="experiments/recover")
+    assert main(["experiment", "knee"]) == 2
+    assert "explain/knee, recover/knee" in capsys.readouterr().err
+    assert main(["experiment", "recover/knee"]) == 0 and _seen(tmp_path) == []
+    assert main(["experiment", "hip"]) == 2
+    assert "explain/knee" in capsys.readouterr().err
+
+
 def test_workers_are_at_least_one(experiments, capsys):
     experiments("knee")
     assert main(["experiment", "knee", "--workers", "0"]) == 2

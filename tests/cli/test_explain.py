@@ -17,7 +17,7 @@ import estexp_jax as ee
 from estexp_jax.cli.main import main
 from estexp_jax.package_data import schema_path
 from estexp_jax.recordings.readers.read import read_table
-from tests.cli.pendulum import PENDULUM, SMALL, run
+from tests.pendulum import PENDULUM, SMALL, run
 
 
 def test_a_recording_holds_what_was_promised(recorded):

@@ -1,20 +1,22 @@
-"""The command itself: how it ends, what it says, how fast it starts."""
+"""The command itself: how it ends, what it says, how fast it starts; and what all commands do alike."""
 
+import json
 import signal
 import subprocess
 import sys
 from dataclasses import dataclass
-from types import SimpleNamespace
+from pathlib import Path
 
 import pytest
 
 from estexp_jax.cli import main as cli
 from estexp_jax.cli.main import COMMANDS, main
 from estexp_jax.errors import InputError
+from tests.pendulum import EFFECT, SMALL, run
 
 
 @dataclass(frozen=True)
-class Options:
+class WorkOptions:
     """Do something for a test."""
 
     seed: int = 0
@@ -26,10 +28,9 @@ def command(monkeypatch):
     """Let `estexp work` end as the test wants."""
 
     def set_run(run):
-        module = SimpleNamespace(Options=Options, run=run)
         monkeypatch.setattr(cli, "COMMANDS", ("work",))
-        monkeypatch.setattr(cli, "_module", lambda name: module)
-        monkeypatch.setattr(cli, "_module_of", lambda options: module)
+        monkeypatch.setattr(cli, "_options_of", lambda name: WorkOptions)
+        monkeypatch.setattr(cli, "_run_of", lambda options: run)
 
     return set_run
 
@@ -42,7 +43,7 @@ def test_done_is_zero_and_options_arrive(command):
     seen = []
     command(lambda options: seen.append(options) or 0)
     assert main(["work", "--seed", "3"]) == 0
-    assert seen == [Options(seed=3)]
+    assert seen == [WorkOptions(seed=3)]
 
 
 def test_wrong_input_is_two_and_one_message(command, capsys):
@@ -108,15 +109,13 @@ def test_version(capsys):
 
 INTERRUPTED = """
 import signal, sys
-from types import SimpleNamespace
 from estexp_jax.cli import main as cli
-from estexp_jax.cli.experiment import Options
 
 def run(options):
     print("running", flush=True)
     signal.pause()
 
-cli._module_of = lambda options: SimpleNamespace(run=run)
+cli._run_of = lambda options: run
 sys.exit(cli.main(["experiment", "a"]))
 """
 
@@ -130,3 +129,100 @@ def test_ctrl_c_ends_cleanly(root):
         _, told = process.communicate(timeout=20)
     assert process.returncode == 3
     assert "--resume" in told and "Traceback" not in told
+
+
+@pytest.mark.parametrize("command", ["check", "explain", "recover", "record", "bench"])
+def test_every_command_refuses_models_that_read_elsewhere(arm, command, capsys):
+    from tests.physics.meshes import urdf, write_box
+
+    (arm / "robot" / "arm.urdf").write_text(urdf("../../secret.stl"))
+    write_box(arm / "secret.stl")
+    logs = ["a.csv", "b.csv"] if command in ("check", "explain") else []
+    model = ["--model", "arm.urdf"] if command == "bench" else ["arm.urdf"]
+    assert main([command, *model, *logs, "--out", "../out"]) == 2
+    error = capsys.readouterr().err
+    assert "leads out of the model's folder" in error and "Traceback" not in error
+    assert not (arm / "out").exists()
+
+
+RECORD = ("--effect", EFFECT, "--duration", "4", "--rate", "100", "--seed", "31")
+_SLOW = pytest.param("recover", 24_576, marks=pytest.mark.slow)
+RECOVER = "--situation 3 --seed 1 --population 8 --generations 2 --steps 30 --settle-steps 10 --passes 1".split()
+
+
+@pytest.fixture
+def commands(recorded, explained) -> dict[str, tuple[object, ...]]:
+    """Each command that writes a run folder, without its `--out`."""
+    return {
+        "record": ("record", recorded / "nominal.xml", *RECORD),
+        "explain": ("explain", recorded / "recordings.toml", *SMALL),
+        "propose": ("propose", explained, "--duration", "1"),
+        "check": ("check", recorded / "recordings.toml"),
+        "recover": ("recover", *RECOVER),
+    }
+
+
+def _message(capsys: pytest.CaptureFixture[str]) -> str:
+    """The one message on standard error, which progress shares."""
+    lines = [line for line in capsys.readouterr().err.splitlines() if "error" in line or "Traceback" in line]
+    [line] = lines
+    assert line.startswith("estexp: error: ")
+    return line
+
+
+@pytest.mark.parametrize("command", ["record", "explain", "propose", "check", "recover"])
+def test_a_read_only_folder_is_refused(command, commands, read_only, capsys):
+    assert run(*commands[command], "--out", read_only / "run") == 2
+    assert str(read_only / "run") in (message := _message(capsys)) and "cannot be written" in message
+
+
+def _filled(disk: Path, leave: int) -> Path:
+    """Fill a disk but for some bytes."""
+    filler, chunk = disk / "filler", b"x" * 4096
+    with filler.open("wb", buffering=0) as stream:
+        try:
+            while True:
+                stream.write(chunk)
+        except OSError:
+            pass
+    with filler.open("rb+") as stream:
+        stream.truncate(max(filler.stat().st_size - leave, 0))
+    return filler
+
+
+def _contents(folder: Path) -> dict[str, bytes]:
+    return {
+        str(p.relative_to(folder)): p.read_bytes()
+        for p in folder.rglob("*")
+        if p.is_file() and not p.name.startswith(".")
+    }
+
+
+@pytest.mark.parametrize(("command", "leave"), [("record", 12_288), ("propose", 8_192), ("explain", 24_576), _SLOW])
+def test_after_a_full_disk_it_goes_on_when_there_is_room(
+    command, leave, commands, small_disk, request, tmp_path, capsys
+):
+    out = small_disk / "run"
+    filler = _filled(small_disk, leave)
+    assert run(*commands[command], "--out", out) == 2
+    message = _message(capsys)
+    assert "No space left on device" in message and "--resume" in message and str(out) in message
+    assert not list(out.rglob(".*.part"))
+    filler.unlink()
+    assert run(*commands[command], "--out", out, "--resume") == 0
+    one, other = _contents(out), _contents(_whole(command, commands, request, tmp_path))
+    assert one.keys() == other.keys()
+    different = {name for name in one if one[name] != other[name]}
+    assert different <= {"findings.json", "report.html", "checkpoint.npz", "checkpoint.npz.previous"}
+    if command == "explain":
+        first, second = (json.loads(each["findings.json"]) for each in (one, other))
+        assert {name for name in first if first[name] != second[name]} <= {"cost"}
+
+
+def _whole(command: str, commands, request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """The results of a run that met no full disk."""
+    done = {"record": "recorded", "explain": "explained"}
+    if command in done:
+        return request.getfixturevalue(done[command])
+    assert run(*commands[command], "--out", tmp_path / "whole") == 0
+    return tmp_path / "whole"

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 import estexp_jax as ee
-from estexp_jax.api import propose as front_door
-from estexp_jax.api.explain import ExplainResult
-from estexp_jax.api.simulator import ExplainedSimulator
 from estexp_jax.experiment_design.excitation import multisine
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.write import write_csv
-from tests.cli.pendulum import PENDULUM, run
+from estexp_jax.replay.explained_simulator import ExplainedSimulator
+from estexp_jax.report.explain.result import ExplainResult
+from tests.pendulum import PENDULUM, run
 
 SHORT = ("--duration", "2", "--seed", "4")
 
@@ -88,17 +87,17 @@ def test_results_are_replaced_only_when_asked(proposed, explained, tmp_path, cap
 
 
 def test_interrupted_it_leaves_no_half_and_can_be_done_again(proposed, explained, tmp_path, monkeypatch, capsys):
-    search = front_door._propose
+    from estexp_jax.api.propose import search_experiment
 
     def stopped(*arguments):
-        for step in search(*arguments):
+        for step in search_experiment(*arguments):
             yield step
             if step.done == 2:
                 raise KeyboardInterrupt
 
     out = tmp_path / "out"
     with monkeypatch.context() as patched:
-        patched.setattr(front_door, "_propose", stopped)
+        patched.setattr("estexp_jax.api.propose.search_experiment", stopped)
         assert run("propose", explained, "--out", out, *SHORT) == 3
     assert "--resume" in capsys.readouterr().err
     assert sorted(path.name for path in out.iterdir()) == [".estexp-run.json", ".estexp-run.lock"]

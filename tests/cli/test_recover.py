@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 from estexp_jax.cli.main import main
-from estexp_jax.cli.recover import Options, settings_of
-from estexp_jax.errors import InputError
 
 TINY = "--situation 3 --seed 1 --population 8 --generations 3 --steps 30 --settle-steps 10 --passes 2".split()
 TINY.append("--no-pictures")
@@ -30,11 +28,11 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return out, done.stdout
 
 
-def test_the_terminal_tells_the_story(finished: tuple[Path, str]) -> None:
-    out, story = finished
+def test_the_terminal_shows_what_happens(finished: tuple[Path, str]) -> None:
+    out, shown = finished
     for part in ("planted: the part upper_", "exploration 0:", "is damaged, and walks", "diagnosis 2:", "trial 2:"):
-        assert part in story
-    assert story.strip().endswith(f"Report: {out / 'report.html'}")
+        assert part in shown
+    assert shown.strip().endswith(f"Report: {out / 'report.html'}")
 
 
 def test_its_files_agree(finished: tuple[Path, str]) -> None:
@@ -99,12 +97,3 @@ def test_wrong_input_is_told_in_one_line(
     error = capsys.readouterr().err
     assert message in error and "Traceback" not in error
     assert not (tmp_path / "out").exists()
-
-
-def test_what_is_given_goes_over_the_quick_settings() -> None:
-    settings = settings_of(Options(quick=True, steps=77, seed=4))
-    assert (settings.steps, settings.seed, settings.situation) == (77, 4, 3)
-    assert settings.population < settings_of(Options()).population
-    assert settings_of(Options(damage=("gravity_tilt angle=0.1",))).situation is None
-    with pytest.raises(InputError, match="together"):
-        settings_of(Options(situation=2, damage=("gravity_tilt angle=0.1",)))

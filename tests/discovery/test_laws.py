@@ -10,7 +10,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.api.explain_files import EFFECTS_SCHEMA
 from estexp_jax.api.simulator import load_explained
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import laws, single_term
@@ -46,6 +45,7 @@ from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import JointLaw, first_order_lag
 from estexp_jax.physics.effects.registry import catalogue, effect
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.report.explain.files import EFFECTS_SCHEMA
 from estexp_jax.report.explain.text import claim
 from tests.discovery.planted import (
     CASES,

@@ -36,10 +36,10 @@ def test_lost_commands_go_on_as_before_or_lead_to_what_came_after(mixed, blank):
     found = with_missing_rows(recording)
     assert found.guessed is not None and set(np.flatnonzero(found.guessed)) == {20, 40, 41}
     for side, expected in ((-1, before[20]), (0, 0.5 * (before[19] + after[21])), (1, after[20])):
-        told = with_other_commands(found, np.full(60, side))
-        assert told.ctrl[20] == pytest.approx(expected)
-        assert told.ctrl[40] == pytest.approx(after[40])
-        np.testing.assert_array_equal(told.ctrl[kept], recording.ctrl)
+        changed = with_other_commands(found, np.full(60, side))
+        assert changed.ctrl[20] == pytest.approx(expected)
+        assert changed.ctrl[40] == pytest.approx(after[40])
+        np.testing.assert_array_equal(changed.ctrl[kept], recording.ctrl)
     assert with_other_commands(recording, np.ones(57)) is recording
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from estexp_jax.api.simulator import ExplainedSimulator
 from estexp_jax.errors import InputError
 from estexp_jax.experiment_design.computed_torque_controller import controlled_commands, torque_motors
 from estexp_jax.experiment_design.excitation import multisine
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.replay.explained_simulator import ExplainedSimulator
 
 UPRIGHT = """
 <mujoco model="upright"><compiler angle="radian" autolimits="true"/><option timestep="0.004"/><worldbody>

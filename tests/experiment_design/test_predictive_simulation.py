@@ -15,7 +15,7 @@ from estexp_jax.experiment_design.separation import (
 )
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.report.propose.text import standing
+from estexp_jax.report.propose.text import rival_status
 from estexp_jax.runs.files import json_plain
 from tests.discovery.planted import nominal, problem_of, shared_replayer
 from tests.experiment_design.competing import (
@@ -32,7 +32,7 @@ def test_what_only_more_numbers_make_improbable_is_worth_a_motion_and_no_refuted
     as_good = replace(among, models=(among.models[0], replace(among.models[1], tied=True)))
     assert simulation(among).probabilities.tolist() == [1.0, 0.0]
     assert simulation(as_good).probabilities.tolist() == [1.0, 0.1]
-    assert [standing(c.models[1]) for c in (among, as_good)] == ["refuted already", "fits as well, by more numbers"]
+    assert [rival_status(c.models[1]) for c in (among, as_good)] == ["refuted already", "fits as well, by more numbers"]
     assert CompetingModel.from_json(as_good.models[1].to_json()).tied
 
 
@@ -68,7 +68,7 @@ def test_rivals_of_an_explanation_come_back_and_simulate_as_explained(diagnosed)
     windows, step = problem.windows_of([index]), nominal("one").model.opt.timestep / diagnosis.rivals_finer
     fine = [s.stepped(step) for s in problem.segments]
     values = encode(nominal("one"), problem.replayer.catalogue, found.models[0].changes)
-    replay = problem.simulator.replay(stack([values] * len(windows)), fine, windows)
+    replay = problem.replayer.replay(stack([values] * len(windows)), fine, windows)
     simulated = np.concatenate([replay.sensors[k, : fine[w].rows, 0] for k, w in enumerate(windows)])
     np.testing.assert_allclose(simulated, diagnosis.predictions[index].explained[:, 0], atol=1e-5)
     assert 0.0 < found.deviations[0] < 0.01 and found.rate == pytest.approx(100.0)

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.lanes.compilation import compile_lowered
-from estexp_jax.lanes.forces import MotorCommands
+from estexp_jax.lanes.forces import motor_commands
 from estexp_jax.lanes.layout import Layout, layout_of
 from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.sensors import SensorReader
@@ -85,13 +85,12 @@ def stepped(model: mujoco.MjModel, states: Visited, fields: dict[str, np.ndarray
     return Stepped(qpos, qvel, sensordata, fast)
 
 
-def _step(plan: Layout, varying: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
-    numbers = ModelParameters(plan.model, varying, qpos.dtype)
-    stepper = Stepper(plan, numbers, 1e-24 if qpos.dtype == np.float64 else 1e-9)
-    slots = [m.ids for j in plan.joints for m in j.motors]
-    drive = MotorCommands({ids: ctrl[ids[0]] if len(ids) == 1 else jnp.stack([ctrl[i] for i in ids]) for ids in slots})
-    state, now = stepper.step(to_lanes(plan, qpos, qvel, warmstart), drive, float(plan.model.opt.timestep))
-    readings = SensorReader(plan, numbers, stepper.inertias).read(now, range(plan.model.nsensor))
-    sensordata = [readings[i] + jnp.zeros_like(qpos[0]) for i in range(plan.model.nsensordata)]
+def _step(layout: Layout, varying: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
+    params = ModelParameters(layout.model, varying, qpos.dtype)
+    stepper = Stepper(layout, params, 1e-24 if qpos.dtype == np.float64 else 1e-9)
+    commands = motor_commands(layout, ctrl)
+    state, now = stepper.step(to_lanes(layout, qpos, qvel, warmstart), commands, float(layout.model.opt.timestep))
+    readings = SensorReader(layout, params, stepper.inertias).read(now, range(layout.model.nsensor))
+    sensordata = [readings[i] + jnp.zeros_like(qpos[0]) for i in range(layout.model.nsensordata)]
     empty = jnp.zeros((0, qpos.shape[1]))
-    return (*from_lanes(plan, state)[:2], jnp.stack(sensordata) if sensordata else empty)
+    return (*from_lanes(layout, state)[:2], jnp.stack(sensordata) if sensordata else empty)

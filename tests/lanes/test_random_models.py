@@ -20,6 +20,7 @@ from estexp_jax.physics.engines.agreement import Agreement
 from estexp_jax.physics.engines.choice import choose_engine
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from tests.lanes.lanes_twin import exact, stepped, visited
 from tests.physics.robots import robot
 
@@ -28,8 +29,8 @@ _GEOMS = {
     "capsule": 'type="capsule" size="0.03 0.08"',
     "box": 'type="box" size="0.06 0.04 0.05"',
 }
-numbers = st.floats(-1.0, 1.0).map(lambda x: round(x, 3))
-vectors = st.tuples(numbers, numbers, numbers)
+params = st.floats(-1.0, 1.0).map(lambda x: round(x, 3))
+vectors = st.tuples(params, params, params)
 
 
 @st.composite
@@ -176,8 +177,8 @@ def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> N
 
 def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = Agreement(states=32, physics_steps=2, median=0.2, high=0.4, largest=0.6)
-    monkeypatch.setattr(choice, "agreement_of", lambda *_: wrong)
-    short: Any = {"rows": 5, "control_step": 0.01}
+    monkeypatch.setattr(choice, "closed_loop_agreement", lambda *_: wrong)
+    short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     instead = choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short)
     assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
@@ -186,7 +187,7 @@ def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPat
 
 def test_replays_in_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = Agreement(states=32, physics_steps=1, median=0.2, high=0.4, largest=0.6)
-    monkeypatch.setattr(choice, "replay_agreement", lambda *_: wrong)
+    monkeypatch.setattr(choice, "open_loop_agreement", lambda *_: wrong)
     one, effects = robot("cartpole"), catalogue(["body_mass"])
     instead = choice.open_loop_simulator(one, effects, [one])
     assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason

@@ -25,6 +25,7 @@ from estexp_jax.physics.engines.lanes.model import lanes_model, lanes_refusal
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.terms import MjxStepStart
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from tests.physics.reference import TRAJECTORY, States
 from tests.physics.robots import robot
 
@@ -103,27 +104,27 @@ class LanesLab(Lab):
         first = jax.jit(jax.vmap(prepared, out_axes=-1)).lower(
             values, *(np.zeros((WIDTH, *s), np.float32) for s in shapes[:3])
         )
-        step = jax.jit(partial(_lanes_run, self, lanes.plan)).lower(
+        step = jax.jit(partial(_lanes_run, self, lanes.layout)).lower(
             first.out_info, *(np.zeros((*s, WIDTH), np.float32) for s in shapes)
         )
         return (first.compile(), *compile_lowered(step, WIDTH))
 
 
-def _lanes_run(self: LanesLab, plan: Layout, prepared: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
+def _lanes_run(self: LanesLab, layout: Layout, prepared: Any, qpos: Any, qvel: Any, ctrl: Any, warmstart: Any) -> Any:
     fields, values, hidden, constants = prepared
-    numbers, dt = ModelParameters(plan.model, fields, np.float32), float(plan.model.opt.timestep)
-    stepper = Stepper(plan, numbers, 1e-9)
-    acting = ActiveEffects(self.on_mjx.robot, self.on_mjx.catalogue, plan, numbers, values)
+    params, dt = ModelParameters(layout.model, fields, np.float32), float(layout.model.opt.timestep)
+    stepper = Stepper(layout, params, 1e-9)
+    acting = ActiveEffects(self.on_mjx.robot, self.on_mjx.catalogue, layout, params, values)
 
     def step(k: Any, carry: Any) -> Any:
         state, hidden, first = carry
         drive, added, hidden = acting.act(state, ctrl, jnp.ones_like(ctrl), dt, hidden)
         state, _ = stepper.step(state, drive, dt, added)
-        return state, hidden, jnp.where(k == 0, from_lanes(plan, state)[1], first)
+        return state, hidden, jnp.where(k == 0, from_lanes(layout, state)[1], first)
 
-    carry = (to_lanes(plan, qpos, qvel, warmstart), hidden, qvel)
+    carry = (to_lanes(layout, qpos, qvel, warmstart), hidden, qvel)
     state, _, first = jax.lax.fori_loop(0, TRAJECTORY, step, carry)
-    return {"next_qvel": first, "final_qpos": from_lanes(plan, state)[0]} | constants
+    return {"next_qvel": first, "final_qpos": from_lanes(layout, state)[0]} | constants
 
 
 @pytest.fixture(scope="session", params=["mjx", "lanes"])
@@ -150,4 +151,6 @@ WALKER_ROWS = 60
 def walkers(request: pytest.FixtureRequest) -> ClosedLoopSimulator:
     """The quadruped in closed loop with all that the paper breaks, in each engine."""
     effects = catalogue([*(e.name for e in paper()), "neuron_fault", "tied_outputs"])
-    return closed_loop_simulator(robot("quadruped"), effects, rows=WALKER_ROWS, control_step=0.01, engine=request.param)
+    return closed_loop_simulator(
+        robot("quadruped"), effects, policy=RecurrentPolicy(), rows=WALKER_ROWS, control_step=0.01, engine=request.param
+    )

@@ -59,7 +59,7 @@ def test_until_the_first_row_the_command_before_counts():
     moment, length = np.array([-0.01, 0.0]), np.array([0.01, 0.1])
     assert history.mean(moment, length, np.zeros(1)).tolist() == [[5.0], [1.0]]
     assert history.mean(moment, length, np.array([0.05]))[1] == pytest.approx(3.0)  # half of each
-    assert history.told(ctrl + 1.0).mean(moment, length, np.zeros(1)).tolist() == [[5.0], [2.0]]
+    assert history.with_commands(ctrl + 1.0).mean(moment, length, np.zeros(1)).tolist() == [[5.0], [2.0]]
 
 
 def test_what_nobody_logged_came_as_smoothly_as_what_follows_if_the_robot_moves():

@@ -1,8 +1,9 @@
-"""A small robot for the recordings' tests: named and unnamed elements, one and several values, names with dots."""
+"""Robots for the tests of recordings: a pendulum with named and unnamed elements, and an arm with a servo."""
 
 import pytest
 
 from estexp_jax.physics.model.robot import Robot
+from tests.recordings.checks.bad_logs import ARM
 
 PENDULUM = """
 <mujoco model="pendulum">
@@ -41,3 +42,9 @@ def pendulum() -> Robot:
 def pendulum_xml() -> str:
     """The MJCF of `pendulum`."""
     return PENDULUM
+
+
+@pytest.fixture(scope="session")
+def arm() -> Robot:
+    """Joint elbow, actuator servo, sensors angle and rate."""
+    return Robot.from_string(ARM, "arm.xml")

@@ -22,7 +22,7 @@ from estexp_jax.recordings.checks.inspect import judge
 from estexp_jax.recordings.columns import Source
 from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import Selection
-from experiments.fuzz.folders import TOML
+from experiments.robustness.fuzz.folders import TOML
 from tests.recordings.readers.forms import FORMS, write_form, write_lerobot
 
 ARM = """

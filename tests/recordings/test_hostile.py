@@ -46,7 +46,7 @@ def _header(shape, kind="<f8"):
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         (_header((10**15,)), r"claims to hold 1,000,000,000,000,000 numbers"),
         (_header((10**6, 10**9)), r"claims to hold"),
@@ -58,8 +58,8 @@ def _header(shape, kind="<f8"):
         (b"", r"is no column"),
     ],
 )
-def test_arrays_that_claim_too_much(tmp_path, content, told):
-    with pytest.raises(InputError, match=told):
+def test_arrays_that_claim_too_much(tmp_path, content, message):
+    with pytest.raises(InputError, match=message):
         read_table(_npz(tmp_path / "a.npz", x=content)).column("x")
 
 
@@ -93,7 +93,7 @@ def test_columns_without_number(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("file", "told"),
+    ("file", "message"),
     [
         ("../" * 40 + "etc/passwd", "unknown kind of recording|no such recording"),
         ("/dev/zero", "no such recording"),
@@ -106,14 +106,14 @@ def test_columns_without_number(tmp_path):
         ("self.csv", "has no header|unknown kind|row 1|columns"),
     ],
 )
-def test_manifests_that_point_elsewhere(tmp_path, file, told):
+def test_manifests_that_point_elsewhere(tmp_path, file, message):
     (tmp_path / "arm.xml").write_text(ARM.format(name="elbow"))
     os.mkfifo(tmp_path / "pipe.csv")
     (tmp_path / "loop.csv").symlink_to("loop.csv")
     (tmp_path / "self.csv").symlink_to("recordings.toml")
     text = f'model = "arm.xml"\n[[recording]]\nfile = "{file}"\n'
     (tmp_path / "recordings.toml").write_text(text)
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=message):
         read_manifest(tmp_path / "recordings.toml")
 
 
@@ -145,10 +145,10 @@ def test_members_that_lead_out_or_are_links_write_nothing(tmp_path):
             info.external_attr = 0o120777 << 16
             archive.writestr(info, good.getvalue())
         archive.writestr("target.npy", b"../../etc/passwd")
-    found = read_table(inner / "a.npz")
-    assert found.column("link").tolist() == [0.0, 1.0, 2.0]
+    archive = read_table(inner / "a.npz")
+    assert archive.column("link").tolist() == [0.0, 1.0, 2.0]
     with pytest.raises(InputError, match="is no column"):
-        found.column("target")
+        archive.column("target")
     assert [path.name for path in tmp_path.rglob("*")] == ["inner", "a.npz"]
 
 

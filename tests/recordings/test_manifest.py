@@ -7,7 +7,6 @@ from pyarrow import parquet
 
 from estexp_jax.errors import InputError
 from estexp_jax.recordings import read_manifest
-from estexp_jax.recordings.columns import Source, parse_map
 
 MANIFEST = """
 model = "pendulum.xml"
@@ -144,13 +143,6 @@ def test_time_running_backwards_names_file_row_and_their_column(folder):
     (folder / "logs" / "b.csv").write_text(LOG + "500,0,0,1,20,0\n")
     with pytest.raises(InputError, match=r"b\.csv, row 4, column 'stamp': time runs backwards"):
         read_manifest(folder / "recordings.toml")
-
-
-def test_parse_map():
-    assert parse_map(" ctrl.servo = goal_position") == ("ctrl.servo", Source(column="goal_position"))
-    for text in ("ctrl.servo", "=goal", "ctrl.servo="):
-        with pytest.raises(InputError, match="--map"):
-            parse_map(text)
 
 
 def test_real_servo_recordings(real_data, tmp_path):

@@ -17,7 +17,7 @@ def test_an_ensemble_is_as_wrong_as_it_should_be(quadruped: Robot) -> None:
 
 def test_noise_is_in_angles_and_turns_touch_round(job: Job) -> None:
     face = job.simulator.closed_loop.interface
-    told = sensor_noise(face, 3, 400)
-    assert np.std(told.added[..., ~face.is_touch]) == pytest.approx(0.005, rel=0.05)
-    assert not np.any(told.added[..., face.is_touch]) and np.all(told.factor[..., ~face.is_touch] == 1.0)
-    assert np.mean(told.factor[..., face.is_touch] == -1.0) == pytest.approx(0.02, abs=0.006)
+    noise = sensor_noise(face, 3, 400)
+    assert np.std(noise.added[..., ~face.is_touch]) == pytest.approx(0.005, rel=0.05)
+    assert not np.any(noise.added[..., face.is_touch]) and np.all(noise.factor[..., ~face.is_touch] == 1.0)
+    assert np.mean(noise.factor[..., face.is_touch] == -1.0) == pytest.approx(0.02, abs=0.006)

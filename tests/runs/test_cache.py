@@ -52,9 +52,9 @@ def test_a_second_process_loads_what_the_first_compiled(tmp_path, compiled):
     (place, minimum, count, cached, timed, ended), _ = compiled(XDG_CACHE_HOME=str(tmp_path))
     assert Path(place).parent == tmp_path / "estexp_jax" / "xla" and list(Path(place).iterdir())
     assert (minimum, cached, timed, ended) == (0.5, 0, True, True) and count >= 1
-    (_, _, again, cached, _, _), told = compiled(XDG_CACHE_HOME=str(tmp_path))
+    (_, _, again, cached, _, _), stderr = compiled(XDG_CACHE_HOME=str(tmp_path))
     assert again == cached == count
-    assert told == ""
+    assert stderr == ""
 
 
 def test_a_cache_that_is_configured_stays(tmp_path, compiled):
@@ -66,24 +66,24 @@ def test_a_cache_that_is_configured_stays(tmp_path, compiled):
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path, compiled):
     (tmp_path / "file").write_text("")
-    (place, *_), told = compiled(XDG_CACHE_HOME=str(tmp_path / "file"))
+    (place, *_), stderr = compiled(XDG_CACHE_HOME=str(tmp_path / "file"))
     assert place == "None"
-    assert told.count("\n") == 1 and told.startswith("estexp: warning: compiled programs are not kept")
+    assert stderr.count("\n") == 1 and stderr.startswith("estexp: warning: compiled programs are not kept")
 
 
 def test_programs_are_forgotten_before_a_process_has_too_many_memory_maps(monkeypatch):
-    doubled: Any = jax.jit(lambda x: 2.0 * x)
-    doubled(1.0)
+    program: Any = jax.jit(lambda x: 2.0 * x)
+    program(1.0)
     monkeypatch.setattr(cache, "_memory_maps", lambda: (32000, 65530))
-    assert not forget_programs() and doubled._cache_size() == 1
+    assert not forget_programs() and program._cache_size() == 1
     monkeypatch.setattr(cache, "_memory_maps", lambda: None)
-    assert not forget_programs() and doubled._cache_size() == 1, "a system that does not tell"
+    assert not forget_programs() and program._cache_size() == 1, "a system that does not tell"
     monkeypatch.setattr(cache, "_memory_maps", lambda: (33000, 65530))
-    assert forget_programs() and doubled._cache_size() == 0
-    assert float(doubled(1.0)) == 2.0
+    assert forget_programs() and program._cache_size() == 0
+    assert float(program(1.0)) == 2.0
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
 def test_memory_maps_are_counted():
-    count, most = cache._memory_maps() or (0, 0)
-    assert 10 < count < most
+    count, limit = cache._memory_maps() or (0, 0)
+    assert 10 < count < limit

@@ -160,10 +160,10 @@ def test_a_kill_at_any_moment_leaves_a_checkpoint(tmp_path, root):
             assert writer.stdout is not None and writer.stdout.readline() == "1\n"
             time.sleep(chance.uniform(0.0, 0.05))
             writer.send_signal(signal.SIGKILL)
-            told = [1, *(int(line) for line in writer.stdout.read().split())][-1]
+            saved = [1, *(int(line) for line in writer.stdout.read().split())][-1]
         drafts += len(list(tmp_path.glob(".*.part")))
         loaded = load_checkpoint(path)
         # The one that was told last, or the next, whose message the kill cut off; never one of an earlier writer.
-        assert loaded["number"] - told in (0, 1)
+        assert loaded["number"] - saved in (0, 1)
         assert (loaded["array"] == loaded["number"]).all() and len(loaded["array"]) == 200_000
     assert drafts > 0, "no kill came in the middle of a write: the test shows nothing"

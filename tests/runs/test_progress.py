@@ -67,10 +67,10 @@ def test_a_log_shows_life_where_nothing_is_reported(streams):
         deadline = time.monotonic() + 5.0
         while streams["err"].getvalue().count("compiling") < 3 and time.monotonic() < deadline:
             time.sleep(0.01)
-    shown = streams["err"].getvalue()
-    assert shown.count("compiling") >= 3
+    output = streams["err"].getvalue()
+    assert output.count("compiling") >= 3
     time.sleep(0.1)
-    assert streams["err"].getvalue() == shown
+    assert streams["err"].getvalue() == output
 
 
 def test_the_story_is_always_told_on_standard_output(capsys):
@@ -86,9 +86,9 @@ def test_a_terminal_gets_a_live_line():
         progress.say("walks [3.2] m")
         progress.stage("estimation [1/4]", total=4)
         progress.advance(3, note="best 3.2 m")
-    shown = out.getvalue()
-    assert "exploration 1/5" in shown and "walks [3.2] m\n" in shown and "estimation [1/4]" in shown
-    assert "3/4" in shown and "best 3.2 m" in shown
+    output = out.getvalue()
+    assert "exploration 1/5" in output and "walks [3.2] m\n" in output and "estimation [1/4]" in output
+    assert "3/4" in output and "best 3.2 m" in output
     assert err.getvalue() == ""
 
 

@@ -9,12 +9,12 @@ from estexp_jax.runs.versions import version
 
 
 def test_versions_are_texts_for_json():
-    found = versions()
-    assert found["python"] == platform.python_version()
+    entries = versions()
+    assert entries["python"] == platform.python_version()
     for name in ("mujoco", "mujoco-mjx", "jax", "jaxlib", "numpy"):
-        assert found[name] == metadata.version(name)
-    assert int(found["cores"]) >= 1 and found["cpu"] and found["platform"] and "estexp_jax" in found
-    assert json.loads(json.dumps(found)) == found
+        assert entries[name] == metadata.version(name)
+    assert int(entries["cores"]) >= 1 and entries["cpu"] and entries["platform"] and "estexp_jax" in entries
+    assert json.loads(json.dumps(entries)) == entries
 
 
 def test_what_is_absent_is_said_to_be():

@@ -50,8 +50,8 @@ def test_what_blew_up_is_worst_and_never_best() -> None:
     scores = np.full(40, np.nan)
     assert np.all(tell_genetic(GENETIC, begin_genetic(GENETIC), genomes, scores).scores == np.inf)
     scores[7] = 5.0
-    told = tell_genetic(GENETIC, begin_genetic(GENETIC), genomes, scores)
-    assert told.scores[0] == 5.0 and np.array_equal(told.genomes[0], genomes[7])
+    after = tell_genetic(GENETIC, begin_genetic(GENETIC), genomes, scores)
+    assert after.scores[0] == 5.0 and np.array_equal(after.genomes[0], genomes[7])
 
 
 def test_dominants_are_new_genomes_better_than_all_before() -> None:

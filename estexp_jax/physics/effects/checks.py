@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -30,7 +30,6 @@ from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.search_checks import guess_faults, relation_faults
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.control.network import decode, n_weights
 
 KINDS = ("joint", "actuator", "sensor", "body", "environment", "controller")
 SIDES = ("plant", "command", "sensor", "numerics")
@@ -171,8 +170,9 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             readings = jnp.arange(2.0 * model.nsensordata).reshape(2, -1)
             return readings, e.distort(robot, readings, values)
         case ControllerFault():
-            network = decode(jnp.linspace(-1.0, 1.0, n_weights(2, model.nu)), 2, model.nu)
-            return network, e.damage(robot, network, values)
+            neurons = n if e.kind == "controller" else 1
+            healthy = SampleParameters(jnp.linspace(0.5, 1.0, neurons), jnp.arange(model.nu, dtype=jnp.int32))
+            return healthy, e.damage(robot, healthy, values)
         case CommandShift():
             return np.zeros(model.nu), e.shift(robot, np.asarray(values))
         case ReadingShift():
@@ -186,6 +186,13 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             return (nothing,) * 3, e.force_on_body(p, (place, place, place))
         case _:
             raise TypeError("it is no Edit, Term, BodyForce, CommandLaw, CommandShift, ReadingShift or Distortion")
+
+
+class SampleParameters(NamedTuple):
+    """As much of a controller's parameters as faults act on."""
+
+    hidden_gain: jax.Array
+    output_of: jax.Array
 
 
 def sample_joint_state(n: int) -> JointState:

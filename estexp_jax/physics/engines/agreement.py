@@ -22,7 +22,6 @@ from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import InitialState, Window
-from estexp_jax.recovery.control.network import HIDDEN
 
 MEDIAN, HIGH = 1e-4, 1e-2
 """Largest errors with which an engine counts as right: the median, and the 95th percentile. Single precision gives
@@ -47,7 +46,7 @@ class SampledStates(NamedTuple):
 @final
 @dataclass(frozen=True)
 class Agreement:
-    """How far an engine is from the converged C engine.
+    """Distance of an engine from the converged C engine.
 
     Errors are those of the velocities after one control step: per state the largest over the degrees of freedom, in
     m/s or rad/s, relative to the robot's largest velocity where that is more than 1.
@@ -132,22 +131,18 @@ def _stepped(models: Sequence[mujoco.MjModel], states: SampledStates, commands: 
 
 
 def engine_speeds(
-    walker: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
+    simulator: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
 ) -> np.ndarray:
     """The same of an engine."""
-    n, face = len(states.qpos), walker.interface
-    values = stack([encode(walker.robot, walker.catalogue, sets[k % len(sets)]) for k in range(n)])
-    start = walker.home(values)._replace(qpos=states.qpos, qvel=states.qvel, warmstart=states.warmstart)
-    # Networks that see nothing: only the outputs' biases differ from zero, and give the command that is wanted.
-    hidden = HIDDEN * (face.n_inputs + 1 + HIDDEN)
-    weights = np.zeros((n, hidden + face.n_outputs * (HIDDEN + 1)), np.float32)
-    limit = np.clip(states.outputs.astype(float), -1.0 + 1e-6, 1.0 - 1e-6)
-    weights[:, hidden + HIDDEN :: HIDDEN + 1] = np.arctanh(limit) / walker.gain
-    return np.asarray(walker.walk(values, weights, start, 1).final.qvel)
+    n = len(states.qpos)
+    values = stack([encode(simulator.robot, simulator.catalogue, sets[k % len(sets)]) for k in range(n)])
+    start = simulator.home(values)._replace(qpos=states.qpos, qvel=states.qvel, warmstart=states.warmstart)
+    weights = simulator.policy.constant(states.outputs, simulator.interface.n_inputs)
+    return np.asarray(simulator.rollout(values, weights, start, 1).final.qvel)
 
 
 def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> Agreement:
-    """How far velocities (n, nv) of an engine are from those of the referee."""
+    """Distance of an engine's velocities (n, nv) from those of the referee."""
     scale = np.maximum(1.0, np.abs(expected).max(axis=1))
     error = np.abs(found - expected).max(axis=1) / scale
     error = np.sort(np.where(np.isfinite(error), error, np.inf))
@@ -156,25 +151,25 @@ def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> 
 
 
 def closed_loop_agreement(
-    walker: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
+    simulator: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
 ) -> Agreement:
-    """How far an engine is from the referee, with one executable: that of its walks.
+    """Distance of a closed-loop engine from the referee, with the one executable of its rollouts.
 
     Args:
-        walker: the engine.
+        simulator: the engine.
         states: where to start, as `sample_states` gives them.
-        sets: changes of robots, taken in turns by the states; from the walker's catalogue.
+        sets: changes of robots, taken in turns by the states; from the simulator's catalogue.
     """
-    expected = converged_speeds(walker.robot, walker.interface, states, walker.substeps, sets)
-    return engine_agreement(engine_speeds(walker, states, sets), expected, walker.substeps)
+    expected = converged_speeds(simulator.robot, simulator.interface, states, simulator.substeps, sets)
+    return engine_agreement(engine_speeds(simulator, states, sets), expected, simulator.substeps)
 
 
-def open_loop_agreement(replayer: OpenLoopSimulator, robot: Robot, n: int) -> Agreement:
-    """How far a replayer is from the referee after one physics step, with each of the executables of its replays.
+def open_loop_agreement(simulator: OpenLoopSimulator, robot: Robot, n: int) -> Agreement:
+    """Distance of an open-loop simulator from the referee after one physics step, with each of its executables.
 
     Args:
-        replayer: the engine.
-        robot: as it was in the first of the replayer's recordings.
+        simulator: the engine.
+        robot: as it was in the first of the simulator's recordings.
         n: states to start from.
     """
     low, high = np.where(robot.model.actuator_ctrllimited[:, None], robot.model.actuator_ctrlrange, (-1.0, 1.0)).T
@@ -183,7 +178,7 @@ def open_loop_agreement(replayer: OpenLoopSimulator, robot: Robot, n: int) -> Ag
         return low + (high - low) * (outputs + 1.0) / 2.0
 
     states = _wandered(robot, commands, n, seed=0)
-    told, step = commands(states.outputs.astype(float)), float(robot.model.opt.timestep)
+    ctrls, step = commands(states.outputs.astype(float)), float(robot.model.opt.timestep)
     time, on = np.array([0.0, step]), np.ones((2, robot.model.nu))
     parts = [
         Window(
@@ -195,11 +190,11 @@ def open_loop_agreement(replayer: OpenLoopSimulator, robot: Robot, n: int) -> Ag
             on,
             InitialState(qpos, qvel),
         )
-        for ctrl, qpos, qvel in zip(told, states.qpos, states.qvel, strict=True)
+        for ctrl, qpos, qvel in zip(ctrls, states.qpos, states.qvel, strict=True)
     ]
-    values = stack([encode(replayer.robot, replayer.catalogue, ())] * n)
-    expected = _stepped([_changed(robot, ())], states, told, 1)
-    return engine_agreement(replayer.replay(values, parts, np.arange(n)).qvel[:, 1], expected, 1)
+    values = stack([encode(simulator.robot, simulator.catalogue, ())] * n)
+    expected = _stepped([_changed(robot, ())], states, ctrls, 1)
+    return engine_agreement(simulator.replay(values, parts, np.arange(n)).qvel[:, 1], expected, 1)
 
 
 def _changed(robot: Robot, changes: Sequence[Change]) -> mujoco.MjModel:

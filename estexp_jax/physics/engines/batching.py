@@ -39,16 +39,16 @@ def in_chunks(function: Callable[[Any], Any], batch: Any, width: int) -> Any:
         A pytree of numpy arrays (n, ...).
     """
     n = jax.tree.leaves(batch)[0].shape[0]
-    starts = range(0, n, width)
+    offsets = range(0, n, width)
 
     def run(start: int) -> Any:
         chosen = np.arange(start, start + width)
         chosen[chosen >= n] = 0
         return jax.tree.map(np.asarray, function(jax.tree.map(lambda x: np.asarray(x)[chosen], batch)))
 
-    if len(starts) == 1:
+    if len(offsets) == 1:
         parts = [run(0)]
     else:
-        with ThreadPoolExecutor(min(cores(), len(starts))) as threads:
-            parts = list(threads.map(run, starts))
+        with ThreadPoolExecutor(min(cores(), len(offsets))) as threads:
+            parts = list(threads.map(run, offsets))
     return jax.tree.map(lambda *xs: np.concatenate(xs)[:n], *parts)

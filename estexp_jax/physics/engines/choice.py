@@ -9,6 +9,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
+from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.agreement import Agreement, closed_loop_agreement, open_loop_agreement, sample_states
 from estexp_jax.physics.engines.batching import EngineChoice
@@ -20,7 +21,9 @@ from estexp_jax.physics.engines.lanes.open_loop import LANES_REPLAY, LanesOpenLo
 from estexp_jax.physics.engines.mjx.closed_loop import MjxClosedLoop, mjx_width
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.open_loop import MJX_REPLAY, MjxOpenLoop
-from estexp_jax.physics.engines.open_loop import OpenLoopSimulator, per_recording_model
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
+from estexp_jax.physics.engines.per_recording_model import per_recording_model
+from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
 
 Engine = Literal["auto", "lanes", "mjx"]
@@ -58,9 +61,9 @@ def closed_loop_simulator(
     robot: Robot,
     catalogue: Catalogue,
     *,
+    policy: Policy,
     rows: int,
     control_step: float,
-    gain: float = 3.0,
     population: int = 200,
     engine: str = "auto",
 ) -> ClosedLoopSimulator:
@@ -69,9 +72,9 @@ def closed_loop_simulator(
     Args:
         robot: the nominal robot.
         catalogue: effects that may be planted; none of them a `CommandShift`, `ReadingShift` or `ReadingDrift`.
-        rows: longest walk, control steps.
+        policy: the controllers' equations.
+        rows: longest rollout, control steps.
         control_step: s; rounded to whole physics steps.
-        gain: of the neurons' tanh.
         population: robots that will be simulated at once, or twice as many as are new each time.
         engine: auto, lanes or mjx.
 
@@ -81,16 +84,17 @@ def closed_loop_simulator(
     timed = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift | ReadingDrift)]
     if timed:
         raise ValueError(f"not simulated in closed loop: {', '.join(timed)}")
+    catalogue = tuple(e.for_controller(policy.n_hidden) if isinstance(e, ControllerFault) else e for e in catalogue)
     on_mjx = mjx_model(robot, catalogue)
     substeps = max(1, int(np.round(control_step / robot.model.opt.timestep)))
     choice, face = choose_engine(engine, on_mjx), interface_of(robot)
     if choice.engine == "lanes":
-        fast = LanesClosedLoop(on_mjx, face, rows, substeps, gain, lanes_width(population), choice)
+        fast = LanesClosedLoop(on_mjx, face, policy, rows, substeps, lanes_width(population), choice)
         found = closed_loop_agreement(fast, sample_states(robot, face, _STATES))
         if found.agrees:
             return fast
         choice = _distrusted(engine, found, robot)
-    return MjxClosedLoop(on_mjx, face, rows, substeps, gain, mjx_width(population), choice)
+    return MjxClosedLoop(on_mjx, face, policy, rows, substeps, mjx_width(population), choice)
 
 
 def open_loop_simulator(
@@ -102,7 +106,7 @@ def open_loop_simulator(
     width: int | None = None,
     block: int | None = None,
 ) -> OpenLoopSimulator:
-    """A replayer for recordings of a robot.
+    """An open-loop simulator for recordings of a robot.
 
     Args:
         robot: the nominal robot.
@@ -128,7 +132,7 @@ def open_loop_simulator(
 
 
 def _distrusted(engine: str, found: Agreement, robot: Robot) -> EngineChoice:
-    """MJX instead of lanes that do not move a robot as they should: the engine depends on how XLA compiles it."""
+    """MJX where lanes fail the comparison with the C engine, which may depend on how XLA compiled them."""
     what = f"the lanes engine, as compiled here, {found.sentence()}"
     if engine == "lanes":
         raise InputError(what, where=robot.source, right="use --engine mjx")

@@ -1,4 +1,4 @@
-"""Closed loop, whatever the engine: robots with damage, each driven by its own network."""
+"""Closed loop, whatever the engine: robots with damage, each driven by its own controller."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from estexp_jax.physics.engines.batching import EngineChoice
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
+from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.control.network import Network, decode, n_weights
 
 
 class BodyState(NamedTuple):
-    """Where one robot is; batched, every array has a leading axis."""
+    """State of one robot; batched, every array has a leading axis."""
 
     qpos: Any  #: (nq,)
     qvel: Any  #: (nv,)
@@ -33,7 +33,7 @@ class BodyState(NamedTuple):
 
 
 class Rollout(NamedTuple):
-    """What robots did; every array has the robots as first axis.
+    """A rollout of robots; every array has the robots as first axis.
 
     Rows are control steps; only the first `steps` of them are filled.
     """
@@ -46,7 +46,7 @@ class Rollout(NamedTuple):
 
 
 class ReadingOverride(NamedTuple):
-    """What networks get: `factor` times the robot's own reading, touch as +1/-1, and `added` to it.
+    """Readings that controllers get: `factor` times the robot's own, touch as +1/-1, plus `added`.
 
     Both (robots, steps, n_inputs), raw. Factor 0 replays what was recorded; noise is added, and turns touch readings
     round.
@@ -62,7 +62,7 @@ def replace_readings(readings: np.ndarray) -> ReadingOverride:
 
 
 def override_reading(factor: Any, added: Any, reading: Any) -> Any:
-    """As in `ReadingOverride`; what does not count does no harm, even where it is no number."""
+    """As in `ReadingOverride`; at factor 0 the own reading has no influence, even if it is NaN."""
     return jnp.where(factor == 0.0, added, factor * reading + added)
 
 
@@ -80,31 +80,31 @@ class ClosedLoopSimulator(abc.ABC):
 
     Attributes:
         on_mjx: the robot and its catalogue of effects.
-        interface: what controllers see and move.
-        rows: longest walk, control steps.
+        interface: inputs and outputs of controllers.
+        policy: the controllers' equations.
+        rows: longest rollout, control steps.
         substeps: physics steps a control step.
-        gain: of the neurons' tanh.
         width: robots in a chunk.
         choice: which engine it is, and why.
     """
 
     on_mjx: MjxModel
     interface: Interface
+    policy: Policy
     rows: int
     substeps: int
-    gain: float
     width: int
     choice: EngineChoice
 
     @abc.abstractmethod
-    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, heard: ReadingOverride | None) -> Rollout:
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, override: ReadingOverride | None) -> Rollout:
         """Simulate lanes for some control steps.
 
         Args:
             lanes: the robots.
             steps: control steps.
             active: false: all motors at home.
-            heard: what networks get; None: the robots' own readings.
+            override: readings that controllers get; None: the robots' own.
         """
 
     @property
@@ -142,36 +142,36 @@ class ClosedLoopSimulator(abc.ABC):
             steps: control steps.
         """
         weights = np.zeros((_size(values), self.n_weights), np.float32)
-        return self._walk(values, weights, self.home(values), steps, active=False).final
+        return self._rollout(values, weights, self.home(values), steps, active=False).final
 
-    def walk(
-        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, heard: ReadingOverride | None = None
+    def rollout(
+        self, values: Values, weights: np.ndarray, start: BodyState, steps: int, override: ReadingOverride | None = None
     ) -> Rollout:
-        """Drive robots by their networks.
+        """Drive robots by their controllers.
 
         Args:
             values: (robots, n_sites, n_parameters) for each effect.
             weights: (robots, n_weights).
             start: batched states, as `settle` gives them.
             steps: control steps, at most `rows`.
-            heard: what the networks get; None: the robots' own readings.
+            override: readings that controllers get; None: the robots' own.
         """
-        return self._walk(values, weights, start, steps, active=True, heard=heard)
+        return self._rollout(values, weights, start, steps, active=True, override=override)
 
-    def network(self, lane: RobotInstance) -> Network:
-        """One robot's network, its faults in it."""
-        network = decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
+    def controller(self, lane: RobotInstance) -> Any:
+        """The parameters of one robot's controller, its faults in them."""
+        parameters = self.policy.decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
         for effect in self.catalogue:
             if isinstance(effect, ControllerFault):
-                network = effect.damage(self.robot, network, lane.values[effect.name])
-        return network
+                parameters = effect.damage(self.robot, parameters, lane.values[effect.name])
+        return parameters
 
     @property
     def n_weights(self) -> int:
-        """Length of a controller's genome."""
-        return n_weights(self.interface.n_inputs, self.interface.n_outputs)
+        """Number of weights of one controller."""
+        return self.policy.n_weights(self.interface.n_inputs, self.interface.n_outputs)
 
-    def _walk(
+    def _rollout(
         self,
         values: Values,
         weights: np.ndarray,
@@ -179,14 +179,16 @@ class ClosedLoopSimulator(abc.ABC):
         steps: int,
         *,
         active: bool,
-        heard: ReadingOverride | None = None,
+        override: ReadingOverride | None = None,
     ) -> Rollout:
         if not 0 < steps <= self.rows:
             raise ValueError(f"{steps} steps do not fit into 1..{self.rows}")
         lanes = RobotInstance(values, np.asarray(weights, np.float32), start)
-        heard = None if heard is None else ReadingOverride(*(np.asarray(x, np.float32)[:, :steps] for x in heard))
-        walk = self._run(lanes, steps, active=active, heard=heard)
-        return walk._replace(**{k: getattr(walk, k)[:, :steps] for k in ("readings", "commands", "position")})
+        override = (
+            None if override is None else ReadingOverride(*(np.asarray(x, np.float32)[:, :steps] for x in override))
+        )
+        rollout = self._run(lanes, steps, active=active, override=override)
+        return rollout._replace(**{k: getattr(rollout, k)[:, :steps] for k in ("readings", "commands", "position")})
 
 
 def _size(values: Values) -> int:

@@ -1,4 +1,4 @@
-"""What a robot's controller sees and moves: readings scaled to [-1, 1] in, motor commands out."""
+"""Inputs and outputs of a robot's controller: readings scaled to [-1, 1] in, motor commands out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is different where JAX computes on an accelerator."""
+"""Settings that differ where JAX computes on an accelerator."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def accelerated() -> bool:
 
 
 def device() -> str:
-    """What JAX computes on, as it names it: `cpu`, or a GPU's model."""
+    """Device that JAX computes on, as it names it: `cpu`, or a GPU's model."""
     return jax.devices()[0].device_kind
 
 

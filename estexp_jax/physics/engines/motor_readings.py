@@ -1,4 +1,4 @@
-"""What sensors of a motor show where it turns something else than its joint: a rotor behind a spring or a gap.
+"""Readings of a motor's sensors where it turns a rotor behind a spring or a gap instead of its joint.
 
 The joint gets what the rotor passes on, so the engine's own motor stands still; its torque is a hidden variable.
 """

@@ -114,8 +114,8 @@ class Drives:
         if not self.motors.size:
             return jnp.zeros_like(q), jnp.zeros_like(q)
         each = asked_torques(model, self.motors, q[:, None], w[:, None], command[self.motors])
-        told, beyond = (jnp.sum(x * self.there, axis=1) for x in each)
-        return told, beyond
+        command, beyond = (jnp.sum(x * self.there, axis=1) for x in each)
+        return command, beyond
 
     def further(self, model: mjx.Model, command: jax.Array, more: jax.Array) -> jax.Array:
         """Commands (nu,) that ask for so much more torque (n_sites,) at each site, its motors for equal parts."""

@@ -1,7 +1,7 @@
 """Open loop, whatever the engine: recorded commands replayed through many hypothetical robots at once.
 
-A lane is one hypothesis on one segment of a recording. All lanes, whatever their hypothesis, length and clock, share
-one executable: it advances a fixed block of physics steps, and is called until the longest segment ends.
+A lane is one hypothesis on one window of a recording. All lanes, whatever their hypothesis, length and clock, share
+one executable: it advances a fixed block of physics steps, and is called until the longest window ends.
 """
 
 from __future__ import annotations
@@ -13,17 +13,15 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import jax
-import mujoco
 import numpy as np
 from mujoco import mjx
 
-from estexp_jax.errors import InputError
 from estexp_jax.physics.command_schedule import CommandHistory
 from estexp_jax.physics.effects.base import CommandLaw, Term
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.batching import EngineChoice, cores
-from estexp_jax.physics.engines.mjx.model import MjxModel, fields_of, mjx_model
+from estexp_jax.physics.engines.mjx.model import MjxModel
 from estexp_jax.physics.engines.mjx.terms import Hidden, stateful
 from estexp_jax.physics.engines.open_loop_inputs import (
     CommandSteps,
@@ -32,43 +30,23 @@ from estexp_jax.physics.engines.open_loop_inputs import (
     command_routes,
     command_steps,
     delay_readings,
-    equal_commands,
     initial_states,
     instances_with,
     rolled_rows,
 )
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, at_rows
+from estexp_jax.physics.engines.per_recording_model import PerRecordingModel
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
 
 _ROLL = 256
 """Rows in one call that hidden variables are rolled along."""
-Controller = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
+RowController = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
 """(time in s, qpos (nq,), qvel (nv,)) of a row -> commands (nu,), held until the next one."""
-_Array = Any
-"""A NumPy array outside the compiled function, a JAX array inside."""
-
-
-class LaneBatchState(NamedTuple):
-    """Lanes between two blocks: arrays (lanes, ...), and hidden variables as an engine keeps them."""
-
-    qpos: _Array
-    qvel: _Array
-    act: _Array
-    warmstart: _Array
-    sensordata: _Array  # of the step before
-    hidden: Hidden
-
-
-class StepReadings(NamedTuple):
-    """What lanes showed at the beginning of steps, (steps, ..., lanes)."""
-
-    sensors: np.ndarray
-    qpos: np.ndarray
-    qvel: np.ndarray
 
 
 class OpenLoopRollout(NamedTuple):
-    """What lanes did at the rows of their segments, NaN beyond a segment's end.
+    """Lanes at the rows of their windows, NaN beyond a window's end.
 
     Attributes:
         sensors: (lanes, rows, nsensordata) readings, faults applied.
@@ -79,20 +57,6 @@ class OpenLoopRollout(NamedTuple):
     sensors: np.ndarray
     qpos: np.ndarray
     qvel: np.ndarray
-
-
-class PerRecordingModel(NamedTuple):
-    """What recordings' known settings make different from recording to recording.
-
-    Attributes:
-        positions: among the leaves of the MJX model.
-        values: for each of them, (recordings, ...).
-        fields: names of those that are fields of numbers.
-    """
-
-    positions: tuple[int, ...]
-    values: tuple[np.ndarray, ...]
-    fields: frozenset[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +79,7 @@ class OpenLoopSimulator(abc.ABC):
 
     @abc.abstractmethod
     def _prepared(self, values: Values, overrides: tuple) -> Any:
-        """What does not change from block to block; `overrides` are the lanes' `per_recording_model`."""
+        """Constants of all blocks; `overrides` are the lanes' `per_recording_model`."""
 
     @abc.abstractmethod
     def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
@@ -148,28 +112,28 @@ class OpenLoopSimulator(abc.ABC):
             leaves[position] = leaf
         return self.on_mjx.edited(jax.tree.unflatten(tree, leaves), values)
 
-    def replay(self, values: Values, segments: Sequence[Window], which: np.ndarray) -> OpenLoopRollout:
+    def replay(self, values: Values, windows: Sequence[Window], which: np.ndarray) -> OpenLoopRollout:
         """Replay lanes.
 
         Args:
             values: (lanes, n_sites, n_parameters) for each effect.
-            segments: what can be replayed.
-            which: (lanes,) index of each lane's segment.
+            windows: those that can be replayed.
+            which: (lanes,) index of each lane's window.
         """
         which = np.asarray(which)
         remembers = instances_with(self.robot, stateful(self.catalogue), values)
-        order = np.lexsort([which, self._at_work(values, which), [segments[w].steps.n_steps for w in which]])
+        order = np.lexsort([which, self._at_work(values, which), [windows[w].steps.n_steps for w in which]])
         chunks = [order[i : i + self.width] for i in range(0, len(order), self.width)]
 
         def run(lanes: np.ndarray) -> OpenLoopRollout:
             chosen = np.resize(lanes, self.width)  # the last chunk repeats its lanes
             part = {name: np.asarray(v, np.float32)[chosen] for name, v in values.items()}
-            here = [segments[w] for w in which[chosen]]
+            here = [windows[w] for w in which[chosen]]
             return self._chunk(part, here, len(lanes), remembers=bool(remembers[lanes].any()))
 
         with ThreadPoolExecutor(cores()) as threads:
             parts = list(threads.map(run, chunks))
-        rows = max(segments[w].rows for w in which)
+        rows = max(windows[w].rows for w in which)
         return OpenLoopRollout(*(self._gather(parts, chunks, field, rows) for field in OpenLoopRollout._fields))
 
     def _gather(self, parts: list[OpenLoopRollout], chunks: list[np.ndarray], field: str, rows: int) -> np.ndarray:
@@ -179,78 +143,78 @@ class OpenLoopSimulator(abc.ABC):
             whole[lanes, : found.shape[1]] = found
         return whole
 
-    def _chunk(self, values: Values, segments: list[Window], n: int, *, remembers: bool) -> OpenLoopRollout:
+    def _chunk(self, values: Values, windows: list[Window], n: int, *, remembers: bool) -> OpenLoopRollout:
         """Replay a chunk's lanes, keep the first `n`; if none remembers, what came before the start does not matter."""
-        n_steps = max(s.steps.n_steps for s in segments) + 2  # one before for the forces, one more to read the last row
+        n_steps = max(s.steps.n_steps for s in windows) + 2  # one before for the forces, one more to read the last row
         blocks = -(-n_steps // self.block)
-        drive = command_steps(self.robot, self.catalogue, values, segments, blocks * self.block)
-        prepared, state = self._started(values, segments, remembers=remembers)
-        _, seen = self._advanced(prepared, state, drive)
-        return self._shown(StepReadings(*(x[1:] for x in seen)), values, segments, n)
+        drive = command_steps(self.robot, self.catalogue, values, windows, blocks * self.block)
+        prepared, state = self._started(values, windows, remembers=remembers)
+        _, outputs = self._advanced(prepared, state, drive)
+        return self._at_rows(StepReadings(*(x[1:] for x in outputs)), values, windows, n)
 
-    def steered(self, values: Values, stretch: Window, controller: Controller) -> tuple[OpenLoopRollout, np.ndarray]:
+    def steered(self, values: Values, window: Window, controller: RowController) -> tuple[OpenLoopRollout, np.ndarray]:
         """Replay one lane from its start under a controller's commands instead of recorded ones; for a `width` of 1.
 
         Args:
             values: (1, n_sites, n_parameters) for each effect.
-            stretch: from its recording's first row on, each row of at most `block` steps; its commands do not count.
+            window: from its recording's first row on, each row of at most `block` steps; its commands do not count.
             controller: gives each row's commands.
 
         Returns:
-            What the robot did, and its commands (rows, nu).
+            The robot's rollout, and its commands (rows, nu).
         """
         values = {name: np.asarray(v, np.float32) for name, v in values.items()}
-        prepared, state = self._started(values, [stretch], remembers=False)
-        steps, time, nothing = stretch.steps, stretch.history.time, np.zeros(self.block)
-        late, source = command_routes(self.robot, self.catalogue, values)
+        prepared, state = self._started(values, [window], remembers=False)
+        steps, time, nothing = window.steps, window.history.time, np.zeros(self.block)
+        delay, source = command_routes(self.robot, self.catalogue, values)
         rows: list[np.ndarray] = []
-        seen: list[StepReadings] = []
-        for row in range(stretch.rows):
+        outputs: list[StepReadings] = []
+        for row in range(window.rows):
             rows.append(np.asarray(controller(float(time[row]), *(np.asarray(x[0], float) for x in state[:2])), float))
-            own = slice(*steps.sample[row : row + 2]) if row + 1 < stretch.rows else slice(0, 0)
+            own = slice(*steps.sample[row : row + 2]) if row + 1 < window.rows else slice(0, 0)
             count = own.stop - own.start
             length, start = nothing.copy(), np.full(self.block, time[row])
             length[:count], start[:count] = steps.length[own], steps.start[own]
-            ctrl = CommandHistory(time[: row + 1], np.array(rows)).mean(start, length, late[0], source[0])
-            enable = np.tile(stretch.enable[row], (self.block, 1))
+            ctrl = CommandHistory(time[: row + 1], np.array(rows)).mean(start, length, delay[0], source[0])
+            enable = np.tile(window.enable[row], (self.block, 1))
             drive = CommandSteps(*(np.asarray(x, np.float32)[..., None] for x in (length, ctrl, enable)))
             if row == 0:  # what sensors of forces show in the first row
                 state, _ = self._advanced(prepared, state, drive._replace(length=np.zeros_like(drive.length)))
             state, part = self._advanced(prepared, state, drive)
-            seen.append(StepReadings(*(x[: max(count, 1)] for x in part)))
+            outputs.append(StepReadings(*(x[: max(count, 1)] for x in part)))
         commands = np.array(rows)
-        whole = StepReadings(*(np.concatenate(kind) for kind in zip(*seen, strict=True)))
-        told = replace(stretch, history=stretch.history.told(commands))
-        return self._shown(whole, values, [told], 1), commands
+        whole = StepReadings(*(np.concatenate(kind) for kind in zip(*outputs, strict=True)))
+        played = replace(window, history=window.history.with_commands(commands))
+        return self._at_rows(whole, values, [played], 1), commands
 
-    def _started(self, values: Values, segments: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
-        """What does not change from block to block, and the state that lanes start from."""
+    def _started(self, values: Values, windows: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
+        """Constants of all blocks, and the initial state of lanes."""
         model, template = self.robot.model, self.on_mjx.data
-        recording = [s.recording for s in segments]
+        recording = [s.recording for s in windows]
         prepared = self._prepared(values, tuple(o[recording] for o in self.differing.values))
         state = LaneBatchState(
-            *initial_states(self.robot, self.catalogue, values, segments),
-            np.zeros((len(segments), model.na), np.float32),
-            np.zeros((len(segments), model.nv), np.float32),
-            np.broadcast_to(np.asarray(template.sensordata), (len(segments), model.nsensordata)),
+            *initial_states(self.robot, self.catalogue, values, windows),
+            np.zeros((len(windows), model.na), np.float32),
+            np.zeros((len(windows), model.nv), np.float32),
+            np.broadcast_to(np.asarray(template.sensordata), (len(windows), model.nsensordata)),
             {},
         )
         if stateful(self.catalogue):
-            state = state._replace(hidden=self._hidden(prepared, values, segments, remembers=remembers))
+            state = state._replace(hidden=self._hidden(prepared, values, windows, remembers=remembers))
         return prepared, state
 
-    def _shown(self, seen: StepReadings, values: Values, segments: list[Window], n: int) -> OpenLoopRollout:
-        """What the first `n` lanes show at their rows, of all steps: late and adrift as sensors are."""
-        delay_readings(self.robot, self.catalogue, seen.sensors, values, segments)
-        add_drift(self.robot, self.catalogue, seen.sensors, values, segments)
-        rows = max(s.rows for s in segments[:n])
-        return OpenLoopRollout(*(_rows(x, segments[:n], rows) for x in seen))
+    def _at_rows(self, outputs: StepReadings, values: Values, windows: list[Window], n: int) -> OpenLoopRollout:
+        """The first `n` lanes at their rows, from all steps, with the delay and drift of sensors."""
+        delay_readings(self.robot, self.catalogue, outputs.sensors, values, windows)
+        add_drift(self.robot, self.catalogue, outputs.sensors, values, windows)
+        rows = max(s.rows for s in windows[:n])
+        return OpenLoopRollout(*(at_rows(x, windows[:n], rows) for x in outputs))
 
-    def _hidden(self, prepared: Any, values: Values, segments: list[Window], *, remembers: bool) -> Hidden:
+    def _hidden(self, prepared: Any, values: Values, windows: list[Window], *, remembers: bool) -> Hidden:
         """Hidden variables at the lanes' starts: rolled along each recording's rows before them."""
-        n_rows = max(s.first if s.path is not None else 0 for s in segments) if remembers else 0
+        n_rows = max(s.first if s.path is not None else 0 for s in windows) if remembers else 0
         blocks = -(-n_rows // _ROLL)
-        before = rolled_rows(self.robot, self.catalogue, values, segments, blocks * _ROLL)
+        before = rolled_rows(self.robot, self.catalogue, values, windows, blocks * _ROLL)
         hidden = self._rested(prepared, RolledRows(*(x[0] for x in before)))
         for b in range(blocks):
             hidden = self._rolled(prepared, hidden, RolledRows(*(x[b * _ROLL : (b + 1) * _ROLL] for x in before)))
@@ -261,38 +225,3 @@ class OpenLoopSimulator(abc.ABC):
         acting = [e for e in self.catalogue if isinstance(e, Term | CommandLaw)]
         each = np.array([np.zeros(len(which), bool), *(instances_with(self.robot, [e], values) for e in acting)])
         return np.unique(each, axis=1, return_inverse=True)[1]
-
-
-def _rows(x: np.ndarray, segments: Sequence[Window], rows: int) -> np.ndarray:
-    """Columns (lanes, rows, columns) at the rows of segments, of those (steps, columns, lanes) at all steps."""
-    found = np.full((len(segments), rows, x.shape[1]), np.nan, np.float32)
-    for i, there in equal_commands(segments, np.ones(len(segments), bool)):
-        sample = segments[i].steps.sample
-        found[there, : len(sample)] = np.moveaxis(x[sample, :, there], -1, 0)
-    return found
-
-
-def per_recording_model(nominal: MjxModel, per_recording: Sequence[Robot]) -> PerRecordingModel:
-    """What the known settings of recordings change in a model.
-
-    Raises:
-        InputError: they change the model's structure.
-    """
-    leaves, tree = jax.tree.flatten(nominal.model)
-    distinct = {id(r): r for r in per_recording}
-    variants = {k: jax.tree.flatten(mjx_model(r, nominal.catalogue).model) for k, r in distinct.items()}
-    if any(other != tree for _, other in variants.values()):
-        raise InputError("a recording's settings change what the model consists of", where=nominal.robot.source)
-    each = [variants[id(r)][0] for r in per_recording]
-    positions = tuple(i for i, leaf in enumerate(leaves) if any(not np.array_equal(leaf, own[i]) for own in each))
-    names = {id(leaf): name for name, leaf in fields_of(nominal.model).items()}
-    fields = frozenset(names[id(leaves[i])] for i in positions if id(leaves[i]) in names)
-    return PerRecordingModel(
-        positions, tuple(np.stack([np.asarray(own[i]) for own in each]) for i in positions), fields
-    )
-
-
-def is_acceleration(robot: Robot) -> np.ndarray:
-    """Which values of `sensordata` (nsensordata,) show forces or accelerations: of the step before."""
-    acceleration = robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
-    return np.repeat(acceleration, robot.model.sensor_dim)

@@ -1,6 +1,6 @@
-"""What a replay feeds an engine, lane by lane, in arrays of numpy: commands, start states, rows before the start.
+"""Inputs of an open-loop rollout, lane by lane, in numpy: commands, initial states, rows before the start.
 
-A lane is one hypothesis on one segment of a recording.
+A lane is one hypothesis on one window of a recording.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
 
 _LAG = 0.04
-"""Commands of this time tell where a servo is, s: it follows a little late."""
+"""Time over which commands are averaged to guess a servo's position, s: it follows with a small delay."""
 
 
 class CommandSteps(NamedTuple):
@@ -40,51 +40,51 @@ class RolledRows(NamedTuple):
 
 
 def command_steps(
-    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window], n_steps: int
+    robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window], n_steps: int
 ) -> CommandSteps:
-    """Steps of lanes, each with its own commands; beyond a segment's end the last ones are held.
+    """Steps of lanes, each with its own commands; beyond a window's end the last ones are held.
 
-    The first step has no length: it leaves the robot as it is, under the command before the segment's first row, and so
+    The first step has no length: it leaves the robot as it is, under the command before the window's first row, and so
     gives sensors of forces what they show in that row.
     """
     shifts, sources = command_routes(robot, catalogue, values)
-    nu, punctual = robot.model.nu, _punctual(shifts, sources)
-    length = np.zeros((n_steps, len(segments)), np.float32)
-    ctrl, enable = (np.empty((n_steps, nu, len(segments)), np.float32) for _ in range(2))
-    for i, there in equal_commands(segments, punctual):
-        s, k = segments[i], segments[i].steps.n_steps + 1
+    nu, undelayed = robot.model.nu, _undelayed(shifts, sources)
+    length = np.zeros((n_steps, len(windows)), np.float32)
+    ctrl, enable = (np.empty((n_steps, nu, len(windows)), np.float32) for _ in range(2))
+    for i, there in equal_commands(windows, undelayed):
+        s, k = windows[i], windows[i].steps.n_steps + 1
         length[1:k, there] = s.steps.length[:, None]
-        commands = s.logged if punctual[i] else s.commands(shifts[i], sources[i])
+        commands = s.logged if undelayed[i] else s.commands(shifts[i], sources[i])
         for whole, own in ((ctrl, commands), (enable, s.switched_on)):
             whole[:k, :, there], whole[k:, :, there] = own[..., None], own[-1][:, None]
     return CommandSteps(length, ctrl, enable)
 
 
-def equal_commands(segments: Sequence[Window], punctual: np.ndarray) -> Iterator[tuple[int, slice]]:
+def equal_commands(windows: Sequence[Window], undelayed: np.ndarray) -> Iterator[tuple[int, slice]]:
     """Neighbouring lanes that get the same commands: the first one, and all of them."""
     first = 0
-    for i, s in enumerate(segments):
-        if i + 1 == len(segments) or segments[i + 1] is not s or not (punctual[i] and punctual[i + 1]):
+    for i, s in enumerate(windows):
+        if i + 1 == len(windows) or windows[i + 1] is not s or not (undelayed[i] and undelayed[i + 1]):
             yield first, slice(first, i + 1)
             first = i + 1
 
 
 def initial_states(
-    robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window]
+    robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where each lane starts, (lanes, nq) and (lanes, nv): sensed states with its own sensor faults undone."""
-    qpos = np.array([s.start.qpos for s in segments], np.float32)
-    qvel = np.array([s.start.qvel for s in segments], np.float32)
+    """Initial states of lanes, (lanes, nq) and (lanes, nv): measured states with each lane's sensor faults undone."""
+    qpos = np.array([s.start.qpos for s in windows], np.float32)
+    qvel = np.array([s.start.qvel for s in windows], np.float32)
     faults = [e for e in catalogue if isinstance(e, Distortion)]
-    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     drift = _drifts(robot, catalogue, values)
-    doubted = late.any(axis=1) | drift.any(axis=1) | instances_with(robot, faults, values)
-    for i, s in enumerate(segments):
-        if not (doubted[i] and s.start.sensed):
+    faulty = delay.any(axis=1) | drift.any(axis=1) | instances_with(robot, faults, values)
+    for i, s in enumerate(windows):
+        if not (faulty[i] and s.start.sensed):
             continue
         for column, place, speed in s.start.sensed:
-            if late[i, column] > 0.0 and s.path is not None:  # true now is what is read later
-                now, then = s.steps.start[0], s.steps.start[0] + late[i, column]
+            if delay[i, column] > 0.0 and s.path is not None:  # true now is what is read later
+                now, then = s.steps.start[0], s.steps.start[0] + delay[i, column]
                 qpos[i, place] += s.path.at(then, s.path.qpos, place) - s.path.at(now, s.path.qpos, place)
                 qvel[i, speed] += s.path.at(then, s.path.qvel, speed) - s.path.at(now, s.path.qvel, speed)
         columns, places, speeds = map(list, zip(*s.start.sensed, strict=True))
@@ -95,7 +95,7 @@ def initial_states(
         for effect in reversed(faults):
             now = effect.restore(robot, now, values[effect.name][i])
         blind = np.isnan(now[0, columns])
-        guess, fast = _commanded(robot, s) if blind.any() else (robot.home(), np.zeros(robot.model.nv))
+        guess, fast = _commanded_state(robot, s) if blind.any() else (robot.home(), np.zeros(robot.model.nv))
         shift = s.start.qpos - s.path.qpos[s.first] if s.path is not None else np.zeros(robot.model.nq)
         pushed = s.start.qvel - s.path.qvel[s.first] if s.path is not None else np.zeros(robot.model.nv)
         qpos[i, places] = np.where(blind, (guess + shift)[places], now[0, columns])
@@ -103,10 +103,10 @@ def initial_states(
     return qpos, qvel
 
 
-def _commanded(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
-    """Where servos were told to be at a segment's start, (nq,) and (nv,); home and at rest what has none.
+def _commanded_state(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (nq,) and speeds (nv,) that servos were commanded at a window's start; home, at rest, without servo.
 
-    The best guess of a joint that nothing was read of.
+    The best guess for a joint without readings.
     """
     model, qpos, qvel = robot.model, robot.home().copy(), np.zeros(robot.model.nv)
     begin = s.steps.start[0] - np.array([3.0, 1.0]) * _LAG / 2.0
@@ -120,17 +120,17 @@ def _commanded(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
     return qpos, qvel
 
 
-def rolled_rows(robot: Robot, catalogue: Catalogue, values: Values, segments: list[Window], n_rows: int) -> RolledRows:
-    """Rows before each segment (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
+def rolled_rows(robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window], n_rows: int) -> RolledRows:
+    """Rows before each window (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
     shifts, sources = command_routes(robot, catalogue, values)
-    punctual, n = _punctual(shifts, sources), n_rows + 1
-    model, length = robot.model, np.zeros((n, len(segments)), np.float32)
+    undelayed, n = _undelayed(shifts, sources), n_rows + 1
+    model, length = robot.model, np.zeros((n, len(windows)), np.float32)
     qpos, qvel, ctrl, enable = (
-        np.empty((n, width, len(segments)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
+        np.empty((n, width, len(windows)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
     )
     found = RolledRows(qpos, qvel, ctrl, enable, length)
-    for i, there in equal_commands(segments, punctual):
-        past = segments[i].logged_past if punctual[i] else segments[i].past(n, shifts[i], sources[i])
+    for i, there in equal_commands(windows, undelayed):
+        past = windows[i].logged_past if undelayed[i] else windows[i].past(n, shifts[i], sources[i])
         k = min(n, len(past.length))
         for whole, own in zip(found[:-1], past[:-1], strict=True):
             whole[n - k :, :, there], whole[: n - k, :, there] = own[-k:, :, None], own[-k][:, None]
@@ -148,45 +148,45 @@ def instances_with(robot: Robot, effects: Sequence[Effect], values: Values) -> n
 
 
 def command_routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[np.ndarray, np.ndarray]:
-    """How late each lane's commands arrive (s) and whose commands its motors get, (lanes, nu) each."""
+    """Delay of each lane's commands (s) and the motor whose command each motor gets, (lanes, nu) each."""
     return _shifts(robot, catalogue, values, CommandShift, robot.model.nu), _sources(robot, catalogue, values)
 
 
-def _punctual(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
+def _undelayed(shifts: np.ndarray, sources: np.ndarray) -> np.ndarray:
     """Which lanes (lanes,) get their commands as they were logged."""
     return ~shifts.any(axis=1) & (sources == np.arange(sources.shape[1])).all(axis=1)
 
 
 def delay_readings(
-    robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Window]
+    robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, windows: list[Window]
 ) -> None:
-    """Replace, in place, the readings (steps, nsensordata, lanes) of sensors that are late by older ones.
+    """Replace, in place, the readings (steps, nsensordata, lanes) of delayed sensors by older ones.
 
-    What a late sensor shows at first was true before the start; there it counts as it was recorded.
+    A delayed sensor first shows states from before the start; these are taken as recorded.
     """
-    late = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
-    for i, column in np.argwhere(late > 0.0).tolist():
-        s, n = segments[i], segments[i].steps.n_steps
+    delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
+    for i, column in np.argwhere(delay > 0.0).tolist():
+        s, n = windows[i], windows[i].steps.n_steps
         time = np.append(s.steps.start, s.steps.start[-1] + s.steps.length[-1])
-        read = np.interp(time - late[i, column], time, sensors[: n + 1, column, i])
+        read = np.interp(time - delay[i, column], time, sensors[: n + 1, column, i])
         for sensed, place, _ in s.start.sensed:
             if sensed == column and s.path is not None:
-                before = time - late[i, column] < time[0]
+                before = time - delay[i, column] < time[0]
                 read[before] = s.path.at(time[before], s.path.qpos, place)
         sensors[: n + 1, column, i] = read
 
 
-def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, segments: list[Window]) -> None:
-    """Add, in place, to the readings (steps, nsensordata, lanes) what they gained since the recordings began."""
+def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: Values, windows: list[Window]) -> None:
+    """Add, in place, to the readings (steps, nsensordata, lanes) their drift since the recordings began."""
     drift = _drifts(robot, catalogue, values)
     for i in np.flatnonzero(drift.any(axis=1)).tolist():
-        steps = segments[i].steps
-        age = np.append(steps.start, steps.start[-1] + steps.length[-1]) - segments[i].history.time[0]
+        steps = windows[i].steps
+        age = np.append(steps.start, steps.start[-1] + steps.length[-1]) - windows[i].history.time[0]
         sensors[: len(age), :, i] += age[:, None] * drift[i]
 
 
 def _drifts(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
-    """What each lane's readings gain with each second, (lanes, nsensordata)."""
+    """Drift of each lane's readings per second, (lanes, nsensordata)."""
     total = np.zeros((_lanes(values), robot.model.nsensordata))
     for effect in catalogue:
         if isinstance(effect, ReadingDrift):
@@ -197,7 +197,7 @@ def _drifts(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
 def _shifts(
     robot: Robot, catalogue: Catalogue, values: Values, kind: type[CommandShift] | type[ReadingShift], n: int
 ) -> np.ndarray:
-    """How late each lane's commands or readings arrive, (lanes, n), s."""
+    """Delay of each lane's commands or readings, (lanes, n), s."""
     total = np.zeros((_lanes(values), n))
     for effect in catalogue:
         if isinstance(effect, CommandShift | ReadingShift) and isinstance(effect, kind):
@@ -206,7 +206,7 @@ def _shifts(
 
 
 def _sources(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
-    """Whose command each lane's motors get, (lanes, nu)."""
+    """Index of the motor whose command each motor gets, (lanes, nu)."""
     source = np.tile(np.arange(robot.model.nu), (_lanes(values), 1))
     for effect in catalogue:
         if isinstance(effect, CommandRoute):

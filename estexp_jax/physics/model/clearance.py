@@ -1,4 +1,4 @@
-"""What may touch by a robot's description, but never comes near in its recordings."""
+"""Pairs of bodies that may touch by a robot's description but never come near in its recordings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ROWS = 300
 
 
 def without_collisions(robot: Robot, paths: Sequence[np.ndarray], near: float = NEAR) -> list[tuple[int, int]]:
-    """Pairs of bodies whose contacts can be left out: they stayed apart all along.
+    """Pairs of bodies whose contacts can be left out, since they never came near.
 
     Two moving bodies, or one of a robot that is bolted down and one of its surroundings: what floats falls on these.
     Those whose meshes overlap from the start, too.
@@ -39,23 +39,23 @@ def without_collisions(robot: Robot, paths: Sequence[np.ndarray], near: float = 
     met = set[tuple[int, int]]()
     mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
     touch = {bodies: min(near, TOGETHER) if mesh[geoms].any() else near for bodies, geoms in pairs.items()}
-    gaps = {bodies: list[float]() for bodies in pairs if _are_joined(model, *bodies)}
+    distances = {bodies: list[float]() for bodies in pairs if _are_joined(model, *bodies)}
     for path in paths if pairs else ():
         for qpos in path[:: max(1, len(path) // ROWS)]:
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
             for bodies in pairs.keys() - met:
                 found = min(geom_distance(model, data, one, other, 2.0 * NEAR) for one, other in pairs[bodies])
-                if bodies in gaps:
-                    gaps[bodies].append(found)
+                if bodies in distances:
+                    distances[bodies].append(found)
                 elif found <= touch[bodies]:
                     met.add(bodies)
-    met |= {bodies for bodies, found in gaps.items() if _may_touch(found, touch[bodies])}
+    met |= {bodies for bodies, found in distances.items() if _may_touch(found, touch[bodies])}
     return [*ever, *(bodies for bodies in pairs if bodies not in met)] if len(paths) else []
 
 
 def pairs_that_touch(robot: Robot, paths: Sequence[np.ndarray]) -> bool:
-    """Whether parts that are apart at home, as of `without_collisions`, come together in some motions.
+    """Whether pairs that `without_collisions` leaves out at home come near in some motions.
 
     Args:
         robot: as described.
@@ -63,14 +63,14 @@ def pairs_that_touch(robot: Robot, paths: Sequence[np.ndarray]) -> bool:
     """
     if not contacts_on(robot.model):
         return False
-    apart = without_collisions(robot, [robot.home()[None]], TOGETHER)
-    return not set(apart) <= set(without_collisions(robot, paths, TOGETHER))
+    left_out = without_collisions(robot, [robot.home()[None]], TOGETHER)
+    return not set(left_out) <= set(without_collisions(robot, paths, TOGETHER))
 
 
-def _may_touch(gaps: list[float], near: float) -> bool:
+def _may_touch(distances: list[float], near: float) -> bool:
     """Whether two parts that joints hold together may, by their gap along the recordings."""
-    nearest = min(gaps)
-    return nearest < -_PRESSED or (nearest <= near and max(gaps) - nearest > max(_LOOSE, _SHARE * nearest))
+    nearest = min(distances)
+    return nearest < -_PRESSED or (nearest <= near and max(distances) - nearest > max(_LOOSE, _SHARE * nearest))
 
 
 def _are_joined(model: mujoco.MjModel, one: int, other: int) -> bool:

@@ -25,7 +25,7 @@ from estexp_jax.physics.model.xml_text import Element, xml_elements
 _MOST_XML, _MOST_BYTES, _MOST_FILES = 16 * 2**20, 256 * 2**20, 1000
 _MOST_PIXELS = 2**26
 _PACKAGE_LEVELS = 3
-"""How far above a model's file its package's `package.xml` is looked for."""
+"""Number of folders above a model's file in which its package's `package.xml` is sought."""
 _OPENED = {"include": "file", "model": "file", "flexcomp": "file"}
 """Elements whose file MuJoCo opens while it reads."""
 _SCHEMES = ("package://", "model://")
@@ -65,7 +65,7 @@ def _folder(path: Path) -> Path:
 
 
 def _assets(spec: mujoco.MjSpec) -> Iterator[tuple[str, Any]]:
-    """What of a description comes from files, with its place."""
+    """Elements of a description that refer to files, with their place."""
     for kind, some in (
         ("mesh", spec.meshes),
         ("hfield", spec.hfields),
@@ -103,7 +103,7 @@ class _Files:
     root: Path
 
     def __post_init__(self) -> None:
-        self._seen: set[Path] = set()
+        self._visited: set[Path] = set()
 
     def read(self, path: Path, within: tuple[Path, ...] = (), *, attached: bool = False) -> tuple[Path, ...]:
         """Look over a model's text and all that it includes or attaches; gives the folders of these models.
@@ -114,8 +114,8 @@ class _Files:
             attached: whether one of them was attached, not included: MuJoCo itself refuses rings of includes only.
         """
         folder = path.absolute().parent
-        self._seen.add(path.resolve())
-        if len(self._seen) > _MOST_FILES:
+        self._visited.add(path.resolve())
+        if len(self._visited) > _MOST_FILES:
             raise InputError(f"refers to more than {_MOST_FILES} files", where=str(self.model))
         folders, text = [folder], _text(path)
         for element in xml_elements(text, str(path)):
@@ -125,7 +125,7 @@ class _Files:
                 below, link = (*within, path.resolve()), attached or element.tag == "model"
                 if link and inner.resolve() in below:
                     raise InputError(f"attaches {inner.name}, which it is a part of", where=f"{path}, <{element.tag}>")
-                if inner.resolve() not in self._seen:
+                if inner.resolve() not in self._visited:
                     folders += self.read(inner, below, attached=link)
         return tuple(dict.fromkeys(folders))
 

@@ -126,7 +126,7 @@ class Robot:
 
     @property
     def remedy(self) -> str:
-        """What to do where a robot has no actuators; empty where it has some."""
+        """Advice for a robot without actuators; empty for others."""
         if self.model.nu:
             return ""
         return f"`estexp check {self.source} --init` writes an MJCF of it with servos and sensors, a URDF has none"

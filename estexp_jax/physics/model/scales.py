@@ -27,7 +27,7 @@ def motor_limit(robot: Robot, actuator: int) -> float:
 
 
 def joint_span(robot: Robot, joint: int) -> tuple[float, float]:
-    """Where a one-coordinate joint may be: its range, else half a turn (or 0.5 m) to either side of home."""
+    """Range of a one-coordinate joint: its own, else half a turn (or 0.5 m) to either side of home."""
     model = robot.model
     if model.jnt_limited[joint]:
         return float(model.jnt_range[joint, 0]), float(model.jnt_range[joint, 1])
@@ -51,7 +51,7 @@ def command_reach(robot: Robot, actuator: int) -> float:
 
 
 def sensor_span(robot: Robot, sensor: int) -> tuple[float, float]:
-    """What a sensor with one value may show."""
+    """Range of a sensor with one value."""
     model = robot.model
     joint = int(model.sensor_objid[sensor])
     if model.sensor_type[sensor] == mujoco.mjtSensor.mjSENS_JOINTPOS and joint in robot.scalar_joints:

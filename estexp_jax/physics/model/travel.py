@@ -1,4 +1,4 @@
-"""How far a robot has come: the position of its root, as a function of its configuration alone."""
+"""Position of a robot's root as a function of its configuration alone."""
 
 from __future__ import annotations
 

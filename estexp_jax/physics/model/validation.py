@@ -1,4 +1,4 @@
-"""What a compiled model has to hold for a simulation to mean anything: MuJoCo itself takes NaN and infinities."""
+"""Checks of a compiled model, since MuJoCo itself accepts NaN and infinities."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def refuse_unbounded(spec: mujoco.MjSpec, source: str) -> None:
 
 @contextmanager
 def warnings_suppressed() -> Iterator[None]:
-    """All warnings kept back while a model is read: what is wrong is told once."""
+    """Suppresses warnings while a model is read, so that each problem is reported once."""
     with mujoco_warnings_suppressed(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield

@@ -1,1 +1,1 @@
-"""What is judged of recordings before anything is simulated: clock, units, saturation, excitation, servo faults."""
+"""Checks of recordings that need no simulation: clock, units, saturation, excitation, servo faults."""

@@ -1,4 +1,4 @@
-"""Which of the usual suspects recordings can tell apart, by how the joints move in them."""
+"""Which common effects recordings can distinguish, from how the joints move."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SUSPECTS: Mapping[str, tuple[str, str]] = {
         "record some steps or fast sweeps",
     ),
 }
-"""What a motion must have to tell effects apart: what is the matter without it, and what to record."""
+"""Groups of effects that need a certain motion to be distinguished: the consequence without it, and what to record."""
 
 _SPREAD, _REVERSALS, _SUDDEN, _SOON = 3.0, 4, 0.1, 0.05
 _WIDE = {"angle": 0.5, "length": 0.05}
@@ -36,47 +36,47 @@ _WIDE = {"angle": 0.5, "length": 0.05}
 def sufficient_excitation(
     kind: str, time: np.ndarray, values: np.ndarray, clock: np.ndarray, command: np.ndarray | None
 ) -> dict[str, bool | None]:
-    """Which suspects one joint's motion in one recording can tell apart, by the names in `SUSPECTS`.
+    """Which groups of `SUSPECTS` one joint's motion in one recording can distinguish.
 
     Args:
         kind: `angle` (rad) or `length` (m).
         time: (n,) of the samples, s.
         values: (n,) position of the joint.
-        clock: (rows,) of the command, s.
-        command: (rows,) of the actuator that drives it; None: none does, so nothing can be said of delays.
+        clock: (rows,) times of the command, s.
+        command: (rows,) of the actuator that drives it; None: not actuated, so delays cannot be assessed.
     """
     speeds = np.abs(signals.speed(time, values))
     moving = speeds[speeds > 0.05 * float(speeds.max())] if speeds.max() > 0.0 else speeds
     slow, fast = np.percentile(moving, [20, 95])
     span = float(np.ptp(values))
-    sudden = None
+    changes_quickly = None
     if command is not None:
         ahead = np.minimum(np.searchsorted(clock, clock + _SOON), len(clock) - 1)
-        sudden = bool(np.abs(command[ahead] - command).max() > _SUDDEN * float(np.ptp(command)) > 0.0)
+        changes_quickly = bool(np.abs(command[ahead] - command).max() > _SUDDEN * float(np.ptp(command)) > 0.0)
     return {
         "friction_laws": bool(fast > _SPREAD * slow),
         "reversals": signals.turns(values, max(0.05 * span, 4.0 * signals.encoder_step(values))) >= _REVERSALS,
         "load": span >= _WIDE[kind],
-        "delay": sudden,
+        "delay": changes_quickly,
     }
 
 
-def missing(judged: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """What to record besides, so that the usual suspects can be told apart.
+def missing(inspections: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """What to record in addition, so that the groups of `SUSPECTS` can be distinguished.
 
     Args:
-        judged: what `judge` told of each recording of one robot.
+        inspections: the result of `judge` for each recording of one robot.
     """
-    for name in judged[0]["joints"]:
-        found = [one["joints"][name] for one in judged]
-        if not any(joint["columns"] for joint in found):
+    for name in inspections[0]["joints"]:
+        per_recording = [one["joints"][name] for one in inspections]
+        if not any(joint["columns"] for joint in per_recording):
             yield f"{name}: nothing tells its motion; map an encoder, or log qpos.{name}"
-        elif not any(joint["excited"] for joint in found):
+        elif not any(joint["excited"] for joint in per_recording):
             yield f"{name}: never moves, so nothing can be said of it; record motions of it"
         else:
             for suspect, (lack, remedy) in SUSPECTS.items():
-                told = [joint["tells"][suspect] for joint in found if joint["tells"]]
-                if any(value is False for value in told) and not any(told):
+                verdicts = [joint["tells"][suspect] for joint in per_recording if joint["tells"]]
+                if any(value is False for value in verdicts) and not any(verdicts):
                     yield f"{name}: {lack}; {remedy}"
-    if len(judged) == 1:
+    if len(inspections) == 1:
         yield "one recording only: its last 30 % becomes the test; a second one, of another motion, proves more"

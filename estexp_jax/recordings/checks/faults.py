@@ -1,4 +1,4 @@
-"""Faults of recordings that show without a simulation: each named, with its place and what to do about it."""
+"""Faults of recordings that can be found without a simulation, each with its place and a remedy."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ import numpy as np
 from estexp_jax.recordings.checks import signals
 
 FULL_TURNS = 4.0 * math.pi
-"""A hinge angle beyond this, rad, is more often degrees than two turns and more."""
+"""A hinge angle above this, rad, is more likely in degrees than beyond two turns."""
 UNEVEN = 0.25
-"""Deviation of the clock's period, as a share of it, from which on the clock counts as uneven."""
+"""Standard deviation of the clock's period, as a share of it, above which the clock counts as uneven."""
 STALE = 0.4
-"""Share of samples equal to the one before, while the signal moves, from which on it counts as read too seldom."""
+"""Share of repeated samples in a moving signal above which it counts as sampled too slowly."""
 
 
 @final
 @dataclass(frozen=True)
 class Fault:
-    """One thing that is wrong, or looks so.
+    """A fault, certain or suspected.
 
     Attributes:
-        kind: what, one word or two, as in `clock_gap`.
+        kind: identifier, such as `clock_gap`.
         name: the column, actuator or joint; `time` for the clock.
-        sentence: what was seen, and what to do.
+        sentence: observation and remedy.
     """
 
     kind: str
@@ -52,11 +52,11 @@ def clock_faults(clock: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def reading_faults(name: str, kind: str, time: np.ndarray, values: np.ndarray, rows: np.ndarray) -> Iterator[Fault]:
-    """What one reading shows by itself.
+    """Faults of a single reading.
 
     Args:
         name: our column.
-        kind: `angle`, `length`, `speed`, or empty for what is none of a joint.
+        kind: `angle`, `length`, `speed`, or empty if it is not a joint's.
         time: (n,) of its samples, s.
         values: (n,) samples.
         rows: (n,) their rows.
@@ -64,11 +64,12 @@ def reading_faults(name: str, kind: str, time: np.ndarray, values: np.ndarray, r
     if len(values) < 2:
         return
     step, span = signals.encoder_step(values), float(np.ptp(values))
-    apart = np.diff(rows)
-    lost = np.flatnonzero(apart > max(3.0 * float(np.median(apart)), 3.0))
-    if len(lost):
-        longest = float(np.max(time[lost + 1] - time[lost]))
-        what = f"{len(lost)} gaps without a sample, the first at {time[lost[0]]:.4g} s, the longest {longest:.3g} s"
+    row_steps = np.diff(rows)
+    dropouts = np.flatnonzero(row_steps > max(3.0 * float(np.median(row_steps)), 3.0))
+    if len(dropouts):
+        longest = float(np.max(time[dropouts + 1] - time[dropouts]))
+        first = float(time[dropouts[0]])
+        what = f"{len(dropouts)} gaps without a sample, the first at {first:.4g} s, the longest {longest:.3g} s"
         yield Fault("dropouts", name, f"{what}; see whether the sensor or its bus drops out")
     stale = signals.repeats(values, step)
     if stale > STALE:
@@ -80,9 +81,9 @@ def reading_faults(name: str, kind: str, time: np.ndarray, values: np.ndarray, r
         if step > span / 50.0 and span > 0.0:
             what = f"moves over {span / step:.0f} steps of its encoder of {step:.3g} each"
             yield Fault("coarse_encoder", name, f"{what}; move further, or small effects drown in them")
-        wrong = signals.spikes(values, step)
-        if len(wrong):
-            what = f"{len(wrong)} single readings jump away and back, the first at {time[wrong[0]]:.4g} s"
+        outliers = signals.spikes(values, step)
+        if len(outliers):
+            what = f"{len(outliers)} single readings jump away and back, the first at {time[outliers[0]]:.4g} s"
             yield Fault("spikes", name, f"{what}; empty these cells, a bus error is no motion")
     if stale <= STALE:
         end, share = signals.clipped(values)
@@ -92,24 +93,24 @@ def reading_faults(name: str, kind: str, time: np.ndarray, values: np.ndarray, r
 
 
 def unit_faults(name: str, values: np.ndarray) -> Iterator[Fault]:
-    """An angle that is too large for one, by its size."""
-    most = float(np.abs(values).max(initial=0.0))
-    if most <= FULL_TURNS:
+    """An angle so large that its unit is probably not rad."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest <= FULL_TURNS:
         return
-    if most > 100.0 and len(np.unique(values)) > 2 and (values == np.round(values)).all():
-        what = f"whole numbers up to {most:.4g}: raw encoder ticks?"
+    if largest > 100.0 and len(np.unique(values)) > 2 and (values == np.round(values)).all():
+        what = f"whole numbers up to {largest:.4g}: raw encoder ticks?"
         yield Fault("ticks", name, f"{what} Give their scale, such as 2 pi / 4096 = 0.0015339808, and the offset")
     else:
-        yield Fault("degrees", name, f'reaches {most:.4g} rad; is it in degrees? Then give unit = "deg"')
+        yield Fault("degrees", name, f'reaches {largest:.4g} rad; is it in degrees? Then give unit = "deg"')
 
 
 def slope_faults(angle: str, rate: str, time: np.ndarray, values: np.ndarray, speeds: np.ndarray) -> Iterator[Fault]:
-    """A speed that is not the slope of the angle: another unit or sign.
+    """A speed that is not the slope of the angle: wrong unit or sign.
 
     Args:
         angle: our column of the angle.
         rate: our column of the speed.
-        time: (n,) where both have samples, s.
+        time: (n,) s, rows at which both have samples.
         values: (n,) the angle.
         speeds: (n,) the speed.
     """

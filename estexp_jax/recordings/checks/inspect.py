@@ -1,4 +1,4 @@
-"""Judge a recording before anything is fitted to it: clock, gaps, saturation, excitation, units."""
+"""Check a recording before anything is fitted to it: clock, gaps, saturation, excitation, units."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks import excitation, faults, servo_faults, signals
 
 GAP = 3.0
-"""A step of the clock longer than this many median periods is a gap."""
+"""A clock step longer than this many median periods is a gap."""
 MOST_GAPS = 20
-"""Gaps that are listed; all are counted."""
+"""How many gaps are listed; all are counted."""
 
 # A joint counts as excited when its readings span more than this: about a degree, a millimetre, and a speed above the
 # noise of a differentiated encoder.
@@ -24,7 +24,7 @@ _MOVED = {"angle": 0.02, "length": 0.001, "speed": 0.05}
 
 
 def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
-    """What can be said of a recording without simulating it; plain numbers, ready for JSON.
+    """The properties and faults of a recording that need no simulation, as plain JSON values.
 
     Returns:
         `file`, `role`, `rows`, `duration_s`;
@@ -33,23 +33,23 @@ def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
         `gap_list` of `{time_s, length_s}`;
         `commands` by actuator: `low`, `high`, `saturated` (share of rows at or beyond ctrlrange, null without one),
         `enabled` (share of rows with the motor on), `changes` (rows whose command differs from the one before),
-        `lag_s` (by how much a position servo's joint follows later, null where that does not show);
-        `readings` by column: `samples`, `low`, `high`, null where there is none, and `step` (of its encoder, in the
-        column's unit; null where it has none);
-        `joints` by joint: `columns` that tell its motion, `span` (largest, in the column's unit), `excited` (null if
-        nothing tells its motion), `tells` (by the names of `excitation.SUSPECTS`, whether its motion can tell them
-        apart; empty if nothing tells its position);
-        `faults`: what is wrong or looks so, each `{kind, name, sentence}`; `suspicions`: the same as sentences;
-        `notes`: the reader's.
+        `lag_s` (delay of a position servo's joint behind its command, null where it cannot be measured);
+        `readings` by column: `samples`, `low` and `high` (null without samples), and `step` (encoder resolution in the
+        column's unit, null if none is found);
+        `joints` by joint: `columns` that measure its motion, `span` (largest, in the column's unit), `excited` (null
+        if its motion is not measured), `tells` (for each name in `excitation.SUSPECTS`, whether the motion can
+        distinguish that group; empty if its position is not measured);
+        `faults`: each `{kind, name, sentence}`; `suspicions`: the same as sentences; `notes`: of the reader.
     """
     readings = _readings(robot, recording)
     joints = _joints(robot, recording, readings)
     clock, commands = _clock(recording.time), _commands(robot, recording, readings)
-    found = list(dict.fromkeys(_faults(robot, recording, readings, {"clock": clock, "commands": commands})))
-    found += [
+    found_faults = list(dict.fromkeys(_faults(robot, recording, readings, {"clock": clock, "commands": commands})))
+    found_faults += [
         faults.Fault("still", n, "does not move in this recording") for n, j in joints.items() if j["excited"] is False
     ]
-    found += [faults.Fault("empty", n, "never reads anything") for n, v in readings.items() if not np.isfinite(v).any()]
+    silent = [name for name, values in readings.items() if not np.isfinite(values).any()]
+    found_faults += [faults.Fault("empty", name, "never reads anything") for name in silent]
     return {
         "file": recording.name,
         "role": recording.role,
@@ -59,8 +59,8 @@ def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
         "commands": commands,
         "readings": {name: _range(values) for name, values in readings.items()},
         "joints": joints,
-        "faults": [asdict(fault) for fault in found],
-        "suspicions": [f"{fault.name}: {fault.sentence}" for fault in found],
+        "faults": [asdict(fault) for fault in found_faults],
+        "suspicions": [f"{fault.name}: {fault.sentence}" for fault in found_faults],
         "notes": list(recording.notes),
     }
 
@@ -68,7 +68,7 @@ def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
 def _clock(time: np.ndarray) -> dict[str, Any]:
     steps = np.diff(time)
     period = float(np.median(steps))
-    gaps = np.flatnonzero(steps > GAP * period)
+    gap_rows = np.flatnonzero(steps > GAP * period)
     return {
         "hz": 1.0 / period,
         "period_s": period,
@@ -76,21 +76,21 @@ def _clock(time: np.ndarray) -> dict[str, Any]:
         "shortest_s": float(steps.min()),
         "longest_s": float(steps.max()),
         "steps": len(steps),
-        "gaps": len(gaps),
-        "gap_list": [{"time_s": float(time[i]), "length_s": float(steps[i])} for i in gaps[:MOST_GAPS]],
+        "gaps": len(gap_rows),
+        "gap_list": [{"time_s": float(time[i]), "length_s": float(steps[i])} for i in gap_rows[:MOST_GAPS]],
     }
 
 
 def _commands(robot: Robot, recording: Recording, readings: dict[str, np.ndarray]) -> dict[str, dict[str, Any]]:
-    model, judged = robot.model, {}
-    followers = {follower.actuator: follower.column for follower in _followers(robot, readings)}
+    model, summaries = robot.model, {}
+    followers = {follower.actuator: follower.column for follower in _position_servos(robot, readings)}
     for index, name in enumerate(robot.names("actuator")):
         values = recording.ctrl[:, index]
         saturated = None
         if model.actuator_ctrllimited[index]:
             low, high = model.actuator_ctrlrange[index]
             saturated = float(np.mean((values <= low) | (values >= high)))
-        judged[name] = {
+        summaries[name] = {
             "low": float(values.min()),
             "high": float(values.max()),
             "saturated": saturated,
@@ -98,11 +98,11 @@ def _commands(robot: Robot, recording: Recording, readings: dict[str, np.ndarray
             "changes": int(np.count_nonzero(np.diff(values))),
             "lag_s": _lag(robot, recording, index, readings[followers[index]]) if index in followers else None,
         }
-    return judged
+    return summaries
 
 
 def _readings(robot: Robot, recording: Recording) -> dict[str, np.ndarray]:
-    """Sensor columns all, state columns only where something measured them; by our column names."""
+    """All sensor columns and the measured state columns, by our column names."""
     readings = {f"sensor.{name}": recording.sensor[:, i] for i, name in enumerate(robot.sensor_columns())}
     model = robot.model
     for kind, table, addresses in (
@@ -126,12 +126,12 @@ def _range(values: np.ndarray) -> dict[str, Any]:
 
 
 def _joints(robot: Robot, recording: Recording, readings: dict[str, np.ndarray]) -> dict[str, dict[str, Any]]:
-    judged: dict[str, dict[str, Any]] = {}
+    summaries: dict[str, dict[str, Any]] = {}
     driven = {robot.joint_of_actuator(actuator): actuator for actuator in range(robot.model.nu)}
     for joint, name in enumerate(robot.names("joint")):
         kinds = {c: k for c, k in _columns_of_joint(robot, joint, readings).items() if np.isfinite(readings[c]).any()}
         spans = {column: float(np.ptp(readings[column][np.isfinite(readings[column])])) for column in kinds}
-        judged[name] = {
+        summaries[name] = {
             "columns": list(kinds),
             "span": max(spans.values(), default=None),
             "excited": any(spans[c] > _MOVED[kinds[c]] for c in kinds) if kinds else None,
@@ -142,12 +142,12 @@ def _joints(robot: Robot, recording: Recording, readings: dict[str, np.ndarray])
             rows = np.isfinite(readings[position])
             command = recording.ctrl[:, driven[joint]] if joint in driven else None
             motion = kinds[position], recording.time[rows], readings[position][rows]
-            judged[name]["tells"] = excitation.sufficient_excitation(*motion, recording.time, command)
-    return judged
+            summaries[name]["tells"] = excitation.sufficient_excitation(*motion, recording.time, command)
+    return summaries
 
 
 def _columns_of_joint(robot: Robot, joint: int, readings: dict[str, np.ndarray]) -> dict[str, str]:
-    """Columns that tell a joint's motion, each with what it measures."""
+    """Columns that measure a joint's motion, each with its kind."""
     model, name = robot.model, robot.names("joint")[joint]
     slides = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
     columns: dict[str, str] = {}
@@ -165,8 +165,8 @@ def _columns_of_joint(robot: Robot, joint: int, readings: dict[str, np.ndarray])
     return columns
 
 
-def _followers(robot: Robot, readings: dict[str, np.ndarray]) -> Iterator[servo_faults.Follower]:
-    """Each position servo whose joint has a reading of its position."""
+def _position_servos(robot: Robot, readings: dict[str, np.ndarray]) -> Iterator[servo_faults.Follower]:
+    """Each position servo whose joint position is measured."""
     for actuator, name in enumerate(robot.names("actuator")):
         joint = robot.joint_of_actuator(actuator)
         if joint is None or not servo_faults.is_position_servo(robot.model, actuator):
@@ -179,12 +179,14 @@ def _followers(robot: Robot, readings: dict[str, np.ndarray]) -> Iterator[servo_
 
 def _lag(robot: Robot, recording: Recording, actuator: int, values: np.ndarray) -> float | None:
     pair = servo_faults.follows_commands(robot, recording, actuator, values)
-    late, best, _ = signals.lag(*pair) if len(pair[0]) >= 20 else (0.0, 0.0, 0.0)
-    return late if best > 0.8 else None
+    lag_s, correlation, _ = signals.lag(*pair) if len(pair[0]) >= 20 else (0.0, 0.0, 0.0)
+    return lag_s if correlation > 0.8 else None
 
 
-def _faults(robot: Robot, recording: Recording, readings: dict[str, np.ndarray], told: Any) -> Iterator[faults.Fault]:
-    yield from faults.clock_faults(_evenest(recording, readings, told["clock"]))
+def _faults(
+    robot: Robot, recording: Recording, readings: dict[str, np.ndarray], summaries: Any
+) -> Iterator[faults.Fault]:
+    yield from faults.clock_faults(_most_even_clock(recording, readings, summaries["clock"]))
     kinds: dict[str, str] = {}
     for joint in range(robot.model.njnt):
         columns = _columns_of_joint(robot, joint, readings)
@@ -193,33 +195,38 @@ def _faults(robot: Robot, recording: Recording, readings: dict[str, np.ndarray],
         for column, kind in columns.items():
             if hinge and kind == "angle":
                 yield from faults.unit_faults(column, readings[column][np.isfinite(readings[column])])
-        yield from _slopes(recording, columns, readings)
+        yield from _slope_faults(recording, columns, readings)
     for column, values in readings.items():
         rows = np.flatnonzero(np.isfinite(values))
         yield from faults.reading_faults(column, kinds.get(column, ""), recording.time[rows], values[rows], rows)
-    for follower in _followers(robot, readings):
+    for follower in _position_servos(robot, readings):
         yield from servo_faults.follower_faults(robot, recording, follower, readings[follower.column])
     for index, name in enumerate(robot.names("actuator")):
-        yield from servo_faults.command_faults(robot, recording, index, name, told["commands"][name])
+        yield from servo_faults.command_faults(robot, recording, index, name, summaries["commands"][name])
 
 
-def _evenest(recording: Recording, readings: dict[str, np.ndarray], clock: dict[str, Any]) -> dict[str, Any]:
-    """The clock of the rows or of the reading with most samples: merged logs have rows of several even clocks."""
-    fullest = max(readings.values(), key=_samples, default=recording.time)
-    own = recording.time[np.isfinite(fullest)]
-    return min(clock, _clock(own) if len(own) > 2 else clock, key=_unevenness)
+def _most_even_clock(recording: Recording, readings: dict[str, np.ndarray], clock: dict[str, Any]) -> dict[str, Any]:
+    """The more even of two clocks: that of the rows, or of the reading with most samples.
+
+    Merged logs have rows from several clocks, each of which may be even.
+    """
+    densest = max(readings.values(), key=_n_samples, default=recording.time)
+    own = recording.time[np.isfinite(densest)]
+    return min(clock, _clock(own) if len(own) > 2 else clock, key=_irregularity)
 
 
-def _samples(values: np.ndarray) -> int:
+def _n_samples(values: np.ndarray) -> int:
     return int(np.isfinite(values).sum())
 
 
-def _unevenness(clock: dict[str, Any]) -> float:
+def _irregularity(clock: dict[str, Any]) -> float:
     return (clock["jitter_s"] / clock["period_s"]) + clock["gaps"] / clock["steps"]
 
 
-def _slopes(recording: Recording, columns: dict[str, str], readings: dict[str, np.ndarray]) -> Iterator[faults.Fault]:
-    """A joint's speed beside the slope of its position."""
+def _slope_faults(
+    recording: Recording, columns: dict[str, str], readings: dict[str, np.ndarray]
+) -> Iterator[faults.Fault]:
+    """Faults of a joint's speed compared with the slope of its position."""
     position = next((column for column, kind in columns.items() if kind != "speed"), None)
     rate = next((column for column, kind in columns.items() if kind == "speed"), None)
     if position is not None and rate is not None:

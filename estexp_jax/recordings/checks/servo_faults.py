@@ -1,4 +1,4 @@
-"""Faults of recordings that show where a motor's command and its joint's motion are looked at together."""
+"""Faults of recordings that are found by comparing a motor's command with its joint's motion."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from estexp_jax.recordings.checks import signals
 from estexp_jax.recordings.checks.faults import FULL_TURNS, Fault
 
 SATURATED = 0.05
-"""Share of rows with the command at its limit from which on it is told."""
-LATE = 0.1
-"""A servo that follows later than this, s, is told."""
+"""Share of rows with the command at its limit above which saturation is reported."""
+SLOW_RESPONSE = 0.1
+"""Delay of a servo above which it is reported, s."""
 _DEGREES, _PER_DEGREE = (30.0, 110.0), (1 / 110.0, 1 / 30.0)
 _TICKS = (125.0, 20_000.0)  # from 10 bits a turn to 16
 
@@ -25,12 +25,12 @@ _TICKS = (125.0, 20_000.0)  # from 10 bits a turn to 16
 @final
 @dataclass(frozen=True)
 class Follower:
-    """A position servo and the encoder that shows how it follows.
+    """A position servo and the reading of its joint's position.
 
     Attributes:
         actuator: index.
         name: of the actuator.
-        column: ours, of the reading.
+        column: our column of the reading.
     """
 
     actuator: int
@@ -39,39 +39,40 @@ class Follower:
 
 
 def follower_faults(robot: Robot, recording: Recording, follower: Follower, values: np.ndarray) -> Iterator[Fault]:
-    """A reading that does not follow its servo's command: another unit, sign or clock, or stuck.
+    """A reading that does not follow its servo's command: wrong unit, sign or clock, or a stuck sensor.
 
     Args:
-        robot: with the recording's settings.
-        recording: its commands.
+        robot: with the recording's settings applied.
+        recording: for its commands.
         follower: servo and reading.
         values: (rows,) the reading, NaN where there is no sample.
     """
     (time, command, reading), name = follows_commands(robot, recording, follower.actuator, values), follower.column
     if len(time) < 20 or float(np.ptp(command)) <= 0.0 or float(np.ptp(reading)) <= 0.0:
         return
-    late, best, plain = signals.lag(time, command, reading)
-    if best > 0.8:
+    delay, correlation, correlation_without = signals.lag(time, command, reading)
+    if correlation > 0.8:
         yield from _scale_fault(name, follower, float(np.std(reading) / np.std(command)))
-        # A single swing that is larger or smaller than asked looks shifted; several swings tell.
+        # A single swing of another amplitude looks like a delay; only several swings determine one.
         if signals.turns(command, 0.1 * float(np.ptp(command))) < 2:
-            late = 0.0
-        if late < -max(0.01, 1.5 * float(np.median(np.diff(time)))) and best > max(0.95, plain + 0.002):
-            what = f"moves {-late:.3g} s before its command"
+            delay = 0.0
+        smallest = max(0.01, 1.5 * float(np.median(np.diff(time))))
+        if delay < -smallest and correlation > max(0.95, correlation_without + 0.002):
+            what = f"moves {-delay:.3g} s before its command"
             remedy = "stamp both with one clock, or shift one; if the motor was off, map enable.*"
             yield Fault("ahead", name, f"{what}: their clocks do not agree; {remedy}")
-        elif late > LATE and best > plain + 0.002:
-            what = f"follows its command {late:.2g} s later"
+        elif delay > SLOW_RESPONSE and correlation > correlation_without + 0.002:
+            what = f"follows its command {delay:.2g} s later"
             yield Fault("late", name, f"{what}: a slow motor, friction, a delay, or two clocks; use one clock for both")
-    elif signals.lag(time, -command, reading, most=0.05)[1] > 0.9 and best < 0.6:
+    elif signals.lag(time, -command, reading, max_lag=0.05)[1] > 0.9 and correlation < 0.6:
         yield Fault("sign", name, "moves against its command; if its sign is wrong, give scale = -1.0")
-    yield from _stuck(name, time, command, reading)
+    yield from _stuck_fault(name, time, command, reading)
 
 
 def follows_commands(
     robot: Robot, recording: Recording, actuator: int, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time, commanded and read position of a servo's joint, over the longest stretch with the motor on.
+    """Time, commanded and measured position of a servo's joint, over the longest stretch with the motor on.
 
     Args:
         robot: with the recording's settings.
@@ -106,13 +107,13 @@ def _scale_fault(name: str, follower: Follower, ratio: float) -> Iterator[Fault]
         yield Fault("degrees", f"ctrl.{follower.name}", f'{what} Then give unit = "deg"')
 
 
-def _stuck(name: str, time: np.ndarray, command: np.ndarray, reading: np.ndarray) -> Iterator[Fault]:
+def _stuck_fault(name: str, time: np.ndarray, command: np.ndarray, reading: np.ndarray) -> Iterator[Fault]:
     for run in signals.runs(reading, max(20, int(0.02 * len(reading)))):
-        # Servos need some time to answer, so the run's last bit says nothing.
+        # Servos respond late, so commands at the end of the run are ignored.
         length = float(time[run.stop - 1] - time[run.start])
-        heard = time[run.start : run.stop] <= time[run.stop - 1] - min(0.5, 0.5 * length)
-        asked = float(np.ptp(command[run.start : run.stop][heard]))
-        if asked > 0.3 * float(np.ptp(command)) and length > 0.2:
+        answered = time[run.start : run.stop] <= time[run.stop - 1] - min(0.5, 0.5 * length)
+        commanded_span = float(np.ptp(command[run.start : run.stop][answered]))
+        if commanded_span > 0.3 * float(np.ptp(command)) and length > 0.2:
             what = f"stands still from {time[run.start]:.4g} s to {time[run.stop - 1]:.4g} s while its command moves"
             yield Fault(
                 "stuck", name, f"{what}: a stuck sensor, or a joint that is; empty the cells, or look at the joint"
@@ -121,32 +122,32 @@ def _stuck(name: str, time: np.ndarray, command: np.ndarray, reading: np.ndarray
 
 
 def command_faults(
-    robot: Robot, recording: Recording, index: int, name: str, judged: Mapping[str, Any]
+    robot: Robot, recording: Recording, index: int, name: str, summary: Mapping[str, Any]
 ) -> Iterator[Fault]:
-    """A command at its limits, in degrees, or to a motor that is never on.
+    """A command at its limits, in degrees, or of a motor that is never on.
 
     Args:
         robot: with the recording's settings.
         recording: its commands.
         index: of the actuator.
         name: of the actuator.
-        judged: what is told of the command.
+        summary: the entry of `commands` that `judge` returns.
     """
-    if judged["saturated"] is not None and judged["saturated"] > SATURATED:
-        what = f"at or beyond its limits in {judged['saturated']:.0%} of the rows"
+    if summary["saturated"] is not None and summary["saturated"] > SATURATED:
+        what = f"at or beyond its limits in {summary['saturated']:.0%} of the rows"
         yield Fault("saturation", f"ctrl.{name}", f"{what}; there the motor cannot show what it does: command less")
-    if judged["enabled"] == 0.0:
+    if summary["enabled"] == 0.0:
         yield Fault("motor_off", f"ctrl.{name}", "the motor is off all the time; is enable.* mapped the right way?")
     joint = robot.joint_of_actuator(index)
     hinge = joint is not None and robot.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
-    most = float(np.abs(recording.ctrl[:, index] * robot.model.actuator_gear[index, 0]).max())
-    if hinge and is_position_servo(robot.model, index) and most > FULL_TURNS:
+    largest = float(np.abs(recording.ctrl[:, index] * robot.model.actuator_gear[index, 0]).max())
+    if hinge and is_position_servo(robot.model, index) and largest > FULL_TURNS:
         yield Fault(
-            "degrees", f"ctrl.{name}", f'commands up to {most:.4g} rad; is it in degrees? Then give unit = "deg"'
+            "degrees", f"ctrl.{name}", f'commands up to {largest:.4g} rad; is it in degrees? Then give unit = "deg"'
         )
 
 
 def is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
-    """Whether an actuator's command is a position that it goes to."""
+    """Whether an actuator's command is a target position."""
     direct = model.actuator_dyntype[actuator] != mujoco.mjtDyn.mjDYN_INTEGRATOR
     return bool(direct and model.actuator_biasprm[actuator, 1] != 0.0)

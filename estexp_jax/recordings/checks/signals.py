@@ -1,4 +1,4 @@
-"""What single signals of a log show: steps, repeats, runs, spikes, lags. Arrays of samples, without gaps."""
+"""Properties of single signals: encoder steps, repeats, runs, spikes, lags. All arrays are without gaps."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _MOST_POINTS, _MOST_SHIFTS = 20_000, 500
 @final
 @dataclass(frozen=True)
 class Run:
-    """Samples that follow each other and are all the same.
+    """Consecutive samples with the same value.
 
     Attributes:
-        start: index of the first.
-        length: how many.
+        start: index of the first sample.
+        length: number of samples.
     """
 
     start: int
@@ -26,25 +26,25 @@ class Run:
 
     @property
     def stop(self) -> int:
-        """Index after the last."""
+        """Index after the last sample."""
         return self.start + self.length
 
 
 def encoder_step(values: np.ndarray) -> float:
-    """The step of which all differences are multiples, in the values' unit; 0.0 where there is none."""
+    """The largest step that divides all differences, in the values' unit; 0.0 if there is none."""
     levels = np.unique(values)
     steps = np.diff(levels)
     if len(levels) < 3:
         return 0.0
     steps = steps[steps > 1e-9 * float(np.ptp(levels))]
     smallest = float(steps.min())
-    small = steps[steps < 20.0 * smallest] / smallest  # rounding to the log's digits adds up in larger ones
+    small = steps[steps < 20.0 * smallest] / smallest  # larger steps accumulate the rounding of the log's digits
     whole = np.abs(small - np.round(small)) < 0.05
     return smallest if whole.mean() > 0.99 and len(levels) < 0.9 * len(values) else 0.0
 
 
 def repeats(values: np.ndarray, step: float) -> float:
-    """The share of samples equal to the one before, where the signal moves faster than its steps explain."""
+    """Share of samples equal to the one before, where the signal moves faster than its encoder steps explain."""
     n = _NEIGHBOURS
     if len(values) < 8 * n:
         return 0.0
@@ -55,19 +55,19 @@ def repeats(values: np.ndarray, step: float) -> float:
 
 
 def runs(values: np.ndarray, shortest: int) -> list[Run]:
-    """Runs of at least so many samples that are all the same."""
+    """Runs of at least `shortest` equal samples."""
     edges = np.flatnonzero(np.diff(values) != 0.0) + 1
-    starts = np.concatenate([[0], edges])
-    lengths = np.diff(np.concatenate([starts, [len(values)]]))
-    found = zip(starts.tolist(), lengths.tolist(), strict=True)
-    return [Run(start, length) for start, length in found if length >= shortest]
+    firsts = np.concatenate([[0], edges])
+    lengths = np.diff(np.concatenate([firsts, [len(values)]]))
+    pairs = zip(firsts.tolist(), lengths.tolist(), strict=True)
+    return [Run(start, length) for start, length in pairs if length >= shortest]
 
 
 def clipped(values: np.ndarray) -> tuple[float, float]:
-    """The value at which a signal is cut off, and the share of samples there; (nan, 0.0) where it is not.
+    """The value at which a signal is clipped, and the share of samples there; (nan, 0.0) if it is not clipped.
 
-    A motion that turns by itself slows down first. One that is cut off comes to its largest value at speed, over
-    several steps of its encoder a sample: slower, friction may hold it there.
+    A motion that reverses by itself slows down first. A clipped signal reaches its largest value at speed, over several
+    encoder steps a sample. A slower signal may be held there by friction.
     """
     step = encoder_step(values)
     pace = np.abs(np.diff(values))
@@ -91,8 +91,8 @@ def spikes(values: np.ndarray, step: float) -> np.ndarray:
     off = np.abs(values - middle)
     least = max(10.0 * float(np.percentile(off, 98)), 4.0 * step, 0.1 * float(np.ptp(middle)), 1e-9)
     back = np.abs(padded[3:-1] - padded[1:-3])
-    found = np.flatnonzero((off > least) & (back < 0.3 * off))
-    return found if len(found) <= 0.02 * len(values) else np.empty(0, dtype=int)
+    outliers = np.flatnonzero((off > least) & (back < 0.3 * off))
+    return outliers if len(outliers) <= 0.02 * len(values) else np.empty(0, dtype=int)
 
 
 def slope_agreement(first: np.ndarray, second: np.ndarray) -> float:
@@ -102,32 +102,33 @@ def slope_agreement(first: np.ndarray, second: np.ndarray) -> float:
     return float(a @ b) / size if size > 1e-12 else 0.0
 
 
-def lag(time: np.ndarray, cause: np.ndarray, effect: np.ndarray, most: float = 0.5) -> tuple[float, float, float]:
-    """By how much one signal comes after another.
+def lag(time: np.ndarray, cause: np.ndarray, effect: np.ndarray, max_lag: float = 0.5) -> tuple[float, float, float]:
+    """Delay of one signal behind another.
 
     Args:
         time: (n,) s, increasing.
         cause: (n,) the signal that should come first.
-        effect: (n,) the other one.
-        most: largest lag, s, in either direction.
+        effect: (n,) the other signal.
+        max_lag: largest lag, s, in either direction.
 
     Returns:
-        The lag, s, at which they agree best; the correlation there; the correlation without a lag.
+        The lag of highest correlation, s; that correlation; the correlation without a lag.
     """
-    period = max(float(np.median(np.diff(time))), float(time[-1] - time[0]) / _MOST_POINTS, most / _MOST_SHIFTS)
+    period = max(float(np.median(np.diff(time))), float(time[-1] - time[0]) / _MOST_POINTS, max_lag / _MOST_SHIFTS)
     grid = np.arange(time[0], time[-1], period)
     a, b = np.interp(grid, time, cause), np.interp(grid, time, effect)
-    furthest = min(int(most / period), len(grid) // 4)
-    if furthest < 1:
+    most_shifts = min(int(max_lag / period), len(grid) // 4)
+    if most_shifts < 1:
         return 0.0, 0.0, 0.0
-    shifts = range(-furthest, furthest + 1)
-    found = [slope_agreement(a[: len(a) - k], b[k:]) if k >= 0 else slope_agreement(a[-k:], b[:k]) for k in shifts]
-    best = int(np.argmax(found))
-    return shifts[best] * period, found[best], found[furthest]
+    shifts = range(-most_shifts, most_shifts + 1)
+    pairs = ((a[: len(a) - k], b[k:]) if k >= 0 else (a[-k:], b[:k]) for k in shifts)
+    correlations = [slope_agreement(*pair) for pair in pairs]
+    best = int(np.argmax(correlations))
+    return shifts[best] * period, correlations[best], correlations[most_shifts]
 
 
 def speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The slope of a signal, over some samples around each: single differences would show the encoder's steps."""
+    """The slope of a signal over a few samples around each, since single differences show the encoder's steps."""
     width = min(2, (len(values) - 1) // 2)
     if width < 1:
         return np.gradient(values, time)
@@ -135,15 +136,15 @@ def speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.pad(slope, width, mode="edge")
 
 
-def turns(values: np.ndarray, least: float) -> int:
-    """How often a signal turns round, by swings larger than `least`."""
+def turns(values: np.ndarray, smallest: float) -> int:
+    """How often a signal reverses, counting swings larger than `smallest`."""
     count, direction, extreme = 0, 0, float(values[0])
     for value in values.tolist():
         ahead = (value - extreme) * (direction or 1)
-        if direction == 0 and abs(value - extreme) > least:
+        if direction == 0 and abs(value - extreme) > smallest:
             direction, extreme = (1 if value > extreme else -1), value
         elif direction and ahead > 0.0:
             extreme = value
-        elif direction and -ahead > least:
+        elif direction and -ahead > smallest:
             count, direction, extreme = count + 1, -direction, value
     return count

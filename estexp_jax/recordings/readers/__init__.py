@@ -1,1 +1,1 @@
-"""One module a file format; `read.py` chooses among them."""
+"""One module for each file format; `read.py` chooses among them."""

@@ -1,4 +1,4 @@
-"""Read comma-separated logs, some thousand rows at a time."""
+"""Read comma-separated logs in chunks of rows."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def read_csv(path: Path, selection: Selection) -> Table:
     """Read a comma-separated file with a header line; empty cells and `nan` are NaN.
 
     Raises:
-        InputError: not UTF-8, not CSV, a column name twice, or a row longer or shorter than the header. A text among
-            numbers is kept in `Table.unusable`, with its row.
+        InputError: the file is not UTF-8 or not CSV, a column name occurs twice, or a row differs in length from the
+            header. A column with text in it goes to `Table.unusable`, with the row.
     """
     reader = None
     try:
@@ -31,7 +31,7 @@ def read_csv(path: Path, selection: Selection) -> Table:
         with path.open(newline="", encoding="utf-8-sig") as stream:
             reader = csv.reader(stream, strict=True)
             header = _header(next(reader, []), path)
-            return _csv_table(header, _csv_rows(reader, len(header), path), path)
+            return _table(header, _rows(reader, len(header), path), path)
     except UnicodeDecodeError as error:
         raise InputError(f"is not UTF-8 text (byte {error.start})", where=str(path), right="save it as UTF-8") from None
     except csv.Error as error:
@@ -52,8 +52,8 @@ def _header(cells: Sequence[str], path: Path) -> list[str]:
     return names
 
 
-def _csv_rows(reader: Any, width: int, path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of each row; blank lines are passed over."""
+def _rows(reader: Any, width: int, path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Line number and cells of each row; blank lines are skipped."""
     for cells in reader:
         if not cells:
             continue
@@ -63,7 +63,7 @@ def _csv_rows(reader: Any, width: int, path: Path) -> Iterator[tuple[int, list[s
         yield reader.line_num, cells
 
 
-def _csv_table(header: Sequence[str], rows: Iterator[tuple[int, list[str]]], path: Path) -> Table:
+def _table(header: Sequence[str], rows: Iterator[tuple[int, list[str]]], path: Path) -> Table:
     parts: dict[str, list[np.ndarray]] = {name: [] for name in header if name}
     unusable: dict[str, InputError] = {}
     lines = [np.empty(0, dtype=np.int64)]
@@ -74,7 +74,7 @@ def _csv_table(header: Sequence[str], rows: Iterator[tuple[int, list[str]]], pat
         for name, cells in zip(header, zip(*(cells for _, cells in chunk), strict=True), strict=True):
             if not name or name in unusable:
                 continue
-            values, text = _numbers(cells)
+            values, text = _parse_numbers(cells)
             parts[name].append(values)
             if text is not None:
                 where = f"{path}, row {chunk[text][0]}, column '{name}'"
@@ -85,8 +85,8 @@ def _csv_table(header: Sequence[str], rows: Iterator[tuple[int, list[str]]], pat
     return Table(str(path), columns, unusable, np.concatenate(lines))
 
 
-def _numbers(cells: Sequence[str]) -> tuple[np.ndarray, int | None]:
-    """The cells as numbers, and the index of the first one that is none (the values end there)."""
+def _parse_numbers(cells: Sequence[str]) -> tuple[np.ndarray, int | None]:
+    """The cells as numbers, up to the first that is not a number, and the index of that one."""
     values: list[float] = []
     for index, cell in enumerate(cells):
         stripped = cell.strip()

@@ -18,31 +18,31 @@ from estexp_jax.errors import InputError
 from estexp_jax.recordings.readers.parquet import EPISODE, episodes, part_names, read_columns, read_info
 from estexp_jax.recordings.table import Selection, Table
 
-_PLACE = re.compile(r"\{(chunk_index|file_index|episode_chunk|episode_index)(?::0?(\d{1,2})d)?\}")
+_PLACEHOLDER = re.compile(r"\{(chunk_index|file_index|episode_chunk|episode_index)(?::0?(\d{1,2})d)?\}")
 _CHUNK, _FILE = "data/chunk_index", "data/file_index"
 _MOST_FILES = 100_000
 
 
 def read_lerobot(folder: Path, selection: Selection) -> Table:
-    """Read one episode of a LeRobot data set, version 2 or 3; images and videos stay where they are.
+    """Read one episode of a LeRobot data set, version 2 or 3; images and videos are not read.
 
     Raises:
-        InputError: the folder is no such data set, its description is broken or leads out of the folder, a file is
-            missing or broken, or the episode is not there, or none is chosen of several.
+        InputError: the folder is not a data set, its description is damaged or points outside the folder, a file is
+            missing or damaged, or the episode does not exist or was not chosen among several.
     """
     if not (folder / "meta" / "info.json").is_file():
         right = "a log, or the folder of a LeRobot data set, which has meta/info.json in it"
         raise InputError("is a folder, not a recording", where=str(folder), right=right)
     info = read_info(folder)
-    episode = _chosen(info, selection.episode, folder)
+    episode = _chosen_episode(info, selection.episode, folder)
     source = f"{folder}, episode {episode}"
-    columns, unusable = read_columns(_files(folder, info, episode), episode, source)
+    columns, unusable = read_columns(_data_files(folder, info, episode), episode, source)
     label = f"{folder.resolve().name}_episode_{episode}.parquet"
     return Table(source, columns, unusable, label=label, parts=part_names(info, columns))
 
 
-def _chosen(info: Mapping[str, Any], episode: int | None, folder: Path) -> int:
-    version, total = info.get("codebase_version"), _whole(info, "total_episodes", folder)
+def _chosen_episode(info: Mapping[str, Any], episode: int | None, folder: Path) -> int:
+    version, total = info.get("codebase_version"), _whole_number(info, "total_episodes", folder)
     if not isinstance(version, str) or not re.match(r"v[23]\.", version):
         where = f"{folder / 'meta' / 'info.json'}, codebase_version"
         raise InputError(f"is {version!r}", where=where, right="versions v2.x and v3.x are read")
@@ -53,7 +53,7 @@ def _chosen(info: Mapping[str, Any], episode: int | None, folder: Path) -> int:
     return episode or 0
 
 
-def _whole(info: Mapping[str, Any], key: str, folder: Path) -> int:
+def _whole_number(info: Mapping[str, Any], key: str, folder: Path) -> int:
     value = info.get(key)
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**40:
         where = f"{folder / 'meta' / 'info.json'}, {key}"
@@ -61,17 +61,17 @@ def _whole(info: Mapping[str, Any], key: str, folder: Path) -> int:
     return value
 
 
-def _files(folder: Path, info: Mapping[str, Any], episode: int) -> list[Path]:
+def _data_files(folder: Path, info: Mapping[str, Any], episode: int) -> list[Path]:
     """The Parquet files that may hold an episode."""
     template = _template(info, folder)
-    used = {match[1] for match in _PLACE.finditer(template)}
+    used = {match[1] for match in _PLACEHOLDER.finditer(template)}
     if used & {"episode_chunk", "episode_index"}:
-        size = max(_whole(info, "chunks_size", folder), 1)
-        files = [folder / _filled(template, {"episode_chunk": episode // size, "episode_index": episode})]
-    elif (place := _place_of(folder, episode)) is not None:
-        files = [folder / _filled(template, place)]
+        size = max(_whole_number(info, "chunks_size", folder), 1)
+        files = [folder / _fill_template(template, {"episode_chunk": episode // size, "episode_index": episode})]
+    elif (place := _file_indices(folder, episode)) is not None:
+        files = [folder / _fill_template(template, place)]
     else:
-        files = sorted(folder.glob(_PLACE.sub("*", template)))[: _MOST_FILES + 1]
+        files = sorted(folder.glob(_PLACEHOLDER.sub("*", template)))[: _MOST_FILES + 1]
     missing = [path for path in files if not path.is_file()]
     if missing or not files or len(files) > _MOST_FILES:
         what = f"no such data file '{missing[0]}'" if missing else f"{len(files)} data files at '{template}'"
@@ -80,30 +80,30 @@ def _files(folder: Path, info: Mapping[str, Any], episode: int) -> list[Path]:
 
 
 def _template(info: Mapping[str, Any], folder: Path) -> str:
-    """The template of the data files' paths: relative, and never out of the folder, since others wrote it."""
+    """The template of the data files' paths; it must be relative and stay inside the folder, as it is not trusted."""
     template, where = info.get("data_path"), f"{folder / 'meta' / 'info.json'}, data_path"
     right = "a path in the data set such as data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
     if not isinstance(template, str) or not template.endswith(".parquet") or len(template) > 500:
         raise InputError(f"is {str(template)[:80]!r}", where=where, right=right)
-    rest = _PLACE.sub("0", template)
+    rest = _PLACEHOLDER.sub("0", template)
     path = PurePosixPath(rest)
     if path.is_absolute() or ".." in path.parts or re.search(r"[{}*?\[\]\\:\0]", rest):
         raise InputError(f"'{template}' may lead out of the data set", where=where, right=right)
     return template
 
 
-def _filled(template: str, numbers: Mapping[str, int]) -> str:
-    return _PLACE.sub(lambda match: f"{numbers[match[1]]:0{int(match[2] or 1)}d}", template)
+def _fill_template(template: str, indices: Mapping[str, int]) -> str:
+    return _PLACEHOLDER.sub(lambda match: f"{indices[match[1]]:0{int(match[2] or 1)}d}", template)
 
 
-def _place_of(folder: Path, episode: int) -> dict[str, int] | None:
-    """Chunk and file of an episode, as `meta/episodes` has them; None where it does not say."""
+def _file_indices(folder: Path, episode: int) -> dict[str, int] | None:
+    """Chunk and file of an episode from `meta/episodes`; None if it is not listed there."""
     for path in sorted((folder / "meta" / "episodes").glob("*/*.parquet"))[:_MOST_FILES]:
         try:
             columns, _ = read_columns([path], episode, str(path), (EPISODE, _CHUNK, _FILE))
-        except InputError:  # an index that is damaged or without this episode: the data files themselves are searched
+        except InputError:  # a damaged or incomplete index: the data files are searched instead
             continue
-        found = [columns.get(name, np.empty(0)) for name in (_CHUNK, _FILE)]
-        if all(len(values) == 1 and 0 <= values[0] < 2**40 for values in found):
-            return {"chunk_index": int(found[0][0]), "file_index": int(found[1][0])}
+        indices = [columns.get(name, np.empty(0)) for name in (_CHUNK, _FILE)]
+        if all(len(values) == 1 and 0 <= values[0] < 2**40 for values in indices):
+            return {"chunk_index": int(indices[0][0]), "file_index": int(indices[1][0])}
     return None

@@ -1,7 +1,7 @@
 """Read MCAP logs: messages of several topics, each with its own clock, merged into one table.
 
-A row is a time at which some topic that is asked for has a message; where a topic has none, its columns are empty,
-which means no sample, or the last command. Chunks are unpacked one at a time, each no larger than it may be
+Each row is a time at which a requested topic has a message. The columns of topics without a message at that time are
+empty, which means no sample, or the last command. Chunks are unpacked one at a time, each up to a size limit
 (format: https://mcap.dev/spec).
 """
 
@@ -28,7 +28,7 @@ from estexp_jax.recordings.readers.messages import (
 from estexp_jax.recordings.table import MOST_COLUMNS, Selection, Table, check_size
 
 MOST_CHUNK_BYTES = 2**28
-"""Size of one record or unpacked chunk; writers make chunks of a few MB."""
+"""Size limit of a record or unpacked chunk; usual chunks have a few MB."""
 _MOST_MESSAGES = 50_000_000
 
 
@@ -43,7 +43,10 @@ def _values() -> array:
 @final
 @dataclass(frozen=True, eq=False)
 class _Column:
-    """Samples of one path, as they come: time in ns and value; and the way to them, once a message had it."""
+    """Samples of one path in order of the file: time in ns and value.
+
+    `ways` holds the steps to the value, once a message contained it.
+    """
 
     times: array = field(default_factory=_times)
     values: array = field(default_factory=_values)
@@ -53,7 +56,7 @@ class _Column:
 @final
 @dataclass(frozen=True, eq=False)
 class _Topic:
-    """What is picked from one topic's messages: path after the topic to column, or why nothing is."""
+    """Columns of one topic by their path after the topic, or the reason why it is not read."""
 
     decode: Callable[[bytes], Any] | None
     columns: dict[str, _Column]
@@ -61,10 +64,10 @@ class _Topic:
 
 
 def read_mcap(path: Path, selection: Selection) -> Table:
-    """Read the topics that columns are wanted of; of JSON and ROS 2 messages, times from the first row on, s.
+    """Read the requested topics of JSON and ROS 2 messages; times are in s from the first row on.
 
     Raises:
-        InputError: not an MCAP file, broken, larger than fits, or the extra `mcap` is not installed.
+        InputError: the file is not MCAP, damaged or too large, or the extra `mcap` is not installed.
     """
     try:
         import mcap  # noqa: F401
@@ -82,18 +85,18 @@ def read_mcap(path: Path, selection: Selection) -> Table:
                 topics[channel.topic] = _topic(schema, channel, selection)
             topic = topics[channel.topic]
             if topic.decode is not None:
-                _take(topic.decode, topic.columns, message, selection, f"{path}, topic '{channel.topic}'")
+                _add_message(topic.decode, topic.columns, message, selection, f"{path}, topic '{channel.topic}'")
     return _table(path, topics, selection, notes)
 
 
 def _messages(stream: IO[bytes], path: Path, notes: list[str]) -> Iterator[tuple[Any, Any, Any]]:
-    """Schema, channel and message of each message record, in the order of the file."""
+    """Schema, channel and message of each message record, in order of the file."""
     from mcap.exceptions import EndOfFile
     from mcap.records import Channel, Message, Schema
 
     schemas: dict[int, Any] = {}
     channels: dict[int, Any] = {}
-    found = 0
+    n_messages = 0
     try:
         for record in _records(stream):
             if isinstance(record, Schema):
@@ -101,21 +104,21 @@ def _messages(stream: IO[bytes], path: Path, notes: list[str]) -> Iterator[tuple
             elif isinstance(record, Channel):
                 channels[record.id] = record
             elif isinstance(record, Message):
-                found += 1
+                n_messages += 1
                 yield schemas.get(channels[record.channel_id].schema_id), channels[record.channel_id], record
     except EndOfFile:
-        if not found:
+        if not n_messages:
             raise InputError("is not an MCAP file, or ends before any message", where=str(path)) from None
         notes.append("the file ends in the middle, as if its logger had died; read as far as it goes")
     except (InputError, GeneratorExit):
         raise
-    except Exception as error:  # whatever a parser says of broken bytes
-        told = " ".join(f"{error or type(error).__name__}".split())[:200]
-        raise InputError(f"is not an MCAP file, or is damaged: {told}", where=str(path)) from None
+    except Exception as error:  # a parser may raise anything on damaged bytes
+        reason = " ".join(f"{error or type(error).__name__}".split())[:200]
+        raise InputError(f"is not an MCAP file, or is damaged: {reason}", where=str(path)) from None
 
 
 def _records(stream: IO[bytes]) -> Iterator[Any]:
-    """All records, those in chunks too."""
+    """All records, including those in chunks."""
     from mcap.records import Chunk
     from mcap.stream_reader import StreamReader, breakup_chunk
 
@@ -123,12 +126,12 @@ def _records(stream: IO[bytes]) -> Iterator[Any]:
         if not isinstance(record, Chunk):
             yield record
             continue
-        record.data, record.compression = _unpacked(record), ""
+        record.data, record.compression = _decompress(record), ""
         yield from breakup_chunk(record, validate_crc=True)
 
 
-def _unpacked(chunk: Any) -> bytes:
-    """A chunk's bytes. Neither its own word nor the compressed data's is trusted for their number."""
+def _decompress(chunk: Any) -> bytes:
+    """A chunk's unpacked bytes; neither of the sizes that the file claims is trusted."""
     if not chunk.compression:
         return chunk.data
     if chunk.uncompressed_size > MOST_CHUNK_BYTES:
@@ -136,7 +139,7 @@ def _unpacked(chunk: Any) -> bytes:
     if chunk.compression == "zstd":
         import zstandard
 
-        # A stream, since decompress() takes as much memory as the data's header asks for.
+        # As a stream, since decompress() allocates what the data's header claims.
         with zstandard.ZstdDecompressor(max_window_size=MOST_CHUNK_BYTES).stream_reader(chunk.data) as reader:
             data = reader.read(chunk.uncompressed_size + 1)
     elif chunk.compression == "lz4":
@@ -151,10 +154,10 @@ def _unpacked(chunk: Any) -> bytes:
 
 
 def _topic(schema: Any, channel: Any, selection: Selection) -> _Topic:
-    """What to pick from a topic, told from its first message on."""
-    name, wanted = channel.topic, selection.wanted
-    columns = {p[len(name) :]: _Column() for p in wanted or () if p.startswith(name) and p[len(name) :][:1] in "[."}
-    if wanted is not None and not columns:
+    """The columns to read from a topic, decided at its first message."""
+    name, requested = channel.topic, selection.wanted
+    columns = {p[len(name) :]: _Column() for p in requested or () if p.startswith(name) and p[len(name) :][:1] in "[."}
+    if requested is not None and not columns:
         return _Topic(None, {})
     try:
         return _Topic(decoder_of(channel.message_encoding, schema), columns)
@@ -162,7 +165,7 @@ def _topic(schema: Any, channel: Any, selection: Selection) -> _Topic:
         return _Topic(None, columns, " ".join(f"{error or type(error).__name__}".split())[:200])
 
 
-def _take(
+def _add_message(
     decode: Callable[[bytes], Any], columns: dict[str, _Column], record: Any, selection: Selection, where: str
 ) -> None:
     """Add a message's samples to its topic's columns."""
@@ -171,9 +174,9 @@ def _take(
         for rest in numbers_in(message) if selection.wanted is None else ():
             if len(columns) < MOST_COLUMNS:
                 columns.setdefault(rest, _Column())
-    except Exception as error:  # whatever a decoder says of broken bytes
-        told = " ".join(f"{error or type(error).__name__}".split())[:200]
-        raise InputError(f"a message cannot be decoded: {told}", where=where) from None
+    except Exception as error:  # a decoder may raise anything on damaged bytes
+        reason = " ".join(f"{error or type(error).__name__}".split())[:200]
+        raise InputError(f"a message cannot be decoded: {reason}", where=where) from None
     time = _time(record, message, selection.clock)
     if time is None or not -(2**62) < time < 2**62:
         right = 'a stamp in each message\'s header; else clock = "log"'
@@ -202,20 +205,22 @@ def _table(path: Path, topics: dict[str, _Topic], selection: Selection, notes: l
     for (name, column), stamps in zip(columns.items(), times, strict=True):
         filled[name] = np.full(len(every), np.nan)
         filled[name][np.searchsorted(every, stamps)] = column.values
-    doubled = max((len(stamps) - len(np.unique(stamps)) for stamps in times), default=0)
-    if doubled:
-        notes.append(f"{doubled} messages have the time of another one of their topic; the last of each time counts")
+    n_repeated = max((len(stamps) - len(np.unique(stamps)) for stamps in times), default=0)
+    if n_repeated:
+        notes.append(f"{n_repeated} messages have the time of another one of their topic; the last of each time counts")
     unread = [name for name, topic in topics.items() if not topic.columns and not topic.why_not]
     if unread and selection.wanted is not None:
         notes.append(f"topics that were not asked for: {listing(unread)}")
-    unusable = _missing(path, topics, columns, selection)
+    unusable = _missing_columns(path, topics, columns, selection)
     if unusable and not columns:
         raise next(iter(unusable.values()))
     return Table(str(path), filled, unusable, notes=tuple(notes))
 
 
-def _missing(path: Path, topics: dict[str, _Topic], columns: dict[str, Any], selection: Selection) -> dict[str, Any]:
-    """The errors of what was wanted and is not there, and of topics that are not read."""
+def _missing_columns(
+    path: Path, topics: dict[str, _Topic], columns: dict[str, Any], selection: Selection
+) -> dict[str, Any]:
+    """Errors for requested columns that do not exist, and for topics that cannot be read."""
     errors: dict[str, InputError] = {}
     for name in sorted((selection.wanted or frozenset()) - set(columns) - {"time"}):
         topic = next((t for t in topics if name.startswith(t) and topics[t].columns), None)

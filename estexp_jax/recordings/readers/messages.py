@@ -1,4 +1,4 @@
-"""Messages of robots' logs: decoded, and numbers picked from them by paths such as `/joint_states.position[2]`."""
+"""Decode messages of robot logs and look up numbers by paths such as `/joint_states.position[2]`."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from types import SimpleNamespace
 from typing import Any
 
 Step = str | int | tuple[str]
-"""One step of a path: a field's name, an index, or the name (alone in a tuple) of the joint whose value is meant."""
+"""One step of a path: a field's name, an index, or a joint's name in a tuple of one."""
 
 MOST_VALUES = 64
-"""Lists longer than this are pictures or clouds, and are not listed as columns."""
+"""Lists longer than this are images or point clouds, and are not listed as columns."""
 _DEEPEST = 8
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -31,14 +31,14 @@ string frame_id
 
 
 def decoder_of(encoding: str, schema: Any) -> Callable[[bytes], Any]:
-    """What turns the bytes of a channel's messages into values.
+    """The function that decodes the messages of a channel.
 
     Args:
-        encoding: of the messages, as the channel says it: `json` or `cdr`.
+        encoding: of the messages, as the channel states it: `json` or `cdr`.
         schema: the channel's schema, with `name`, `encoding` and `data`, or None.
 
     Raises:
-        ValueError: messages of this kind are not read.
+        ValueError: the encoding is not supported.
     """
     if encoding == "json":
         return json.loads
@@ -50,7 +50,7 @@ def decoder_of(encoding: str, schema: Any) -> Callable[[bytes], Any]:
     elif schema.encoding != "ros2msg":
         raise ValueError(f"their definition is in '{schema.encoding}'; ros2msg is read")
     if re.search(r"\[\s*0+\s*\]", text):
-        # Such an array takes no bytes, so nothing would bound how many of them a message claims to have.
+        # Such an array takes no bytes, so a message could claim any number of them.
         raise ValueError("their definition has an array of no length")
     from mcap_ros2._dynamic import generate_dynamic
 
@@ -61,11 +61,11 @@ def path_in(message: Any, rest: str) -> tuple[Step, ...] | None:
     """The steps that lead from a message to a value.
 
     Args:
-        message: a decoded message in which the path is looked up: a field's name may have dots in it.
-        rest: the path after the topic: `.position[2]`, or `.position[elbow]` for the joint that `name` calls so.
+        message: a decoded message in which the path is looked up, since field names may contain dots.
+        rest: the path after the topic: `.position[2]`, or `.position[elbow]` for the joint of that name in `name`.
 
     Returns:
-        The steps; None where this message has no such field.
+        The steps; None if this message has no such field.
     """
     steps: list[Step] = []
     value = message
@@ -89,7 +89,7 @@ def path_in(message: Any, rest: str) -> tuple[Step, ...] | None:
 
 
 def follow(message: Any, steps: Sequence[Step]) -> Any:
-    """The value at the end of a path; None where this message has none."""
+    """The value at the end of a path; None if this message has none."""
     value = parent = message
     for step in steps:
         if isinstance(step, str):
@@ -106,7 +106,7 @@ def follow(message: Any, steps: Sequence[Step]) -> Any:
 
 
 def message_number(value: Any) -> float | None:
-    """A value as a number, a stamp of seconds and nanoseconds among them; None where it is neither."""
+    """A number, or a stamp of seconds and nanoseconds in s, as a float; None for other values."""
     if isinstance(value, bool | int | float):
         try:
             return float(value)
@@ -117,7 +117,7 @@ def message_number(value: Any) -> float | None:
 
 
 def nanoseconds(stamp: Any) -> int | None:
-    """A stamp such as ROS's `{sec, nanosec}`, or a number of seconds, in ns; None where it is neither."""
+    """A stamp such as ROS's `{sec, nanosec}`, or a number of seconds, in ns; None for other values."""
     if isinstance(stamp, int | float) and not isinstance(stamp, bool):
         return round(1e9 * stamp) if abs(stamp) < 9e9 else None
     fields = _fields(stamp) or {}
@@ -157,6 +157,6 @@ def _is_list(value: Any) -> bool:
 
 
 def _index_of(message: Any, joint: str) -> int | None:
-    """Where a message's `name` list has a joint: ROS does not promise that the order stays."""
+    """Index of a joint in a message's `name` list; ROS does not guarantee a constant order."""
     names = (_fields(message) or {}).get("name")
     return list(names).index(joint) if isinstance(names, list | tuple) and joint in names else None

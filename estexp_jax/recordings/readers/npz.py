@@ -1,4 +1,4 @@
-"""Read NumPy archives: one array a column, sizes looked at before memory is taken."""
+"""Read NumPy archives with one array a column; sizes are checked before memory is allocated."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import numpy as np
 from estexp_jax.errors import InputError
 from estexp_jax.recordings.table import Selection, Table, check_size, check_width
 
-# What reading a damaged member may raise: wrong lengths, checksums, encryption, unknown compression, broken headers.
+# Exceptions from damaged members: wrong lengths, checksums, encryption, unknown compression, damaged headers.
 _BROKEN = (ValueError, EOFError, OSError, zipfile.BadZipFile, zlib.error, LZMAError)
 _BROKEN += (RuntimeError, OverflowError, TypeError, KeyError, MemoryError, SyntaxError, IndexError)
 _BROKEN += (tokenize.TokenError,)  # of NumPy's parser of headers
@@ -26,7 +26,7 @@ def read_npz(path: Path, selection: Selection) -> Table:
     """Read a NumPy archive with one array a column, (rows,) or (rows, k). Pickled objects are refused.
 
     Raises:
-        InputError: not a NumPy archive, or more in it than fits.
+        InputError: the file is not a NumPy archive, or too large.
     """
     columns: dict[str, np.ndarray] = {}
     unusable: dict[str, InputError] = {}
@@ -39,7 +39,7 @@ def read_npz(path: Path, selection: Selection) -> Table:
                 try:
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")  # NumPy's, of headers in the manner of Python 2
-                        columns[name] = _column(archive, info, taken, f"{path}, column '{name}'")
+                        columns[name] = _read_column(archive, info, taken, f"{path}, column '{name}'")
                 except _BROKEN as error:
                     unusable[name] = InputError(f"is no column: {error}", where=f"{path}, column '{name}'")
     except _BROKEN:
@@ -47,10 +47,10 @@ def read_npz(path: Path, selection: Selection) -> Table:
     return Table(str(path), columns, unusable)
 
 
-def _column(archive: zipfile.ZipFile, info: zipfile.ZipInfo, taken: int, where: str) -> np.ndarray:
-    """One member's numbers. Its header is judged first: an archive of kilobytes can claim terabytes."""
+def _read_column(archive: zipfile.ZipFile, info: zipfile.ZipInfo, taken: int, where: str) -> np.ndarray:
+    """One member's numbers. Its header is checked first, as an archive of kilobytes can claim terabytes."""
     with archive.open(info) as stream:
-        shape, dtype = _described(stream)
+        shape, dtype = _read_header(stream)
     if dtype.kind not in "fiub":
         raise ValueError(f"it holds {dtype}, not numbers")
     if len(shape) not in (1, 2) or min(shape) < 0:
@@ -62,7 +62,7 @@ def _column(archive: zipfile.ZipFile, info: zipfile.ZipInfo, taken: int, where: 
         return np.lib.format.read_array(stream, allow_pickle=False).astype(np.float64)
 
 
-def _described(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
+def _read_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
     version = np.lib.format.read_magic(stream)
     readers = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
     if version not in readers:

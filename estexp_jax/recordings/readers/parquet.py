@@ -1,4 +1,4 @@
-"""Read Parquet logs, one row group at a time and only the columns that hold numbers."""
+"""Read the numeric columns of Parquet logs, one row group at a time."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from pyarrow import parquet
 
 EPISODE = "episode_index"
-"""The column in which a LeRobot data set says whose row it is."""
+"""The column of a LeRobot data set that holds each row's episode."""
 _MOST_META_BYTES = 16 * 2**20
 
 
 def read_parquet(path: Path, selection: Selection) -> Table:
     """Read a Parquet file; list columns of one length become (rows, k). Nulls are NaN.
 
-    A file of a LeRobot data set holds several episodes, one of which is the recording; the values of its list columns
-    have the names that `meta/info.json`, in one of the folders above, gives them.
+    A file of a LeRobot data set holds several episodes, one of which is the recording. Values of list columns are named
+    as in `meta/info.json` in one of the folders above.
 
     Raises:
-        InputError: not a Parquet file, more than fits, or an episode that is not there, or none chosen of several.
+        InputError: the file is not Parquet or too large, or the episode does not exist or was not chosen among several.
     """
     columns, unusable = read_columns([path], selection.episode, str(path))
     label = "" if selection.episode is None else f"{path.stem}_episode_{selection.episode}.parquet"
@@ -40,9 +40,9 @@ def read_parquet(path: Path, selection: Selection) -> Table:
     return Table(str(path), columns, unusable, label=label, parts=names)
 
 
-def episodes(found: Sequence[float] | np.ndarray) -> str:
-    """What to do where an episode must be chosen."""
-    listed = ", ".join(f"{value:g}" for value in found[:20]) + (", ..." if len(found) > 20 else "")
+def episodes(existing: Sequence[float] | np.ndarray) -> str:
+    """Advice for choosing an episode, with those that exist."""
+    listed = ", ".join(f"{value:g}" for value in existing[:20]) + (", ..." if len(existing) > 20 else "")
     return f"choose one with `episode = 0` under [[recording]] in a manifest; there are: {listed or 'none'}"
 
 
@@ -50,7 +50,7 @@ def read_info(folder: Path) -> dict[str, Any]:
     """The description of a LeRobot data set, `meta/info.json`.
 
     Raises:
-        InputError: it is not JSON, or larger than any description.
+        InputError: it is not a JSON object, or too large.
     """
     path = folder / "meta" / "info.json"
     try:
@@ -65,7 +65,7 @@ def read_info(folder: Path) -> dict[str, Any]:
 
 
 def part_names(info: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> dict[str, tuple[str, int]]:
-    """Names of the values of list columns: `action.elbow_flex.pos` is `action` at the index that info.json tells."""
+    """Names of the values of list columns: `action.elbow_flex.pos` is `action` at the index given in info.json."""
     parts: dict[str, tuple[str, int]] = {}
     features = info.get("features")
     for column, feature in features.items() if isinstance(features, dict) else ():
@@ -82,53 +82,53 @@ def part_names(info: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> di
 def read_columns(
     files: Sequence[Path], episode: int | None, source: str, only: Collection[str] | None = None
 ) -> tuple[dict[str, np.ndarray], dict[str, InputError]]:
-    """The columns of numbers in files of one table that follow each other, and the other columns' errors.
+    """The numeric columns of consecutive files of one table, and the errors of the other columns.
 
     Args:
         files: at least one.
-        episode: rows that are kept; None: all.
+        episode: which rows to keep; None: all.
         source: the log, for messages.
-        only: columns that are read; None: all of numbers.
+        only: columns to read; None: all numeric ones.
 
     Raises:
-        InputError: a file is no Parquet file, there is no such episode, or more than fits.
+        InputError: a file is not Parquet, there is no such episode, or the table is too large.
     """
     import pyarrow
 
     pieces: dict[str, list[np.ndarray]] = {}
     unusable: dict[str, InputError] = {}
-    seen: set[float] = set()
+    found_episodes: set[float] = set()
     for path in files:
         try:
-            for group in _groups(path, episode, unusable, only):
-                seen |= set(np.unique(group.get(EPISODE, np.empty(0))).tolist())
+            for group in _row_groups(path, episode, unusable, only):
+                found_episodes |= set(np.unique(group.get(EPISODE, np.empty(0))).tolist())
                 keep = slice(None) if episode is None else group[EPISODE] == episode
                 for name, values in group.items():
                     pieces.setdefault(name, []).append(values[keep])
                 check_size(sum(piece.size for parts in pieces.values() for piece in parts), source)
         except (pyarrow.ArrowException, OSError, ValueError, KeyError, OverflowError) as error:
-            told = " ".join(str(error).split())[:200]
-            raise InputError(f"is not a Parquet file: {told}", where=str(path)) from None
-    if episode is not None and episode not in seen:
-        there = read_columns(files, None, source, (EPISODE,))[0].get(EPISODE, np.empty(0))
-        raise InputError(f"has no episode {episode}", where=source, right=episodes(np.unique(there)))
+            reason = " ".join(str(error).split())[:200]
+            raise InputError(f"is not a Parquet file: {reason}", where=str(path)) from None
+    if episode is not None and episode not in found_episodes:
+        present = read_columns(files, None, source, (EPISODE,))[0].get(EPISODE, np.empty(0))
+        raise InputError(f"has no episode {episode}", where=source, right=episodes(np.unique(present)))
     columns: dict[str, np.ndarray] = {}
     for name, parts in pieces.items():
         if len({part.shape[1:] for part in parts}) > 1:
-            unusable[name] = _no_numbers(name, source, "its lists differ in length")
+            unusable[name] = _not_numeric(name, source, "its lists differ in length")
         elif name not in unusable:
             columns[name] = np.concatenate(parts)
     return columns, unusable
 
 
-def _no_numbers(name: str, source: object, why: str) -> InputError:
+def _not_numeric(name: str, source: object, why: str) -> InputError:
     return InputError(f"is no column of numbers: {why}", where=f"{source}, column '{name}'")
 
 
-def _groups(
+def _row_groups(
     path: Path, episode: int | None, unusable: dict[str, InputError], only: Collection[str] | None
 ) -> Iterator[dict[str, np.ndarray]]:
-    """The number columns of each row group, but those groups that cannot hold the episode."""
+    """The numeric columns of each row group, except for groups that cannot contain the episode."""
     from pyarrow import parquet
 
     with parquet.ParquetFile(path, memory_map=False) as file:
@@ -138,32 +138,32 @@ def _groups(
         for field in file.schema_arrow:
             if only is not None and field.name not in only:
                 continue
-            why = "two columns have this name" if counts[field.name] > 1 else _why_not(field.type)
+            why = "two columns have this name" if counts[field.name] > 1 else _reason_unreadable(field.type)
             if why:
-                unusable.setdefault(field.name, _no_numbers(field.name, path, why))
+                unusable.setdefault(field.name, _not_numeric(field.name, path, why))
             else:
                 readable.append(field.name)
         if episode is not None and EPISODE not in readable:
             raise InputError("has no episodes", where=str(path), right=f"a LeRobot data set has a column '{EPISODE}'")
         groups = [file.metadata.row_group(index) for index in range(file.num_row_groups)]
         if episode is None:
-            check_size(sum(_values(group, len(readable)) for group in groups), str(path))
+            check_size(sum(_count_values(group, len(readable)) for group in groups), str(path))
         for index, group in enumerate(groups):
-            if episode is None or _may_hold(group, episode):
-                check_size(_values(group, len(readable)), str(path))
-                yield _numbers_of(file.read_row_group(index, columns=readable), readable, path, unusable)
+            if episode is None or _may_contain(group, episode):
+                check_size(_count_values(group, len(readable)), str(path))
+                yield _numeric_columns(file.read_row_group(index, columns=readable), readable, path, unusable)
         if file.num_row_groups == 0:
-            yield _numbers_of(file.schema_arrow.empty_table().select(readable), readable, path, unusable)
+            yield _numeric_columns(file.schema_arrow.empty_table().select(readable), readable, path, unusable)
 
 
-def _values(group: parquet.RowGroupMetaData, columns: int) -> int:
-    """How many numbers a row group says that it holds, at most."""
+def _count_values(group: parquet.RowGroupMetaData, columns: int) -> int:
+    """Upper bound of the values in a row group, as its metadata states; -1 if these are invalid."""
     counts = [group.column(k).num_values for k in range(group.num_columns)]
     return max(sum(counts), group.num_rows * columns) if min(counts, default=0) >= 0 <= group.num_rows else -1
 
 
-def _may_hold(group: parquet.RowGroupMetaData, episode: int) -> bool:
-    """Whether the smallest and largest number of the episodes in a row group, where they are known, leave room."""
+def _may_contain(group: parquet.RowGroupMetaData, episode: int) -> bool:
+    """Whether a row group may contain the episode, by the minimum and maximum in its statistics, if any."""
     for k in range(group.num_columns):
         column = group.column(k)
         if column.path_in_schema == EPISODE and column.statistics is not None and column.statistics.has_min_max:
@@ -171,32 +171,32 @@ def _may_hold(group: parquet.RowGroupMetaData, episode: int) -> bool:
     return True
 
 
-def _why_not(kind: pyarrow.DataType) -> str:
-    """Why a column of this type holds no numbers; empty where it does."""
+def _reason_unreadable(kind: pyarrow.DataType) -> str:
+    """Why a column of this type is not numeric; empty if it is."""
     from pyarrow import types
 
     if types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind):
         inner = kind.value_type
-        return "" if not types.is_nested(inner) and not _why_not(inner) else f"it holds lists of {inner}"
+        return "" if not types.is_nested(inner) and not _reason_unreadable(inner) else f"it holds lists of {inner}"
     number = types.is_integer(kind) or types.is_floating(kind) or types.is_null(kind)
     return "" if number or types.is_boolean(kind) or types.is_decimal(kind) else f"it holds {kind}"
 
 
-def _numbers_of(
+def _numeric_columns(
     table: pyarrow.Table, readable: Sequence[str], path: Path, unusable: dict[str, InputError]
 ) -> dict[str, np.ndarray]:
     columns: dict[str, np.ndarray] = {}
     for name in readable:
         try:
-            columns[name] = _arrow_numbers(table.column(name).combine_chunks())
+            columns[name] = _to_numpy(table.column(name).combine_chunks())
         except ValueError as error:
-            unusable.setdefault(name, _no_numbers(name, path, str(error)))
+            unusable.setdefault(name, _not_numeric(name, path, str(error)))
     if EPISODE in readable and EPISODE not in columns:
         raise unusable[EPISODE]
     return columns
 
 
-def _arrow_numbers(values: Any) -> np.ndarray:
+def _to_numpy(values: Any) -> np.ndarray:
     import pyarrow
     from pyarrow import compute, types
 
@@ -206,5 +206,5 @@ def _arrow_numbers(values: Any) -> np.ndarray:
     width = compute.call_function("min_max", [lengths]).as_py()
     if values.null_count or width["min"] != width["max"]:
         raise ValueError("its lists differ in length")
-    flat = _arrow_numbers(values.flatten())
+    flat = _to_numpy(values.flatten())
     return flat.reshape(len(values), (width["min"] or 0))

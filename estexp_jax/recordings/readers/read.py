@@ -1,4 +1,4 @@
-"""Read a log, whatever it is: CSV, NPZ, Parquet, a LeRobot data set, MCAP."""
+"""Read a log in any supported format: CSV, NPZ, Parquet, LeRobot data set, MCAP."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from estexp_jax.recordings.readers.parquet import read_parquet
 from estexp_jax.recordings.table import Selection, Table
 
 CLOCKS = ("log", "publish", "header")
-"""Clocks of an MCAP file's messages."""
+"""Clocks of the messages in an MCAP file."""
 
 
 def read_table(path: str | Path, selection: Selection = Selection()) -> Table:  # noqa: B008 frozen, so shared safely
@@ -22,11 +22,11 @@ def read_table(path: str | Path, selection: Selection = Selection()) -> Table:  
 
     Args:
         path: .csv, .npz, .parquet or .mcap, or a folder with `meta/info.json`.
-        selection: which part of it.
+        selection: which part of the file.
 
     Raises:
-        InputError: no such file, an unknown extension, contents that are not what the extension says, more than fits,
-            or a selection that means nothing for this kind of log.
+        InputError: the file does not exist, its extension is unknown, its contents do not match the extension, it is
+            too large, or the selection does not apply to this format.
     """
     path = Path(path)
     try:

@@ -1,4 +1,4 @@
-"""Figure of a bench: each engine against the serial baseline, and its rate over the population."""
+"""Figure of a benchmark: each engine's speed relative to the serial baseline, and over the population."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NAMES = {
 
 
 def bench_figure(result: Mapping[str, Any]) -> Any:
-    """Bars of ratios to the serial baseline, a panel for each number of physics steps; and the sweep, if there is one.
+    """Bars of ratios to the serial baseline, a panel for each number of physics steps, and the sweep, if any.
 
     Args:
         result: the contents of `bench.json`.
@@ -46,14 +46,14 @@ def bench_figure(result: Mapping[str, Any]) -> Any:
         before = names
     if swept:
         _draw_sweep(panels[-1], swept, result)
-    about, versions = f"{result['model']}, {result['population']} robots", result.get("versions", {})
+    title, versions = f"{result['model']}, {result['population']} robots", result.get("versions", {})
     machine = f"{versions.get('cpu', 'unknown processor')}, {result.get('cores', '?')} cores"
-    figure.suptitle(f"{about}; {machine}", fontsize=10)
+    figure.suptitle(f"{title}; {machine}", fontsize=10)
     return figure
 
 
 def _draw_ratios(axes: Any, race: Mapping[str, Any]) -> list[str]:
-    """Bars; returns whose."""
+    """Draw the bars; returns the names of their engines."""
     entries = [e for e in race["engines"] if e["ratio_to_serial"] is not None]
     ratios = [e["ratio_to_serial"] for e in entries]
     colours = [_COLOURS.get(e["name"], _OTHER) for e in entries]

@@ -1,1 +1,1 @@
-"""What several pages draw with: pictures of robots, films, axes."""
+"""Drawing shared by several pages: pictures of robots, films, axes."""

@@ -1,4 +1,4 @@
-"""Pictures put together: strips with captions as JPEG, films as MP4."""
+"""Strips of pictures with captions as JPEG, and films as MP4."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import numpy as np
 _QUALITY, _CAPTION = 82, 18
 _MOST_BYTES = 2_000_000
 _CRF = (26, 32, 38)
-"""Compression of a film: the first that keeps it below `_MOST_BYTES`, or the last."""
+"""Compression of a film: the first that keeps it below `_MOST_BYTES`, else the last."""
 
 
 def captioned(picture: np.ndarray, text: str) -> np.ndarray:
@@ -39,7 +39,7 @@ def strip(rows: Sequence[Sequence[np.ndarray]]) -> bytes:
 
 
 def can_film() -> bool:
-    """Whether what encodes films is installed."""
+    """Whether the video encoder is installed."""
     try:
         import imageio_ffmpeg  # pyright: ignore[reportMissingImports]
 
@@ -50,11 +50,11 @@ def can_film() -> bool:
 
 
 def film(pictures: Sequence[np.ndarray], fps: float) -> bytes:
-    """A film as MP4 (H.264), of at most 2 MB unless it is long; needs the extra `video`.
+    """A film as MP4 (H.264), up to 2 MB unless it is long; needs the extra `video`.
 
     Args:
         pictures: (h, w, 3) each; even numbers of pixels.
-        fps: pictures a second.
+        fps: frames per second.
     """
     content = b""
     for crf in _CRF:

@@ -1,7 +1,6 @@
-"""Pictures of robots by MuJoCo's renderer, wherever a GL is found: EGL, OSMesa, or the system's own.
+"""Pictures of robots by MuJoCo's renderer with any available GL: EGL, OSMesa, or the system's own.
 
-Drawing happens in a child process (`gl_child.py`). What has to be set for a GL is set there alone, and a driver that
-crashes takes no run with it.
+A child process (`gl_child.py`) renders. So settings for a GL stay there, and a crashing driver does not end the run.
 """
 
 from __future__ import annotations
@@ -19,23 +18,23 @@ import mujoco
 import numpy as np
 
 _CHILD = Path(__file__).with_name("gl_child.py")
-_LONGEST_S = 600.0
+_TIMEOUT_S = 600.0
 _INSTALL = "install libegl1 and libgl1-mesa-dri, or libosmesa6 (Debian's names), or set MUJOCO_GL to a GL that works"
 
 
 class NoGlError(Exception):
-    """Nothing here can draw: says what was tried, and what to install."""
+    """No renderer works here; the message says what was tried and what to install."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A camera's view of one robot, or of several in one place, over time.
+    """A camera's view over time of one robot, or of several at one place.
 
     Attributes:
         qpos: (frames, robots, nq) configurations; the first robot's floor is drawn.
         rgba: (robots, ngeom, 4) colours.
-        lookat: (frames, 3) where the camera looks, m.
+        lookat: (frames, 3) target point of the camera, m.
         distance: of the camera, m.
         azimuth, elevation: of the camera, degrees.
     """
@@ -51,10 +50,10 @@ class Shot:
 def render_shots(
     model: mujoco.MjModel, shots: Sequence[Shot], *, width: int, height: int, shadows: bool = False
 ) -> np.ndarray:
-    """Draw shots that are alike in numbers of frames and robots.
+    """Draw shots with equal numbers of frames and robots.
 
     Args:
-        model: of all robots in them.
+        model: of all robots in the shots.
         shots: at least one.
         width: of a picture, pixels.
         height: of a picture, pixels.
@@ -64,7 +63,7 @@ def render_shots(
         (shots, frames, height, width, 3) pictures, uint8.
 
     Raises:
-        NoGlError: none of the ways to draw works here.
+        NoGlError: no renderer works here.
     """
     job = {
         "model": _binary(model),
@@ -75,22 +74,22 @@ def render_shots(
         "lookat": np.stack([shot.lookat for shot in shots]),
         "camera": np.array([[shot.distance, shot.azimuth, shot.elevation] for shot in shots]),
     }
-    tried = []
+    failures = []
     for backend in backends():
-        drawn = _drawn(job, backend)
-        if isinstance(drawn, np.ndarray):
-            return drawn
-        tried.append(f"{backend or 'the system'}: {drawn}")
-    raise NoGlError(f"robots cannot be drawn here ({'; '.join(tried) or 'MUJOCO_GL forbids it'}); {_INSTALL}")
+        pictures = _render(job, backend)
+        if isinstance(pictures, np.ndarray):
+            return pictures
+        failures.append(f"{backend or 'the system'}: {pictures}")
+    raise NoGlError(f"robots cannot be drawn here ({'; '.join(failures) or 'MUJOCO_GL forbids it'}); {_INSTALL}")
 
 
 def backends() -> tuple[str, ...]:
-    """What to try, in this order: what MUJOCO_GL says, or else what this system may have."""
-    wanted = os.environ.get("MUJOCO_GL", "").lower()
-    if wanted in ("off", "disable", "disabled", "0", "false", "no"):
+    """Backends to try in order: that of MUJOCO_GL, else those that this system may have."""
+    requested = os.environ.get("MUJOCO_GL", "").lower()
+    if requested in ("off", "disable", "disabled", "0", "false", "no"):
         return ()
-    if wanted:
-        return (wanted,)
+    if requested:
+        return (requested,)
     if not sys.platform.startswith("linux"):
         return ("",)
     return ("egl", "osmesa", "glfw") if os.environ.get("DISPLAY") else ("egl", "osmesa")
@@ -102,8 +101,8 @@ def _binary(model: mujoco.MjModel) -> np.ndarray:
     return content
 
 
-def _drawn(job: dict[str, np.ndarray], backend: str) -> np.ndarray | str:
-    """The pictures, or why there are none."""
+def _render(job: dict[str, np.ndarray], backend: str) -> np.ndarray | str:
+    """The pictures, or the reason why there are none."""
     environment = {k: v for k, v in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
     if backend:
         environment["MUJOCO_GL"] = backend
@@ -112,9 +111,9 @@ def _drawn(job: dict[str, np.ndarray], backend: str) -> np.ndarray | str:
         np.savez(given, allow_pickle=False, **job)
         command = [sys.executable, "-P", str(_CHILD), str(given), str(made)]
         try:
-            done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=_LONGEST_S)
+            done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=_TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            return f"took longer than {_LONGEST_S:.0f} s"
+            return f"took longer than {_TIMEOUT_S:.0f} s"
         if done.returncode == 0 and made.is_file():
             return np.load(made, allow_pickle=False)
     last = (done.stderr.strip().splitlines() or [f"it ended with code {done.returncode}"])[-1]

@@ -1,6 +1,6 @@
-"""Draws robots in a process of its own: graphics drivers may crash, and MuJoCo chooses one when it is imported.
+"""Draws robots in a separate process: graphics drivers may crash, and MuJoCo chooses one on import.
 
-Started by `gl.py` with MUJOCO_GL set, as a script and outside the package: of the package it needs nothing.
+`gl.py` starts it with MUJOCO_GL set, as a script that imports nothing of the package.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ _THICKER = 0.03
 
 def draw_shot(job: Any) -> np.ndarray:
     """Pictures (shots, frames, height, width, 3) of a job as `gl.py` writes it."""
-    model = _loaded(job["model"])
+    model = _load_model(job["model"])
     height, width = (int(x) for x in job["size"])
     shots, frames = job["qpos"].shape[:2]
-    model.vis.quality.offsamples = 0  # several samples a pixel take several times as long without a graphics card
+    model.vis.quality.offsamples = 0  # multisampling is slow without a graphics card
     model.vis.quality.shadowsize = 1024
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     pictures = np.zeros((shots, frames, height, width, 3), np.uint8)
@@ -34,12 +34,12 @@ def draw_shot(job: Any) -> np.ndarray:
     return pictures
 
 
-def _loaded(content: np.ndarray) -> mujoco.MjModel:
+def _load_model(content: np.ndarray) -> mujoco.MjModel:
     return mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": content.tobytes()})
 
 
 def _compose(renderer: Any, data: Any, ghost: Any, job: Any, shot: int, frame: int) -> None:
-    """One scene: the robot in its first posture, and others of itself beside it, each in its colours."""
+    """One scene: the robot in its first configuration, and copies in the others, each in its colours."""
     model = renderer.model
     camera = mujoco.MjvCamera()
     camera.lookat[:] = job["lookat"][shot, frame]
@@ -52,14 +52,14 @@ def _compose(renderer: Any, data: Any, ghost: Any, job: Any, shot: int, frame: i
         mujoco.mj_camlight(model, now)
         if layer == 0:
             renderer.update_scene(now, camera)
-            for lamp in renderer.scene.lights[: renderer.scene.nlight]:  # go with a robot that walks
+            for lamp in renderer.scene.lights[: renderer.scene.nlight]:  # lights follow a moving robot
                 if not lamp.headlight:
                     lamp.pos[:2] += (job["lookat"][shot, frame] - job["lookat"][shot, 0])[:2]
         else:
             moving, first = mujoco.mjtCatBit.mjCAT_DYNAMIC, renderer.scene.ngeom
             mujoco.mjv_addGeoms(model, now, mujoco.MjvOption(), mujoco.MjvPerturb(), moving, renderer.scene)
             for geom in renderer.scene.geoms[first : renderer.scene.ngeom]:
-                geom.size[:] *= 1.0 + _THICKER * layer  # what is in the same place does not flicker
+                geom.size[:] *= 1.0 + _THICKER * layer  # avoids flicker of coinciding geoms
 
 
 if __name__ == "__main__":

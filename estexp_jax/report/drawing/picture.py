@@ -1,4 +1,4 @@
-"""Figures in notebooks."""
+"""Figures for notebooks."""
 
 from __future__ import annotations
 
@@ -23,5 +23,5 @@ class Picture:
         return stream.getvalue()
 
     def save(self, path: str) -> None:
-        """Write it; the ending says the format."""
+        """Write the figure; the extension selects the format."""
         self.figure.savefig(path)

@@ -1,4 +1,4 @@
-"""How a robot is shown: its model as drawn, its colours, and where the camera stands."""
+"""Models, colours and camera views for pictures of robots."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 
 MARK = (0.9, 0.35, 0.1)
-"""Colour of parts that something has happened to."""
+"""Colour of changed parts."""
 _SKY = ([0.93, 0.95, 0.98], [0.75, 0.82, 0.9])
 _FIT = 2.4
-"""Distance of the camera, of the radius of what it sees, at MuJoCo's field of view of 45 degrees."""
+"""Distance of the camera over the radius of the scene, for MuJoCo's field of view of 45 degrees."""
 _FROM_ABOVE, _FROM_SIDE, _ASKEW = -60.0, -17.0, 20.0
 _WAYS = {"x": 0.0, "y": 90.0, "-x": 180.0, "-y": 270.0}
 
 
 class View(NamedTuple):
-    """A camera's place, from what it looks at."""
+    """A camera's position relative to its target point."""
 
     distance: float  #: m
     azimuth: float  #: degrees
@@ -30,7 +30,7 @@ class View(NamedTuple):
 
 
 def drawn(robot: Robot) -> mujoco.MjModel:
-    """A robot's model with a sky behind it, if it has none."""
+    """A robot's model, with a sky added if it has none."""
     spec = robot.spec.copy()
     if any(texture.type == mujoco.mjtTexture.mjTEXTURE_SKYBOX for texture in spec.textures):
         return spec.compile()
@@ -41,24 +41,24 @@ def drawn(robot: Robot) -> mujoco.MjModel:
 
 
 def colours(robot: Robot, changes: Sequence[Change] = ()) -> np.ndarray:
-    """Colours (ngeom, 4) of a robot: changed parts stand out, lost ones are not seen."""
+    """Colours (ngeom, 4) of a robot: changed parts are marked, lost parts are transparent."""
     model = robot.model
     rgba = model.geom_rgba.copy()
     for change in changes:
         body = part_at(robot, change.kind, change.name)
         if body is None:
             continue
-        gone = effect(change.effect).removes_part
-        of = np.isin(model.geom_bodyid, robot.subtree(body) if gone else (body,))
-        if gone:
-            rgba[of] = 0.0
+        lost = effect(change.effect).removes_part
+        geoms = np.isin(model.geom_bodyid, robot.subtree(body) if lost else (body,))
+        if lost:
+            rgba[geoms] = 0.0
         else:
-            rgba[of, :3] = MARK
+            rgba[geoms, :3] = MARK
     return rgba
 
 
 def tinted(robot: Robot, colour: Sequence[float], opacity: float) -> np.ndarray:
-    """Colours (ngeom, 4) of a robot all of one colour, without the world around it."""
+    """Colours (ngeom, 4) of a robot in a single colour; the world keeps its colours."""
     rgba = robot.model.geom_rgba.copy()
     moving = robot.model.body_weldid[robot.model.geom_bodyid] != 0
     rgba[moving, :3], rgba[moving, 3] = colour, opacity * (rgba[moving, 3] > 0.0)
@@ -66,7 +66,7 @@ def tinted(robot: Robot, colour: Sequence[float], opacity: float) -> np.ndarray:
 
 
 def ground_covered(robot: Robot, qpos: np.ndarray) -> tuple[np.ndarray, float]:
-    """Centre (3,) and radius, m, of a ball around all that moves of a robot, in all of some configurations (n, nq)."""
+    """Centre (3,) and radius, m, of a ball around a robot's moving parts in all of some configurations (n, nq)."""
     model, data = robot.model, mujoco.MjData(robot.model)
     moving = np.flatnonzero((model.body_weldid[model.geom_bodyid] != 0) & (model.geom_rgba[:, 3] > 0.0))
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
@@ -83,12 +83,12 @@ def ground_covered(robot: Robot, qpos: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def walking_view(axis: str, radius: float) -> View:
-    """A view in which a robot that goes along an axis goes to the right."""
+    """A view in which a robot that moves along an axis moves to the right."""
     return View(_FIT * radius, (90.0 + _ASKEW + _WAYS[axis]) % 360.0, _FROM_SIDE)
 
 
 def standing_view(robot: Robot, radius: float) -> View:
-    """A view along the joints' axes, so that their turns are seen; a little askew, so that depth is."""
+    """A view along the joints' axes, so that rotations are visible; slightly rotated, to show depth."""
     data = mujoco.MjData(robot.model)
     data.qpos[:] = robot.home()
     mujoco.mj_kinematics(robot.model, data)
@@ -100,7 +100,7 @@ def standing_view(robot: Robot, radius: float) -> View:
 
 
 def part_at(robot: Robot, kind: str, name: str | None) -> int | None:
-    """Id of the body that a place is at; None for all of a kind, and for what is no part."""
+    """Id of the body at a place; None for all elements of a kind, and for places without a body."""
     if name is None or name == "*":
         return None
     match kind:

@@ -1,4 +1,4 @@
-"""Figures of an explanation: where the error is, a test recording before and after, how all explanations rank.
+"""Figures of an explanation: places of the error, a test recording before and after, and the ranked explanations.
 
 All are narrow and tall, so that their text stays readable on a phone.
 """
@@ -10,26 +10,35 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
-from estexp_jax.discovery.selection import Explanation
-from estexp_jax.report.drawing.axes import draw_floor, log_axis, short
+from estexp_jax.report.drawing.axes import (
+    EXPLAINED,
+    NOMINAL,
+    OTHER,
+    RECORDED,
+    WIDTH,
+    draw_noise_floor,
+    label_rows,
+    log_axis,
+    short,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_WIDTH = 5.4
-_RECORDED, _NOMINAL, _EXPLAINED, _RIVAL = "#222222", "#d95f02", "#1b6ca8", "#8c8c8c"
-_MOST_ROWS = 16
-"""So many recordings' channels are shown, those with the largest errors."""
-_MOST_PLACES = 8
-_MOST_RIVALS = 14
-_LABEL = 30
-"""Letters in a line of a label."""
+    from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
+    from estexp_jax.discovery.selection import Explanation
+
+_MAX_STRIPS = 16
+"""How many channels of recordings are shown, those with the largest errors."""
+_MAX_PLACES = 8
+_MAX_CANDIDATES = 14
+_LABEL_LETTERS = 30
+"""Letters in one line of a label."""
 
 
 class _Strip(NamedTuple):
-    """Nominal error of one channel of one recording, window by window, as a share of the channel's range."""
+    """Nominal error of one channel of one recording by window, as a share of the channel's range."""
 
     label: str
     edges: np.ndarray  # (windows + 1,) s
@@ -37,13 +46,13 @@ class _Strip(NamedTuple):
 
 
 def figure_where(diagnosis: Diagnosis) -> Figure:
-    """Where the error is: the nominal simulator's in each window of the training recordings, and ranked places."""
+    """The nominal simulator's error in each window of the training recordings, and the ranked places."""
     from matplotlib.figure import Figure
 
     strips = _strips(diagnosis)
-    places = diagnosis.findings["where"][:_MOST_PLACES]
+    places = diagnosis.findings["where"][:_MAX_PLACES]
     heights = [0.5 + 0.3 * len(strips), 0.35 + 0.3 * len(places)] if places else [0.5 + 0.3 * len(strips)]
-    figure = Figure(figsize=(_WIDTH, sum(heights) + 0.9 * len(heights)), layout="constrained")
+    figure = Figure(figsize=(WIDTH, sum(heights) + 0.9 * len(heights)), layout="constrained")
     panels = figure.subplots(len(heights), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
     _draw_strips(figure, panels[0], strips)
     if places:
@@ -52,12 +61,12 @@ def figure_where(diagnosis: Diagnosis) -> Figure:
 
 
 def figure_fit(diagnosis: Diagnosis) -> Figure:
-    """A test recording before and after: the channel that the nominal simulator misses most, and what is left of it."""
+    """A test recording before and after: the channel with the largest nominal error, and both simulators' errors."""
     return figure_prediction(*worst_channel(diagnosis))
 
 
 def figure_prediction(prediction: Prediction, channel: int) -> Figure:
-    """One channel of a test recording under both simulators, and what is left of it."""
+    """One channel of a test recording under both simulators, and their errors."""
     from matplotlib.figure import Figure
 
     time, breaks = _with_breaks(prediction)
@@ -65,19 +74,19 @@ def figure_prediction(prediction: Prediction, channel: int) -> Figure:
         np.insert(getattr(prediction, name)[:, channel].astype(float), breaks, np.nan)
         for name in ("recorded", "nominal", "explained")
     )
-    figure = Figure(figsize=(_WIDTH, 5.6), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 5.6), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 2]})
-    above.plot(time, recorded, color=_RECORDED, lw=2.4, alpha=0.35, label="recorded")
-    above.plot(time, nominal, color=_NOMINAL, lw=1.2, label="nominal simulator")
-    above.plot(time, explained, color=_EXPLAINED, lw=1.2, ls="--", label="explained simulator")
-    below.plot(time, nominal - recorded, color=_NOMINAL, lw=1.1)
-    below.plot(time, explained - recorded, color=_EXPLAINED, lw=1.1)
+    above.plot(time, recorded, color=RECORDED, lw=2.4, alpha=0.35, label="recorded")
+    above.plot(time, nominal, color=NOMINAL, lw=1.2, label="nominal simulator")
+    above.plot(time, explained, color=EXPLAINED, lw=1.2, ls="--", label="explained simulator")
+    below.plot(time, nominal - recorded, color=NOMINAL, lw=1.1)
+    below.plot(time, explained - recorded, color=EXPLAINED, lw=1.1)
     below.axhline(0.0, color="0.6", lw=0.8, zorder=0)
     for axes in (above, below):
         for start in prediction.time[np.flatnonzero(np.diff(prediction.window)) + 1]:
             axes.axvline(start, color="0.9", lw=0.8, zorder=0)
         axes.spines[["top", "right"]].set_visible(False)
-    # Names are not formulas, though they may have dollars in them.
+    # File names may contain dollars, so mathematics is off.
     title = "\n".join(wrap(f"{prediction.recording}, never fitted", 52))
     above.set_title(title, fontsize=10, loc="left", parse_math=False)
     above.set_ylabel("\n".join(wrap(prediction.channels[channel], 30)), parse_math=False)
@@ -88,34 +97,31 @@ def figure_prediction(prediction: Prediction, channel: int) -> Figure:
 
 
 def figure_ranking(diagnosis: Diagnosis) -> Figure:
-    """All explanations by their error on windows of training recordings that they were not fitted to."""
+    """All explanations by their error on held-out windows of the training recordings."""
     from matplotlib.figure import Figure
 
-    rivals = ranked(diagnosis)
-    labels = ["\n".join(wrap(label, _LABEL)) for label, _ in rivals]
-    lines = sum(label.count("\n") + 1 for label in labels)
-    figure = Figure(figsize=(_WIDTH, 1.2 + 0.12 * len(rivals) + 0.16 * lines), layout="constrained")
+    candidates = ranked(diagnosis)
+    labels = ["\n".join(wrap(label, _LABEL_LETTERS)) for label, _ in candidates]
+    lines = np.array([label.count("\n") + 1 for label in labels])
+    figure = Figure(figsize=(WIDTH, 1.2 + 0.12 * len(candidates) + 0.16 * lines.sum()), layout="constrained")
     axes = figure.subplots()
-    height = np.cumsum([0.0, *(-0.75 - 0.5 * (label.count("\n") + 1) for label in labels[:-1])])
+    height = -np.cumsum([0.0, *(0.75 + 0.25 * (lines[:-1] + lines[1:]))])  # labels are centred at their rows
     chosen = diagnosis.selection.chosen
-    for y, (_, explanation) in zip(height, rivals, strict=True):
-        _draw_rival(axes, y, explanation.error, _colour(diagnosis, explanation), bold=explanation is chosen)
-    axes.set_yticks(height, labels, fontsize=9, parse_math=False)
-    for tick, (_, explanation) in zip(axes.get_yticklabels(), rivals, strict=True):
-        tick.set_fontweight("bold" if explanation is chosen else "normal")
-    errors = [explanation.error for _, explanation in rivals]
-    draw_floor(axes, 1.0, errors)
+    for y, (_, explanation) in zip(height, candidates, strict=True):
+        _draw_candidate(axes, y, explanation.error, _colour(diagnosis, explanation), bold=explanation is chosen)
+    bold = [row for row, (_, explanation) in enumerate(candidates) if explanation is chosen]
+    label_rows(axes, height.tolist(), labels, bold=bold)
+    errors = [explanation.error for _, explanation in candidates]
+    draw_noise_floor(axes, 1.0, errors)
     log_axis(axes, errors)
-    axes.set_ylim(height[-1] - 1.0, 1.0)
+    axes.set_ylim(height[-1] - 0.5 - 0.5 * lines[-1], 0.5 + 0.5 * lines[0])
     axes.set_xlabel("error on held-out windows")
-    axes.spines[["top", "right", "left"]].set_visible(False)
-    axes.tick_params(axis="y", length=0)
     return figure
 
 
 def worst_channel(diagnosis: Diagnosis) -> tuple[Prediction, int]:
-    """The test recording and the channel with the nominal simulator's largest error, each over the channel's range."""
-    found = [
+    """The test recording and channel with the largest nominal error relative to the channel's range."""
+    errors = [
         (float(np.sqrt(np.mean(error**2))), i, channel)
         for i, p in enumerate(diagnosis.predictions)
         if p.role == "test"
@@ -123,14 +129,14 @@ def worst_channel(diagnosis: Diagnosis) -> tuple[Prediction, int]:
         for error in [error[np.isfinite(error)]]
         if error.size
     ]
-    _, i, channel = max(found)
+    _, i, channel = max(errors)
     return diagnosis.predictions[i], channel
 
 
 def ranked(diagnosis: Diagnosis) -> list[tuple[str, Explanation]]:
-    """Nominal, parameters only, then the best of those tried, with the chosen one among them, each with its label."""
+    """Nominal, parameters only, then the best explanations, including the chosen one; each with its label."""
     selection = diagnosis.selection
-    best = sorted(selection.tried, key=lambda e: e.error)[:_MOST_RIVALS]
+    best = sorted(selection.tried, key=lambda e: e.error)[:_MAX_CANDIDATES]
     if selection.chosen in selection.tried and selection.chosen not in best:
         best[-1] = selection.chosen
     known = [("nominal simulator", selection.nominal), ("parameters only", selection.parameters)]
@@ -143,7 +149,7 @@ def name_of(explanation: Explanation) -> str:
 
 
 def _strips(diagnosis: Diagnosis) -> list[_Strip]:
-    found = []
+    strips = []
     training = [p for p in diagnosis.predictions if p.role == "train"]
     for p in training:
         error = _normalised(p) ** 2
@@ -153,15 +159,15 @@ def _strips(diagnosis: Diagnosis) -> list[_Strip]:
             parts = [part[np.isfinite(part)] for part in np.split(error[:, channel], firsts[1:])]
             if any(part.size for part in parts):
                 rms = np.array([np.sqrt(part.mean()) if part.size else np.nan for part in parts])
-                found.append(_Strip(f"{p.recording}\n{name}" if len(p.channels) > 1 else p.recording, edges, rms))
-    if len(found) <= _MOST_ROWS:
-        return found
-    least = sorted((float(np.nanmean(s.error)) for s in found), reverse=True)[_MOST_ROWS - 1]
-    return [s for s in found if np.nanmean(s.error) >= least][:_MOST_ROWS]
+                strips.append(_Strip(f"{p.recording}\n{name}" if len(p.channels) > 1 else p.recording, edges, rms))
+    if len(strips) <= _MAX_STRIPS:
+        return strips
+    least = sorted((float(np.nanmean(s.error)) for s in strips), reverse=True)[_MAX_STRIPS - 1]
+    return [s for s in strips if np.nanmean(s.error) >= least][:_MAX_STRIPS]
 
 
 def _normalised(prediction: Prediction) -> np.ndarray:
-    """Nominal errors (rows, channels) over each channel's range; NaN where there is no sample."""
+    """Nominal errors (rows, channels) relative to each channel's range; NaN where there is no sample."""
     table, bad = prediction.recorded, ~np.isfinite(prediction.recorded)
     span = np.max(np.where(bad, -np.inf, table), axis=0) - np.min(np.where(bad, np.inf, table), axis=0)
     return (prediction.nominal - table) / np.where(np.isfinite(span) & (span > 0.0), span, 1.0)
@@ -177,18 +183,16 @@ def _draw_strips(figure: Figure, axes: Axes, strips: list[_Strip]) -> None:
         for left, right, error in zip(strip.edges[:-1], strip.edges[1:], strip.error, strict=True):
             colour = colours.to_rgba(100.0 * error) if np.isfinite(error) else "#eeeeee"
             axes.barh(row, right - left, left=left, height=0.8, color=colour, edgecolor="white", linewidth=0.5)
-    axes.set_yticks(range(len(strips)), [short(s.label) for s in strips], fontsize=8, parse_math=False)
+    label_rows(axes, range(len(strips)), [short(s.label) for s in strips], fontsize=8)
     axes.set_ylim(len(strips) - 0.4, -0.6)
     axes.set_xlabel("time (s)")
     axes.set_title("Error of the nominal simulator,\ntraining recordings", fontsize=10, loc="left")
-    axes.spines[["top", "right", "left"]].set_visible(False)
-    axes.tick_params(axis="y", length=0)
     figure.colorbar(colours, ax=axes, label="% of the range", fraction=0.05, pad=0.02)
 
 
 def _draw_places(axes: Axes, places: list[dict[str, Any]]) -> None:
     shares = [100.0 * p["share"] for p in places]
-    bars = axes.barh(range(len(places)), shares, height=0.6, color=[_EXPLAINED] + [_RIVAL] * (len(places) - 1))
+    bars = axes.barh(range(len(places)), shares, height=0.6, color=[EXPLAINED] + [OTHER] * (len(places) - 1))
     axes.bar_label(bars, [f"{s:.0f} %" for s in shares], padding=4, fontsize=9)
     names = [short(p["kind"] if p["name"] is None else f"{p['kind']} {p['name']}") for p in places]
     axes.set_yticks(range(len(places)), names, fontsize=9, parse_math=False)
@@ -200,7 +204,7 @@ def _draw_places(axes: Axes, places: list[dict[str, Any]]) -> None:
     axes.tick_params(axis="y", length=0)
 
 
-def _draw_rival(axes: Axes, y: float, error: float, colour: str, *, bold: bool) -> None:
+def _draw_candidate(axes: Axes, y: float, error: float, colour: str, *, bold: bool) -> None:
     axes.plot(error, y, "o", color=colour, markersize=9 if bold else 6)
     weight = "bold" if bold else "normal"
     offset = {"xytext": (9, 0), "textcoords": "offset points", "va": "center"}
@@ -210,11 +214,11 @@ def _draw_rival(axes: Axes, y: float, error: float, colour: str, *, bold: bool) 
 
 def _colour(diagnosis: Diagnosis, explanation: Explanation) -> str:
     if explanation is diagnosis.selection.chosen:
-        return _EXPLAINED
-    return _NOMINAL if explanation is diagnosis.selection.nominal else _RIVAL
+        return EXPLAINED
+    return NOMINAL if explanation is diagnosis.selection.nominal else OTHER
 
 
 def _with_breaks(prediction: Prediction) -> tuple[np.ndarray, np.ndarray]:
-    """Times (rows + windows - 1,) with a NaN before each window but the first, and where those were put in."""
+    """Times (rows + windows - 1,) with a NaN before each window but the first, and the indices of the NaNs."""
     breaks = np.flatnonzero(np.diff(prediction.window)) + 1
     return np.insert(prediction.time.astype(float), breaks, np.nan), breaks

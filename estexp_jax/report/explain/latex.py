@@ -1,4 +1,4 @@
-"""Equations as findings write them, in LaTeX."""
+"""Equations of findings in LaTeX."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SYMBOLS = {
     "sign": r"\operatorname{sign}", "clip": r"\operatorname{clip}", "sqrt": r"\sqrt",
 }  # fmt: skip
 _LETTERS = 2
-"""Longer names without an index are words."""
+"""Names longer than this without an index are words."""
 
 
 class _Part(NamedTuple):
@@ -29,13 +29,13 @@ class _Part(NamedTuple):
 
 
 def latex(equation: str) -> str:
-    r"""An equation in LaTeX's mathematics, without dollars: `tau = - 0.3 |w| w` becomes `\tau = - 0.3 |\omega| \omega`.
+    r"""An equation in LaTeX, without dollars: `tau = - 0.3 |w| w` becomes `\tau = - 0.3 |\omega| \omega`.
 
-    What its letters mean stays in words.
+    Explanations in words remain text.
     """
     parts = [_part(match) for match in _TOKEN.finditer(_rooted(equation))]
     blank = [p.text == " " for p in parts]
-    for i in range(1, len(parts) - 1):  # blanks beside words are theirs
+    for i in range(1, len(parts) - 1):  # blanks beside words belong to the words
         if blank[i] and (parts[i - 1].is_word or parts[i + 1].is_word):
             parts[i] = _Part(is_word=True, text=" ")
     runs = ((word, "".join(p.text for p in run)) for word, run in groupby(parts, lambda p: p.is_word))
@@ -43,17 +43,17 @@ def latex(equation: str) -> str:
 
 
 def _rooted(equation: str) -> str:
-    """With the brackets of roots as braces, and commas between equations as semicolons."""
-    found, depth = list(equation), list[str]()
+    """Replace brackets of roots by braces, and commas between equations by semicolons."""
+    letters, depth = list(equation), list[str]()
     for i, letter in enumerate(equation):
         if letter == "(":
             depth.append("{}" if equation[:i].endswith("sqrt") else "()")
-            found[i] = depth[-1][0]
+            letters[i] = depth[-1][0]
         elif letter == ")" and depth:
-            found[i] = depth.pop()[1]
+            letters[i] = depth.pop()[1]
         elif letter == "," and not depth:
-            found[i] = ";"
-    return "".join(found)
+            letters[i] = ";"
+    return "".join(letters)
 
 
 def _part(match: re.Match[str]) -> _Part:

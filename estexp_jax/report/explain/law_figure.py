@@ -1,4 +1,4 @@
-"""An unknown law drawn: what it gives and what the joint lacks without it, where the recordings show the joint."""
+"""Figure of an unknown law: its force, and the force that is missing without it, at the recorded states."""
 
 from __future__ import annotations
 
@@ -6,27 +6,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.telling_laws import COVERED
+from estexp_jax.report.drawing.axes import EXPLAINED, WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LACKING, _GIVEN = "#a0a0a0", "#1b6ca8"
+    from estexp_jax.discovery.law_forces import LawForces
+
+_LACKING = "#a0a0a0"
 _BINS = 60
 
 
 def figure_law(law: LawForces, unit: str = "rad") -> Figure:
-    """Force over position and over speed, each above the density of the samples; between dotted lines it is covered.
+    """Force over position and over speed, above the density of samples; dotted lines bound the covered range.
 
     Args:
-        law: what it gives where the joint was seen.
+        law: forces at the recorded states of the joint.
         unit: of the joint's position, rad or m.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(5.4, 4.2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
     panels = figure.subplots(2, 2, sharex="col", sharey="row", gridspec_kw={"height_ratios": [4, 1]})
     fast = np.quantile(np.abs(law.w), COVERED[1])
     sides = (
@@ -35,7 +37,7 @@ def figure_law(law: LawForces, unit: str = "rad") -> Figure:
     )
     for (above, below), (x, edges, label) in zip(panels.T, sides, strict=True):
         above.plot(x, law.lacking, ".", color=_LACKING, ms=2.0, alpha=0.5, label="lacking", rasterized=True)
-        above.plot(x, law.given, ".", color=_GIVEN, ms=2.0, label="law", rasterized=True)
+        above.plot(x, law.given, ".", color=EXPLAINED, ms=2.0, label="law", rasterized=True)
         above.spines[["top", "right"]].set_visible(False)
         _draw_density(below, x)
         for edge in edges:

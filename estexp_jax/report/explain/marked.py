@@ -1,4 +1,4 @@
-"""The robot with the parts marked at which something is missing."""
+"""The robot with marked parts, at which something is missing."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _KINDS = ("body", "joint", "actuator", "sensor")
 _SIZE = (420, 330)
 _GREY = (0.55, 0.6, 0.65)
 _TURN, _RAISE = 55.0, -25.0
-"""By how much the second view is turned and raised, degrees."""
+"""Rotation of the second view, degrees."""
 _AWAY = 1.2
-"""Farther away than for a robot that moves: none of it may be cut off."""
+"""Factor of the camera's distance, so that nothing is cut off."""
 
 
-def guilty(findings: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Kind and name of each place that is named, or of the likeliest one where nothing is; not the environment."""
+def claimed_places(findings: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Kind and name of each place in the claims, or of the most likely one without claims; not the environment."""
     if findings["verdict"] == "consistent":
         return []
     places = findings["what"] or findings["where"][:1]
@@ -30,17 +30,17 @@ def guilty(findings: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def marked_of(robot: Robot, places: Sequence[tuple[str, str]]) -> bytes | None:
-    """Two views of a robot at home, grey, with the parts at some places in orange (JPEG).
+    """Two views (JPEG) of a robot at home in grey, with the parts at some places in orange.
 
     Args:
         robot: the robot.
-        places: kind and name of each. A joint's part is the body that it moves; a motor and a sensor are at a joint.
+        places: kind and name of each. The part of a joint, motor or sensor is the body at it.
 
     Returns:
-        None where none of them is at a part that is seen.
+        The picture; None if no place is at a visible part.
 
     Raises:
-        NoGlError: nothing here can draw.
+        NoGlError: no renderer works here.
     """
     model, rgba = robot.model, tinted(robot, _GREY, 1.0)
     known = [(kind, name) for kind, name in places if kind in _KINDS and name in robot.names(kind)]
@@ -55,5 +55,5 @@ def marked_of(robot: Robot, places: Sequence[tuple[str, str]]) -> bytes | None:
     other = view._replace(azimuth=view.azimuth + _TURN, elevation=max(-80.0, view.elevation + _RAISE))
     shots = [Shot(qpos, rgba[None], centre[None], *v) for v in (view, other)]
     pictures = render_shots(drawn(robot), shots, width=_SIZE[0], height=_SIZE[1])
-    told = ", ".join(f"{kind} {name}" for kind, name in known)
-    return strip([[captioned(frames[0], text) for frames, text in zip(pictures, (told, ""), strict=True)]])
+    caption = ", ".join(f"{kind} {name}" for kind, name in known)
+    return strip([[captioned(frames[0], text) for frames, text in zip(pictures, (caption, ""), strict=True)]])

@@ -1,12 +1,11 @@
-"""The report of an explanation: one HTML file that needs nothing else, for screens, phones and paper."""
+"""The report of an explanation as one HTML file."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from estexp_jax.discovery.diagnosis import Diagnosis
 from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.estimation.windows import FINER
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
@@ -18,11 +17,14 @@ from estexp_jax.report.explain.law_figure import figure_law
 from estexp_jax.report.explain.text import VERDICTS
 from estexp_jax.report.pages import capital, finite, format_number, image, percent, probability, render_page
 
+if TYPE_CHECKING:
+    from estexp_jax.discovery.diagnosis import Diagnosis
+
 _NOTHING = {
-    "consistent": "Nothing: the nominal simulator is as good as noise lets one see.",
-    "parameters": "Several small errors of values that the model has, none of them worth a line of its own.",
+    "consistent": "Nothing: the nominal simulator is as good as noise allows to tell.",
+    "parameters": "Several small errors in values of the model, none of them large enough to be listed.",
     "missing_physics": "",
-    "unexplained": "The error is located below, but no effect that the program knows removes enough of it to be named.",
+    "unexplained": "The error is located below, but no effect of the catalogue removes enough of it to be reported.",
 }
 
 
@@ -32,13 +34,13 @@ def explain_page(
     """HTML of an explanation.
 
     Args:
-        diagnosis: with the arrays that figures need.
-        findings: complete, as in `findings.json`.
-        ghosts: the robots in one scene (JPEG), where they could be drawn.
-        marked: the robot with the parts that are named (JPEG), where it could be drawn.
+        diagnosis: with the arrays for the figures.
+        findings: as in `findings.json`.
+        ghosts: the robots in one scene (JPEG); None: not drawn.
+        marked: the robot with the claimed parts (JPEG); None: not drawn.
     """
     return render_page(
-        "explain_page.html",
+        "explain/page.html",
         model=Path(diagnosis.case.robot.source).name,
         verdict=findings["verdict"],
         headline=explain_headline(findings),
@@ -49,7 +51,7 @@ def explain_page(
         places=[_place(entry) for entry in findings["where"]],
         when=_when(findings["when"]) if findings["what"] else "",
         errors=_errors(findings["fit"]),
-        gain=_gain(findings["fit"], told=findings["verdict"] != "consistent"),
+        gain=_gain(findings["fit"], with_share=findings["verdict"] != "consistent"),
         steps=_steps(diagnosis),
         alternatives=_alternatives(findings),
         advice=findings["advice"],
@@ -58,7 +60,7 @@ def explain_page(
         versions=sorted(findings["versions"].items()),
         where=image(figure_where(diagnosis)),
         fit=image(figure_fit(diagnosis)),
-        rivals=image(figure_competing_models(findings)),
+        competing=image(figure_competing_models(findings)),
         ranking=image(figure_ranking(diagnosis)),
         ghosts="" if ghosts is None else source(ghosts, "image/jpeg"),
         marked="" if marked is None else source(marked, "image/jpeg"),
@@ -77,7 +79,7 @@ def explain_headline(findings: Mapping[str, Any]) -> str:
 
 def _claim(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
     laws = [law for law in diagnosis.laws if entry["effect"] == UNKNOWN_LAW and law.joint == entry["name"]]
-    numbers = [
+    parameters = [
         {"name": name, "unit": p["unit"], **{key: format_number(p[key]) for key in ("value", "low", "high")}}
         for name, p in entry["parameters"].items()
     ]
@@ -86,26 +88,27 @@ def _claim(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
         "equation": entry["equation"],
         "latex": latex(entry["equation"]),
         "law": image(figure_law(laws[0], joint_unit(diagnosis.case.robot, laws[0].joint))) if laws else "",
-        "parameters": numbers,
-        "place": capital(f"{entry['effect'].replace('_', ' ')}, {_named(entry)}"),
+        "parameters": parameters,
+        "place": capital(f"{entry['effect'].replace('_', ' ')}, {_place_name(entry)}"),
         "probability": probability(entry["probability"]),
         "in_mjcf": entry["in_mjcf"],
     }
 
 
 def _place(entry: Mapping[str, Any]) -> dict[str, str]:
-    return {"place": _named(entry), "share": percent(entry["share"], 0), "p_value": format_number(entry["p_value"], 2)}
+    share, p_value = percent(entry["share"], 0), format_number(entry["p_value"], 2)
+    return {"place": _place_name(entry), "share": share, "p_value": p_value}
 
 
-def _named(entry: Mapping[str, Any]) -> str:
+def _place_name(entry: Mapping[str, Any]) -> str:
     return entry["kind"] if entry["name"] is None else f"{entry['kind']} {entry['name']}"
 
 
 def _when(when: Mapping[str, Any]) -> str:
-    late = [
+    onsets = [
         f"from {format_number(onset)} s on in {file}" for file, onset in when["onset_s"].items() if onset is not None
     ]
-    return "; ".join([*([when["regime"]] if when["regime"] else []), *late])
+    return "; ".join([*([when["regime"]] if when["regime"] else []), *onsets])
 
 
 def _errors(fit: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -123,49 +126,49 @@ def _errors(fit: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def _agreement(fit: Mapping[str, Any]) -> str:
     error = percent(fit["nominal"]["test"])
-    return f"On recordings that nothing was fitted to, its error is {error} of the sensors' range."
+    return f"On test recordings, which were not used for fitting, its error is {error} of the sensors' range."
 
 
 def _proof(fit: Mapping[str, Any]) -> str:
-    """How much better unseen recordings are predicted, beside what noise alone leaves."""
+    """How much better the test recordings are predicted, compared with noise alone."""
     before, after, floor = (percent(fit[key]["test"]) for key in ("nominal", "explained", "noise_floor"))
-    told = f"On recordings that nothing was fitted to, its error is {before} of the sensors' range"
+    start = f"On test recordings, which were not used for fitting, its error is {before} of the sensors' range"
     gain = fit["gain"]["value"]
-    gone = f": {percent(gain, 0)} of what exceeds noise is gone" if finite(gain) else ""
-    return f"{told}; the explained simulator's is {after}, that of noise alone {floor}{gone}."
+    removed = f" The explanation removes {percent(gain, 0)} of the error above noise." if finite(gain) else ""
+    return f"{start}. The explained simulator's error is {after}, that of noise alone {floor}.{removed}"
 
 
 def _steps(diagnosis: Diagnosis) -> str:
-    """At which steps the simulators ran."""
+    """The time steps of the simulators."""
     own = 1e3 * float(diagnosis.case.robot.model.opt.timestep)
     finest = {finer: f"{format_number(own / finer)} ms" for finer in (diagnosis.rivals_finer, FINER)}
     black_box = f", the black-box correction {finest[FINER]}" if len(finest) > 1 else ""
-    alike = ", and so does the explained one" if diagnosis.finer < diagnosis.rivals_finer else ""
+    alike = ", as does the explained one" if diagnosis.finer < diagnosis.rivals_finer else ""
     nominal, others = f"{format_number(own)} ms{alike}", f"{finest[diagnosis.rivals_finer]}{black_box}"
-    told = f"The nominal simulator takes steps of {nominal}, the others of {others}"
-    return f"{told}: so fine that noise hides what they cost, or as fine as pays."
+    sentence = f"The nominal simulator takes steps of {nominal}, the others of {others}"
+    return f"{sentence}. Their numerical error is then below the noise, or finer steps do not reduce it."
 
 
-def _gain(fit: Mapping[str, Any], *, told: bool) -> str:
+def _gain(fit: Mapping[str, Any], *, with_share: bool) -> str:
     windows = "whole recordings" if not finite(fit["window_s"]) else f"windows of {format_number(fit['window_s'])} s"
-    measure = f"Root mean square over sensors and recordings, simulated in {windows}, each from a state estimated anew."
+    measure = f"Root mean square over sensors and recordings, simulated in {windows}, each from an estimated state."
     gain = fit["gain"]
-    if not (told and finite(gain["value"])):
+    if not (with_share and finite(gain["value"])):
         return measure
-    gone = percent(gain["value"], 0)
+    share = percent(gain["value"], 0)
     if finite(gain["low"]):
-        gone += f" (90 % interval {percent(gain['low'], 0)} to {percent(gain['high'], 0)})"
-    return f"{measure} Of the nominal simulator's test error above noise, {gone} is gone."
+        share += f" (90 % interval {percent(gain['low'], 0)} to {percent(gain['high'], 0)})"
+    return f"{measure} The explanation removes {share} of the nominal simulator's test error above noise."
 
 
 def _alternatives(findings: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Each other explanation once, the most probable form of it: several forms of an effect have one name."""
+    """Each other explanation once, in its most probable form, since several forms of an effect have one name."""
     claimed = {e["effect"] if e["name"] is None else f"{e['effect']}@{e['name']}" for e in findings["what"]}
     others: dict[str, dict[str, str]] = {}
     for entry in findings["alternatives"]:
         if not claimed or set(entry["effects"]) != claimed:
-            told = _alternative(entry)
-            others.setdefault(told["label"], told)
+            row = _alternative(entry)
+            others.setdefault(row["label"], row)
     return list(others.values())
 
 

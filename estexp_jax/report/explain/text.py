@@ -1,4 +1,4 @@
-"""Findings in words, for terminals and notebooks."""
+"""Findings as text, for terminals and notebooks."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
+from estexp_jax.report.tables import html_table
+
 VERDICTS = {
     "consistent": "The simulator agrees with the recordings, up to noise.",
     "parameters": "Values that the model already has are off; nothing is missing.",
     "missing_physics": "The simulator lacks physics.",
     "unexplained": "The simulator is wrong, and no effect of the catalogue explains how.",
 }
-"""What each verdict says."""
+"""Each verdict in a sentence."""
 
 
 def explain_summary(findings: Mapping[str, Any]) -> str:
-    """The verdict, each claim with its numbers, the proof, and what else it could be; several lines."""
+    """The verdict, each claim with its numbers, the proof, and the alternatives; several lines."""
     lines = [VERDICTS[findings["verdict"]]]
     lines += [f"  {claim(entry)}" for entry in findings["what"]]
     lines += [proof(findings)]
@@ -35,7 +37,7 @@ def claim(entry: Mapping[str, Any]) -> str:
 
 
 def intervals(entry: Mapping[str, Any]) -> str:
-    """`T = 1.02 (0.97 to 1.08) N m` for each parameter; without the brackets where it has no interval."""
+    """`T = 1.02 (0.97 to 1.08) N m` for each parameter; without brackets if it has no interval."""
     parts = []
     for name, p in entry["parameters"].items():
         within = "" if None in (p["low"], p["high"]) else f" ({p['low']:.3g} to {p['high']:.3g})"
@@ -44,14 +46,16 @@ def intervals(entry: Mapping[str, Any]) -> str:
 
 
 def proof(findings: Mapping[str, Any]) -> str:
-    """How much better unseen recordings are predicted."""
+    """How much better the test recordings are predicted."""
     fit = findings["fit"]
     before, after, value = fit["nominal"]["test"], fit["explained"]["test"], fit["gain"]
-    told = f"On recordings not used for fitting the error is {after:.3g} instead of {before:.3g} of the sensors' range"
+    sentence = (
+        f"On recordings not used for fitting the error is {after:.3g} instead of {before:.3g} of the sensors' range"
+    )
     if value["value"] is None or value["value"] != value["value"]:
-        return f"{told}."
+        return f"{sentence}."
     interval = f"90 % interval {value['low']:.0%} to {value['high']:.0%}"
-    return f"{told}: {value['value']:.0%} of the excess is gone ({interval})."
+    return f"{sentence}: {value['value']:.0%} of the excess is gone ({interval})."
 
 
 def explain_rows(findings: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -64,15 +68,8 @@ def explain_rows(findings: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def explain_table(findings: Mapping[str, Any]) -> str:
-    """Verdict, claims as a table, proof."""
+    """Verdict, a table of the claims, and proof; as HTML."""
     columns = ("effect", "at", "parameter", "value", "low", "high", "unit", "probability")
-    head = "".join(f"<th>{c}</th>" for c in columns)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{_cell(row[c])}</td>" for c in columns) + "</tr>" for row in explain_rows(findings)
-    )
-    table = f"<table><tr>{head}</tr>{body}</table>" if body else ""
+    rows = [[row[column] for column in columns] for row in explain_rows(findings)]
+    table = html_table(columns, rows) if rows else ""
     return f"<p><b>{escape(VERDICTS[findings['verdict']])}</b></p>{table}<p>{escape(proof(findings))}</p>"
-
-
-def _cell(value: Any) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else escape(str(value))

@@ -1,4 +1,4 @@
-"""The report of a proposed motion: one HTML file that needs nothing else."""
+"""The report of a proposed motion as one HTML file."""
 
 from __future__ import annotations
 
@@ -6,39 +6,40 @@ from pathlib import Path
 from typing import Any
 
 from estexp_jax.discovery.contest import CompetingModel
-from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, ProposedExperiment
+from estexp_jax.experiment_design.propose import ProposedExperiment
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.report.pages import capital, format_number, image, render_page
 from estexp_jax.report.propose.figures import figure_commands, figure_predictions
 from estexp_jax.report.propose.text import (
-    again,
     caution,
+    command_ranges,
+    deviation_sentence,
+    distinguishing_readings,
     motion_sentence,
-    opening,
+    next_command,
+    open_summary,
     propose_rows,
     propose_verdict,
-    reaches,
-    signs,
-    standing,
+    rival_status,
 )
 
 
 def propose_page(proposed: ProposedExperiment) -> str:
     """HTML of a proposal."""
     return render_page(
-        "propose_page.html",
+        "propose/page.html",
         model=Path(proposed.robot.source).name,
         headline=propose_headline(proposed),
         verdict=propose_verdict(proposed),
-        opening=opening(proposed),
-        rivals=[_rival(n, rival) for n, rival in enumerate(proposed.competing_models.models, start=1)],
+        summary=open_summary(proposed),
+        explanations=[_explanation(n, rival) for n, rival in enumerate(proposed.competing_models.models, start=1)],
         motion=motion_sentence(proposed),
         caution=caution(proposed),
-        reaches=reaches(proposed),
-        plain=f"{CLEAR_SEPARATION:g}",
+        ranges=command_ranges(proposed),
+        deviation=deviation_sentence(),
         pairs=[_pair(pair) for pair in propose_rows(proposed)],
-        signs=signs(proposed),
-        command=again(proposed),
+        readings=distinguishing_readings(proposed),
+        command=next_command(proposed),
         commands=image(figure_commands(proposed)),
         predictions=image(figure_predictions(proposed)),
         cost=f"{proposed.robot_steps / 1e6:.3g} million robot steps; seed {proposed.config.seed}; "
@@ -47,7 +48,7 @@ def propose_page(proposed: ProposedExperiment) -> str:
 
 
 def propose_headline(proposed: ProposedExperiment) -> str:
-    """Whether the motion settles it, in a sentence."""
+    """Whether the motion distinguishes the explanations, in a sentence."""
     pairs = propose_rows(proposed)
     plain = sum(pair["told_apart"] for pair in pairs)
     if plain == len(pairs):
@@ -57,12 +58,12 @@ def propose_headline(proposed: ProposedExperiment) -> str:
     return "No motion found within the limits tells the explanations plainly apart."
 
 
-def _rival(place: int, rival: CompetingModel) -> dict[str, Any]:
+def _explanation(place: int, rival: CompetingModel) -> dict[str, Any]:
     return {
         "number": place,
         "label": rival.label,
         "sentence": capital(rival.sentence),
-        "standing": capital(standing(rival)),
+        "status": capital(rival_status(rival)),
         "refuted": not rival.open,
         "equations": list(dict.fromkeys(effect(claim.effect).equation for claim in rival.claims)),
     }
@@ -73,6 +74,6 @@ def _pair(pair: dict[str, Any]) -> dict[str, Any]:
         "pair": f"{pair['rival']}, {pair['other']}",
         "separation": format_number(pair["separation"]),
         "random": format_number(pair["random"]),
-        "moment": f"{pair['sensor']} at {pair['time']:.2f} s: {abs(pair['difference']):.2g} {pair['unit']}".rstrip(),
-        "told_apart": pair["told_apart"],
+        "where": f"{pair['sensor']} at {pair['time']:.2f} s: {abs(pair['difference']):.2g} {pair['unit']}".rstrip(),
+        "distinguished": pair["told_apart"],
     }

@@ -1,4 +1,4 @@
-"""Figures of a recovery run: its progress in the shape of the paper's Figure 6, and the ways the robot went."""
+"""Figures of a recovery run: its progress, as in the paper's Figure 6, and the paths of the robot."""
 
 from __future__ import annotations
 
@@ -10,24 +10,23 @@ import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.state import RunState
+from estexp_jax.report.drawing.axes import WIDTH
 
-_WIDTH = 5.4
-"""Narrow, so that text stays readable on a phone."""
 _LETTERS = 88
-"""Letters of a caption that fit side by side over the axes."""
+"""Total width of the captions above the axes, letters."""
 _BEFORE, _DAMAGED, _TRIAL, _SIMULATED = "#1b9e77", "#d95f02", "#7570b3", "#555555"
 
 
 def progress_figure(state: RunState, axis: str, *, stands_in: bool = False) -> Any:
     """Distance over the generations of all explorations.
 
-    Dotted: the best in the simulator as diagnosed then. Triangle: the robot before the damage; circle: after it;
-    squares: the hardware trials. Captions: the diagnoses, where the passes meet.
+    Dotted: the best controller in the simulator with the diagnosis of that pass. Triangle: the robot before the damage;
+    circle: after it; squares: the hardware trials. Captions: the diagnoses, at the end of each pass.
 
     Args:
-        state: the run; may still be under way.
+        state: the run; it may still be under way.
         axis: of the distance.
-        stands_in: what is told of the robot before the damage is the simulator's.
+        stands_in: the values before the damage are the simulator's.
 
     Returns:
         A matplotlib figure, drawn without a display.
@@ -36,7 +35,7 @@ def progress_figure(state: RunState, axis: str, *, stands_in: bool = False) -> A
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(_WIDTH, 4.4), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     axes = figure.add_subplot()
     ends = _draw_explorations(axes, state)
     _draw_trials(axes, state, axis, ends, _before(stands_in))
@@ -50,46 +49,46 @@ def progress_figure(state: RunState, axis: str, *, stands_in: bool = False) -> A
     axes.set_xlim(0, max(ends, default=1))
     axes.set_xlabel("generations of exploration")
     axes.set_ylabel(f"distance along {axis} (m)")
-    # Below the axes: inside them it would lie on curves, and above them are the captions.
+    # Below the axes, since curves are inside and captions above.
     figure.legend(loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
 
 
 def path_figure(state: RunState, axis: str, *, stands_in: bool = False) -> Any:
-    """The root's way seen from above: before the damage, after it, and in the last trial; each begins at the dot.
+    """The root's path from above: before the damage, after it, and in the last trial; each begins at the dot.
 
     Args:
-        state: the run, with its damage done.
+        state: the run, after the damage.
         axis: of the distance, for the legend.
-        stands_in: what is told of the robot before the damage is the simulator's.
+        stands_in: the values before the damage are the simulator's.
     """
     from matplotlib.figure import Figure
 
     first, *later = state.trials
-    walks = [(_before(stands_in), state.before, _BEFORE), ("damaged", first, _DAMAGED)]
-    walks += [(f"trial {len(later)}", later[-1], _TRIAL)] if later else []
-    figure = Figure(figsize=(_WIDTH, 3.4), layout="constrained")
+    paths = [(_before(stands_in), state.before, _BEFORE), ("damaged", first, _DAMAGED)]
+    paths += [(f"trial {len(later)}", later[-1], _TRIAL)] if later else []
+    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
     axes = figure.add_subplot()
-    for title, trial, colour in walks:
+    for title, trial, colour in paths:
         if trial is not None:
-            way = trial.position[:, :2] - trial.position[0, :2]
-            far = trial.distance(axis)
-            label = f"{title}: {far:.2f} m" if np.isfinite(far) else title
-            axes.plot(way[:, 0], way[:, 1], color=colour, label=label)
-            axes.plot(*way[-1], "s", color=colour, markersize=6)
+            path = trial.position[:, :2] - trial.position[0, :2]
+            distance = trial.distance(axis)
+            label = f"{title}: {distance:.2f} m" if np.isfinite(distance) else title
+            axes.plot(path[:, 0], path[:, 1], color=colour, label=label)
+            axes.plot(*path[-1], "s", color=colour, markersize=6)
     axes.plot(0.0, 0.0, "o", color="0.3", markersize=5)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     axes.spines[["top", "right"]].set_visible(False)
     close = {"handlelength": 1.0, "handletextpad": 0.4, "columnspacing": 1.0}
-    figure.legend(loc="outside upper center", ncols=len(walks), fontsize=9, frameon=False, **close)
+    figure.legend(loc="outside upper center", ncols=len(paths), fontsize=9, frameon=False, **close)
     return figure
 
 
 def _draw_explorations(axes: Any, state: RunState) -> list[int]:
-    """Dotted curves one after another; where each ends, generations."""
+    """Draw dotted curves one after another; returns the generation at which each ends."""
     start, ends = 0, []
     rows = [row for row in state.history if row.phase == "exploration"]
     for number in sorted({row.number for row in rows}):
@@ -116,11 +115,12 @@ def _draw_trials(axes: Any, state: RunState, axis: str, ends: Sequence[int], bef
 
 
 def _captions(diagnoses: Sequence[Sequence[Change]], letters: int) -> list[str]:
-    """Each pass's diagnosis, in lines of so many letters; what is as before is not said again."""
-    told, before = [], None
+    """The diagnosis of each pass, wrapped to some letters a line; repeated diagnoses are shortened."""
+    captions, previous = [], None
     for number, diagnosis in enumerate(diagnoses, start=1):
         sentences = [change.sentence() for change in diagnosis] or ["nothing differs"]
         text = "\n".join(fill(sentence, max(letters, 8)) for sentence in sentences)
-        told.append(f"{number}" if letters < 8 else f"{number}: as before" if text == before else f"{number}:\n{text}")
-        before = text
-    return told
+        full = f"{number}: as before" if text == previous else f"{number}:\n{text}"
+        captions.append(f"{number}" if letters < 8 else full)
+        previous = text
+    return captions

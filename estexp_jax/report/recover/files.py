@@ -1,4 +1,4 @@
-"""What a recovery run writes besides its report: its record, its generations, its trials."""
+"""Data files of a recovery run: its record, its generations, its trials."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _COLUMNS = ("pass", "phase", "generation", "best", "median", "dominant")
 def run_record(
     state: RunState, axis: str, planted: Sequence[Change], config: Mapping[str, Any], *, stands_in: bool = False
 ) -> dict[str, Any]:
-    """The contents of `run.json`, versions apart; distances in m, forward positive.
+    """The contents of `run.json` without versions; distances in m, forward positive.
 
     Args:
         state: the run.
         axis: of the distance.
-        planted: what was wrong.
-        config: of the run; has `seed`.
-        stands_in: nobody knows how the robot was before: what the state tells of that is the simulator's.
+        planted: the true damage.
+        config: of the run, with `seed`.
+        stands_in: the values before the damage are the simulator's, so the distance before is unknown.
     """
     before = None if state.before is None or stands_in else state.before.distance(axis)
     return {
@@ -54,7 +54,7 @@ def run_record(
 
 
 def write_history(stream: IO[bytes], state: RunState) -> None:
-    """`history.parquet`: one row a generation."""
+    """Write `history.parquet`: one row for each generation."""
     import pyarrow
     import pyarrow.parquet
 
@@ -64,7 +64,7 @@ def write_history(stream: IO[bytes], state: RunState) -> None:
 
 
 def write_traces(stream: IO[bytes], state: RunState, robot: Robot, interface: Interface) -> None:
-    """`traces.npz`: the damaged robot's trials; trial 0 is the one in which it was damaged."""
+    """Write `traces.npz`: the damaged robot's trials; trial 0 is the first after the damage."""
     arrays: dict[str, Any] = {}
     for number, trial in enumerate(state.trials):
         arrays[f"trial_{number}/time"] = trial.time

@@ -1,4 +1,4 @@
-"""A recovery as it looks: before the damage, damaged, recovered, side by side."""
+"""Pictures of a recovery: before the damage, damaged and recovered, side by side."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ _SIZE = (320, 214)
 _FPS, _MOST_FRAMES, _COLUMNS = 15.0, 75, 5
 
 
-class FilmedWalk(NamedTuple):
-    """One of the walks that are shown."""
+class FilmedRun(NamedTuple):
+    """A controller's run that can be drawn."""
 
     title: str
     target: FilmedTarget
@@ -39,87 +39,86 @@ class Film:
     """A recovery in pictures; shows itself in a notebook.
 
     Attributes:
-        strip: JPEG; a row for each walk, in time from left to right.
-        video: MP4 of the walks side by side; None: what encodes it is not installed, or too few pictures were made.
+        strip: JPEG with a row for each run; time goes from left to right.
+        video: MP4 of the runs side by side; None: the encoder is not installed, or simulation of all frames is slow.
     """
 
     strip: bytes
     video: bytes | None
 
     def _repr_html_(self) -> str:
-        still = f'<img alt="the walks" src="{source(self.strip, "image/jpeg")}">'
+        still = f'<img alt="the runs" src="{source(self.strip, "image/jpeg")}">'
         if self.video is None:
             return still
         return f'<video controls loop muted src="{source(self.video, "video/mp4")}"></video>{still}'
 
 
 def film_of(job: Job, state: RunState) -> Film | None:
-    """Film a run; None where nothing can be filmed, as of robots in the real world.
+    """Draw a recovery; None if nothing can be drawn, as for robots in the real world.
 
     Raises:
-        NoGlError: nothing here can draw.
+        NoGlError: no renderer works here.
     """
-    walks = filmed_walks(job, state)
-    if not walks:
+    runs = filmed_runs(job, state)
+    if not runs:
         return None
-    steps, period = len(walks[0].trial.time), job.settings.control_step
-    moving = can_film() and not _dear(job)
-    n = int(np.clip(round(steps * period * _FPS), _COLUMNS, _MOST_FRAMES)) if moving else _COLUMNS
+    steps, period = len(runs[0].trial.time), job.settings.control_step
+    with_video = can_film() and not _is_slow(job)
+    n = int(np.clip(round(steps * period * _FPS), _COLUMNS, _MOST_FRAMES)) if with_video else _COLUMNS
     rows = np.unique(np.linspace(0, steps - 1, n).astype(int))
     robot = job.simulator.robot
-    motions = _motions(job, walks, rows.tolist())
-    shots = [_shot(robot, walk, qpos, job.settings.axis) for walk, qpos in zip(walks, motions, strict=True)]
+    motions = _motions(job, runs, rows.tolist())
+    shots = [_shot(robot, run, qpos, job.settings.axis) for run, qpos in zip(runs, motions, strict=True)]
     pictures = render_shots(drawn(robot), shots, width=_SIZE[0], height=_SIZE[1], shadows=True)
-    framed = [_captioned(walk, shown, rows, job) for walk, shown in zip(walks, pictures, strict=True)]
+    captioned_rows = [_captioned(run, frames, rows, job) for run, frames in zip(runs, pictures, strict=True)]
     chosen = np.linspace(0, len(rows) - 1, _COLUMNS).astype(int)
-    still = strip([[row[k] for k in chosen] for row in framed])
-    if not moving:
-        return Film(still, None)
-    beside = [np.concatenate(frames, axis=1) for frames in zip(*framed, strict=True)]
-    return Film(still, film(beside, len(rows) / (steps * period)))
+    strip_jpeg = strip([[row[k] for k in chosen] for row in captioned_rows])
+    if not with_video:
+        return Film(strip_jpeg, None)
+    side_by_side = [np.concatenate(frames, axis=1) for frames in zip(*captioned_rows, strict=True)]
+    return Film(strip_jpeg, film(side_by_side, len(rows) / (steps * period)))
 
 
-def filmed_walks(job: Job, state: RunState) -> list[FilmedWalk]:
-    """Before, damaged and recovered, as far as there are such walks and their targets show how they went."""
+def filmed_runs(job: Job, state: RunState) -> list[FilmedRun]:
+    """The runs before the damage, damaged and recovered, if they exist and their targets return motions."""
     if state.before is None or not state.trials:
         return []
-    told: list[tuple[str, Target | RemoteTarget | None, int, Trial, tuple[Change, ...]]] = [
+    runs: list[tuple[str, Target | RemoteTarget | None, int, Trial, tuple[Change, ...]]] = [
         ("before the damage", job.healthy, 0, state.before, ())
     ]
-    told.append(("damaged", job.target, 0, state.trials[0], job.planted))
+    runs.append(("damaged", job.target, 0, state.trials[0], job.planted))
     if state.trials[1:]:
         last = len(state.trials) - 1
-        told.append((f"recovered, trial {last}", job.target, last, state.trials[last], job.planted))
-    return [FilmedWalk(title, target, state.controllers[k], trial, changes)
-            for title, target, k, trial, changes in told if isinstance(target, FilmedTarget)]  # fmt: skip
+        runs.append((f"recovered, trial {last}", job.target, last, state.trials[last], job.planted))
+    return [FilmedRun(title, target, state.controllers[k], trial, changes)
+            for title, target, k, trial, changes in runs if isinstance(target, FilmedTarget)]  # fmt: skip
 
 
-def _dear(job: Job) -> bool:
-    """Whether each picture takes long to simulate."""
+def _is_slow(job: Job) -> bool:
+    """Whether each frame takes long to simulate."""
     return isinstance(job.target, SameTarget) and job.simulator.closed_loop.choice.engine == "mjx"
 
 
-def _motions(job: Job, walks: Sequence[FilmedWalk], rows: list[int]) -> list[np.ndarray]:
-    """Configurations (rows, nq) of each walk."""
-    planted = [walk.target.planted for walk in walks if isinstance(walk.target, SameTarget)]
-    if len(planted) == len(walks):  # all in one batch
-        return list(job.simulator.motions(planted, np.stack([walk.weights for walk in walks]), rows))
-    length = len(walks[0].trial.time)
-    return [walk.target.motion(job.simulator.controller(walk.weights, length), rows) for walk in walks]
+def _motions(job: Job, runs: Sequence[FilmedRun], rows: list[int]) -> list[np.ndarray]:
+    """Configurations (rows, nq) of each run."""
+    planted = [run.target.planted for run in runs if isinstance(run.target, SameTarget)]
+    if len(planted) == len(runs):  # all in one batch
+        return list(job.simulator.motions(planted, np.stack([run.weights for run in runs]), rows))
+    length = len(runs[0].trial.time)
+    return [run.target.motion(job.simulator.controller(run.weights, length), rows) for run in runs]
 
 
-def _shot(robot: Robot, walk: FilmedWalk, qpos: np.ndarray, axis: str) -> Shot:
-    """The camera goes with the robot, but not up and down with it."""
+def _shot(robot: Robot, run: FilmedRun, qpos: np.ndarray, axis: str) -> Shot:
+    """The view of a run; the camera follows the robot horizontally."""
     centre, radius = ground_covered(robot, robot.home()[None])
     places = np.array([ground_covered(robot, posture[None])[0] for posture in qpos])
     places[:, 2] = centre[2]
-    return Shot(qpos[:, None], colours(robot, walk.changes)[None], places, *walking_view(axis, radius))
+    return Shot(qpos[:, None], colours(robot, run.changes)[None], places, *walking_view(axis, radius))
 
 
-def _captioned(walk: FilmedWalk, pictures: Sequence[np.ndarray], rows: np.ndarray, job: Job) -> list[np.ndarray]:
-    position, axis = walk.trial.position, job.settings.axis
-    told = [
-        f"{walk.title}: {distances_along(position[: row + 1], axis):+.2f} m, {walk.trial.time[row]:.1f} s"
-        for row in rows
+def _captioned(run: FilmedRun, pictures: Sequence[np.ndarray], rows: np.ndarray, job: Job) -> list[np.ndarray]:
+    position, axis = run.trial.position, job.settings.axis
+    captions = [
+        f"{run.title}: {distances_along(position[: row + 1], axis):+.2f} m, {run.trial.time[row]:.1f} s" for row in rows
     ]
-    return [captioned(picture, text) for picture, text in zip(pictures, told, strict=True)]
+    return [captioned(picture, text) for picture, text in zip(pictures, captions, strict=True)]

@@ -1,4 +1,4 @@
-"""The report of a recovery run: one HTML file that needs nothing else."""
+"""The report of a recovery run as one HTML file."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from estexp_jax.report.recover.figure import path_figure, progress_figure
 from estexp_jax.report.recover.film import Film
 
 _RECOVERED, _PARTLY = 0.9, 0.5
-"""Shares of what the damage cost from which on a robot has recovered, or in part."""
-_BELIED = 0.25
-"""Share of the distance before the damage by which a trial may miss the prediction."""
+"""Shares of the lost distance above which a robot has recovered, or has recovered in part."""
+_LARGE_MISS = 0.25
+"""Error of a predicted trial, as a share of the distance before the damage, above which it is reported."""
 
 
 def recover_page(
@@ -32,25 +32,25 @@ def recover_page(
     *,
     stands_in: bool = False,
 ) -> str:
-    """HTML of a run that has had its damage.
+    """HTML of a run after the damage.
 
     Args:
         title: of the run.
-        planted: what was wrong; None where nobody knows.
+        planted: the true damage; None: unknown.
         state: the run.
         axis: of the distance.
-        settings: names to values, for the record.
-        film: how it walks, where it could be drawn.
-        stands_in: what is told of the robot before the damage is the simulator's.
+        settings: names to values, for the last section.
+        film: pictures of the gaits; None: not drawn.
+        stands_in: the values before the damage are the simulator's.
     """
     passes = state.passes(axis)
     last = passes[-1] if passes else None
     return render_page(
-        "recover_page.html",
+        "recover/page.html",
         title=title,
         verdict=recover_verdict(state, axis),
         headline=recover_headline(state, axis, stands_in),
-        found=None if last is None else [_claim(change) for change in last.diagnosis],
+        diagnosis=None if last is None else [_change_entry(change) for change in last.diagnosis],
         probability="" if last is None or last.probability is None else probability(last.probability),
         trials=len(state.trials) - 1,  # the last trial came after the last diagnosis
         alarm=last is not None and bool(last.alarm),
@@ -59,9 +59,9 @@ def recover_page(
         nothing="nothing was planted",
         progress=image(progress_figure(state, axis, stands_in=stands_in)),
         stands_in=stands_in,
-        paths=image(path_figure(state, axis, stands_in=stands_in)) if _way_known(state) else None,
-        rows=table(state, axis),
-        others=[] if last is None else [_other(diagnosis, p) for diagnosis, p in last.alternatives],
+        paths=image(path_figure(state, axis, stands_in=stands_in)) if _path_known(state) else None,
+        rows=recover_rows(state, axis),
+        others=[] if last is None else [_alternative(diagnosis, p) for diagnosis, p in last.alternatives],
         advice=recover_advice(state, axis),
         strip="" if film is None else source(film.strip, "image/jpeg"),
         video="" if film is None or film.video is None else source(film.video, "video/mp4"),
@@ -71,22 +71,22 @@ def recover_page(
 
 def recover_verdict(state: RunState, axis: str) -> str:
     """Whether the robot recovered."""
-    regained = _regained(state, axis)
-    if regained is None:
+    share = _recovered_share(state, axis)
+    if share is None:
         return "The robot is damaged." if state.trials else "The robot has not been damaged yet."
-    if isnan(regained):
+    if isnan(share):
         return "How far the robot walks is not known."
-    if regained == float("inf"):
+    if share == float("inf"):
         return "The damage cost the robot nothing."
-    if regained >= _RECOVERED:
+    if share >= _RECOVERED:
         return "The robot walks again."
-    return "The robot walks again, in part." if regained >= _PARTLY else "The robot has not recovered."
+    return "The robot walks again, in part." if share >= _PARTLY else "The robot has not recovered."
 
 
-def _regained(state: RunState, axis: str) -> float | None:
-    """Share of the distance lost that the last trial won back.
+def _recovered_share(state: RunState, axis: str) -> float | None:
+    """Share of the lost distance that the last trial recovered.
 
-    Infinite where none was lost, NaN where a distance is not known, None before a trial.
+    Infinite if none was lost, NaN if a distance is unknown, None before a trial.
     """
     if state.before is None or not state.trials[1:]:
         return None
@@ -96,8 +96,8 @@ def _regained(state: RunState, axis: str) -> float | None:
     return (last - damaged) / (before - damaged) if before > damaged else float("inf")
 
 
-def _way_known(state: RunState) -> bool:
-    """Whether more is known of the damaged robot's way over the ground than how far it came."""
+def _path_known(state: RunState) -> bool:
+    """Whether the damaged robot's path over the ground is known, not only the distance."""
     return any(np.all(np.isfinite(trial.position[[0, -1], :2])) for trial in (state.trials[0], state.trials[-1]))
 
 
@@ -109,11 +109,12 @@ def recover_headline(state: RunState, axis: str, stands_in: bool = False) -> str
     text = f"The robot walked {before} before the damage and {damaged} after it"
     if stands_in:
         text = f"The undamaged simulator walked {before}, the damaged robot {damaged}"
-    return f"{text}; its last trial came {metres(state.trials[-1].distance(axis))}." if state.trials[1:] else f"{text}."
+    last = f"; its last trial covered {metres(state.trials[-1].distance(axis))}" if state.trials[1:] else ""
+    return f"{text}{last}."
 
 
-def table(state: RunState, axis: str) -> list[dict[str, Any]]:
-    """A row for each pass, as texts."""
+def recover_rows(state: RunState, axis: str) -> list[dict[str, Any]]:
+    """A row of texts for each pass."""
     return [
         {
             "number": number,
@@ -127,37 +128,37 @@ def table(state: RunState, axis: str) -> list[dict[str, Any]]:
 
 
 def recover_advice(state: RunState, axis: str) -> list[str]:
-    """What to do next, as far as the last pass shows it."""
+    """Advice from the last pass."""
     passes = state.passes(axis)
     if not passes or state.before is None:
         return []
     last = passes[-1]
     gap = abs(last.simulated - last.hardware) / max(abs(state.before.distance(axis)), 1e-9)
-    told = []
+    advice = []
     if last.alarm:
-        told.append(
-            "Let the search choose from more (--catalogue full), or allow the simulator more error (--model-error)."
+        advice.append(
+            "Let the search use more effects (--catalogue full), or allow the simulator more error (--model-error)."
         )
-    if gap > _BELIED:
-        told.append(
-            f"The last trial missed the predicted distance by {percent(gap, 0)} of the distance before the damage: the "
-            "simulator lacks more than the diagnosis. Recordings of the robot and `estexp explain` show what."
+    if gap > _LARGE_MISS:
+        advice.append(
+            f"The last trial missed the predicted distance by {percent(gap, 0)} of the distance before the damage. The "
+            "simulator lacks more than the diagnosis; recordings of the robot and `estexp explain` can find it."
         )
     if last.alternatives:
-        told.append("More passes (--passes) give the search more trials to exclude the other diagnoses by.")
-    return told + _more(last, _regained(state, axis))
+        advice.append("More passes (--passes) give the search more trials to exclude the other diagnoses.")
+    return advice + _search_advice(last, _recovered_share(state, axis))
 
 
-def _more(last: Pass, regained: float | None) -> list[str]:
-    if regained is None or not regained < _PARTLY or last.alarm:
+def _search_advice(last: Pass, share: float | None) -> list[str]:
+    if share is None or not share < _PARTLY or last.alarm:
         return []
-    return ["A larger search (--generations, --population) may find a better gait for the robot as diagnosed."]
+    return ["A larger search (--generations, --population) may find a better gait for the diagnosed robot."]
 
 
-def _claim(change: Change) -> dict[str, str]:
+def _change_entry(change: Change) -> dict[str, str]:
     return {"sentence": capital(change.sentence()), "equation": effect(change.effect).equation}
 
 
-def _other(diagnosis: Sequence[Change], share: float) -> dict[str, str]:
+def _alternative(diagnosis: Sequence[Change], share: float) -> dict[str, str]:
     text = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
     return {"text": text, "probability": probability(share)}

@@ -16,6 +16,7 @@ from estexp_jax.physics.engines.agreement import (
 from estexp_jax.physics.engines.choice import closed_loop_simulator, open_loop_simulator
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.recordings.settings import apply_settings
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from tests.physics.robots import robot
 
 CHANGES = [(), ("body_mass@pole dm=0.1", "joint_jam@swing f=0.4", "motor_weakness@push loss=0.3")]
@@ -26,15 +27,17 @@ SETS = [[parse_change(text, robot("cartpole")) for text in texts] for texts in C
 def test_engines_agree_and_a_wrong_one_does_not(engine: str) -> None:
     one = robot("cartpole")
     effects = catalogue(["body_mass", "motor_weakness", "joint_jam"])
-    walks = closed_loop_simulator(one, effects, rows=3, control_step=0.01, population=60, engine=engine)
-    states = sample_states(one, walks.interface, 40)
-    found = closed_loop_agreement(walks, states, SETS)
+    simulator = closed_loop_simulator(
+        one, effects, policy=RecurrentPolicy(), rows=3, control_step=0.01, population=60, engine=engine
+    )
+    states = sample_states(one, simulator.interface, 40)
+    found = closed_loop_agreement(simulator, states, SETS)
     assert found.agrees and found.states == 40 and found.physics_steps == 2
     assert found.median <= found.high <= found.largest
     assert "agrees with the converged C engine" in found.sentence()
     # The edits are not where the referee has them: every other state is off.
-    speeds = engine_speeds(walks, states, SETS)
-    assert not engine_agreement(speeds, converged_speeds(one, walks.interface, states, 2), 2).agrees
+    speeds = engine_speeds(simulator, states, SETS)
+    assert not engine_agreement(speeds, converged_speeds(one, simulator.interface, states, 2), 2).agrees
 
 
 def test_a_replayer_is_tried_as_the_first_recording_knew_the_robot() -> None:

@@ -1,6 +1,7 @@
 """Closed loops of each engine against the same loop in numpy over the C engine; batches, failures, compilations."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import jax
 import numpy as np
@@ -12,6 +13,7 @@ from estexp_jax.physics.effects.changes import Change, Values, encode, neutral, 
 from estexp_jax.physics.effects.registry import catalogue, effect, paper
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, ReadingOverride, replace_readings
+from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.runs import count_compilations
 from tests.physics.conftest import WALKER_ROWS
 from tests.physics.reference import recompiled
@@ -83,29 +85,29 @@ def _loop(start: BodyState, weights: np.ndarray, changes: Sequence[Change]) -> d
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_it_walks_as_a_plain_loop_over_the_c_engine(walkers: ClosedLoopSimulator, settled, damage: str) -> None:
     changes, weights = _changes(DAMAGE[damage]), _networks(N_NETWORKS)
-    starts = jax.tree.map(lambda x: np.repeat(x[None], N_NETWORKS, axis=0), settled[damage])
-    walk = walkers.walk(_values(walkers, changes, N_NETWORKS), weights, starts, STEPS)
-    assert not walk.failed.any()
+    initial = jax.tree.map(lambda x: np.repeat(x[None], N_NETWORKS, axis=0), settled[damage])
+    rollout = walkers.rollout(_values(walkers, changes, N_NETWORKS), weights, initial, STEPS)
+    assert not rollout.failed.any()
     agreed = 0
     for i in range(N_NETWORKS):
         wanted = _loop(settled[damage], weights[i], changes)
-        np.testing.assert_allclose(walk.readings[i, 0], wanted["readings"][0], atol=1e-6)
-        np.testing.assert_allclose(walk.commands[i, 0], wanted["commands"][0], atol=1e-5)
-        errors = [np.abs(getattr(walk, k)[i] - wanted[k]).max() for k in ("readings", "commands", "position")]
+        np.testing.assert_allclose(rollout.readings[i, 0], wanted["readings"][0], atol=1e-6)
+        np.testing.assert_allclose(rollout.commands[i, 0], wanted["commands"][0], atol=1e-5)
+        errors = [np.abs(getattr(rollout, k)[i] - wanted[k]).max() for k in ("readings", "commands", "position")]
         agreed += max(errors) < 2e-3
     # A foot that just so touches may do so a step later in single precision; then the two walks part for good.
     assert agreed >= 0.75 * N_NETWORKS
 
 
 def test_a_walk_holds_what_its_first_and_last_states_say(walkers: ClosedLoopSimulator, settled) -> None:
-    starts = jax.tree.map(lambda x: x[None], settled["healthy"])
-    walk = walkers.walk(_values(walkers, (), 1), _networks(1), starts, STEPS)
-    assert walk.readings.shape == (1, STEPS, 8) and walk.commands.shape == (1, STEPS, 8)
-    np.testing.assert_array_equal(walk.position[0, 0], starts.qpos[0, :3])
-    np.testing.assert_array_equal(walk.readings[0, 0, 4:], starts.qpos[0, [8, 10, 12, 14]])
-    half = walkers.walk(_values(walkers, (), 1), _networks(1), starts, STEPS // 2)
-    np.testing.assert_array_equal(half.readings, walk.readings[:, : STEPS // 2])
-    np.testing.assert_array_equal(half.final.qpos[0, :3], walk.position[0, STEPS // 2])
+    initial = jax.tree.map(lambda x: x[None], settled["healthy"])
+    rollout = walkers.rollout(_values(walkers, (), 1), _networks(1), initial, STEPS)
+    assert rollout.readings.shape == (1, STEPS, 8) and rollout.commands.shape == (1, STEPS, 8)
+    np.testing.assert_array_equal(rollout.position[0, 0], initial.qpos[0, :3])
+    np.testing.assert_array_equal(rollout.readings[0, 0, 4:], initial.qpos[0, [8, 10, 12, 14]])
+    half = walkers.rollout(_values(walkers, (), 1), _networks(1), initial, STEPS // 2)
+    np.testing.assert_array_equal(half.readings, rollout.readings[:, : STEPS // 2])
+    np.testing.assert_array_equal(half.final.qpos[0, :3], rollout.position[0, STEPS // 2])
 
 
 def test_it_settles_on_its_feet_at_rest(walkers: ClosedLoopSimulator, settled) -> None:
@@ -120,20 +122,20 @@ def test_it_settles_on_its_feet_at_rest(walkers: ClosedLoopSimulator, settled) -
 
 def test_population_size_changes_nothing(walkers: ClosedLoopSimulator) -> None:
     weights, changes = _networks(51), _changes(("motor_weakness@hip_f loss=0.4",))
-    seen = {}
+    found = {}
     for n in (7, 50, 51):
         values = _values(walkers, changes, n)
         start = walkers.settle(values, 20)
         assert start.qpos.shape[0] == n
-        seen[n] = walkers.walk(values, weights[:n], start, STEPS)
-        assert seen[n].failed.shape == (n,)
+        found[n] = walkers.rollout(values, weights[:n], start, STEPS)
+        assert found[n].failed.shape == (n,)
     for n in (7, 50):
-        np.testing.assert_array_equal(seen[n].readings[0], seen[51].readings[0])
-        np.testing.assert_array_equal(seen[n].final.qpos[0], seen[51].final.qpos[0])
-    alone = walkers.walk(
+        np.testing.assert_array_equal(found[n].readings[0], found[51].readings[0])
+        np.testing.assert_array_equal(found[n].final.qpos[0], found[51].final.qpos[0])
+    alone = walkers.rollout(
         _values(walkers, changes, 1), weights[50:], jax.tree.map(lambda x: x[:1], walkers.settle(values, 20)), STEPS
     )
-    np.testing.assert_array_equal(alone.readings[0], seen[51].readings[50])
+    np.testing.assert_array_equal(alone.readings[0], found[51].readings[50])
 
 
 def test_settling_does_not_depend_on_the_chunk(walkers: ClosedLoopSimulator) -> None:
@@ -150,16 +152,16 @@ def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: ClosedL
     n, bad = 9, 4
     weights, values = _networks(n), _values(walkers, (), n)
     start = walkers.settle(values, 20)
-    well = walkers.walk(values, weights, start, STEPS)
+    well = walkers.rollout(values, weights, start, STEPS)
     ill = {k: v.copy() for k, v in values.items()}
     ill["motor_weakness"][bad] = -1e12
-    walk = walkers.walk(ill, weights, start, STEPS)
+    rollout = walkers.rollout(ill, weights, start, STEPS)
     others = np.arange(n) != bad
-    np.testing.assert_array_equal(walk.failed, ~others)
+    np.testing.assert_array_equal(rollout.failed, ~others)
     for name in ("readings", "commands", "position"):
-        np.testing.assert_array_equal(getattr(walk, name)[others], getattr(well, name)[others])
-        assert np.isfinite(getattr(walk, name)[others]).all()
-    assert np.isfinite(walk.final.qpos[others]).all() and not np.isfinite(walk.final.qpos[bad]).all()
+        np.testing.assert_array_equal(getattr(rollout, name)[others], getattr(well, name)[others])
+        assert np.isfinite(getattr(rollout, name)[others]).all()
+    assert np.isfinite(rollout.final.qpos[others]).all() and not np.isfinite(rollout.final.qpos[bad]).all()
 
 
 @pytest.mark.parametrize("engine", ["mjx", "lanes"])
@@ -167,19 +169,25 @@ def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine
     effects = catalogue(["body_mass", "motor_weakness"])
     weights = np.zeros((200, 3 * 3 + 9 + 2 * 4), np.float32)
     closed_loop_simulator(
-        robot("cartpole"), effects, rows=12, control_step=0.01, engine="mjx"
+        robot("cartpole"), effects, policy=RecurrentPolicy(), rows=12, control_step=0.01, engine="mjx"
     )  # compiles what putting a model takes
-    with count_compilations() as seen:
+    with count_compilations() as found:
         here = closed_loop_simulator(
-            robot("cartpole"), effects, rows=12, control_step=0.01, population=4, engine=engine
+            robot("cartpole"),
+            effects,
+            policy=RecurrentPolicy(),
+            rows=12,
+            control_step=0.01,
+            population=4,
+            engine=engine,
         )
         counts = []
         for n, steps in ((200, 12), (3, 5), (4, 1)):
             values = stack([neutral(here.robot, here.catalogue)] * n)
             start = here.settle(values, 10)
-            walk = here.walk(values, weights[:n], start, steps)
-            assert walk.readings.shape == (n, steps, 2)
-            counts.append(seen.count)
+            rollout = here.rollout(values, weights[:n], start, steps)
+            assert rollout.readings.shape == (n, steps, 2)
+            counts.append(found.count)
     assert counts[0] <= 2 and counts[2] == counts[0]  # lanes: the edits, and the walk
 
 
@@ -188,20 +196,19 @@ def test_what_it_refuses(walkers: ClosedLoopSimulator) -> None:
     for steps in (0, WALKER_ROWS + 1):
         with pytest.raises(ValueError, match=str(WALKER_ROWS)):
             walkers.settle(values, steps)
+    short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     with pytest.raises(ValueError, match="command_delay"):
-        closed_loop_simulator(
-            robot("quadruped"), catalogue([*(e.name for e in paper()), "command_delay"]), rows=5, control_step=0.01
-        )
+        closed_loop_simulator(robot("quadruped"), (*paper(), effect("command_delay")), **short)
     with pytest.raises(InputError, match=MUTE):
-        closed_loop_simulator(robot(MUTE), paper(), rows=5, control_step=0.01)
+        closed_loop_simulator(robot(MUTE), paper(), **short)
 
 
 def test_networks_that_hear_their_own_readings_walk_as_before(walkers: ClosedLoopSimulator) -> None:
     weights = _networks(3)
     values = _values(walkers, (), 3)
     start = walkers.settle(values, SETTLING)
-    closed = walkers.walk(values, weights, start, STEPS)
-    again = walkers.walk(values, weights, start, STEPS, heard=replace_readings(closed.readings))
+    closed = walkers.rollout(values, weights, start, STEPS)
+    again = walkers.rollout(values, weights, start, STEPS, override=replace_readings(closed.readings))
     assert np.array_equal(again.readings, closed.readings)
     assert np.array_equal(again.commands, closed.commands)
 
@@ -209,12 +216,12 @@ def test_networks_that_hear_their_own_readings_walk_as_before(walkers: ClosedLoo
 def test_networks_that_hear_recorded_readings_ignore_the_bodys_own(walkers: ClosedLoopSimulator) -> None:
     weights = _networks(2)
     healthy, damaged = (_values(walkers, c, 2) for c in ((), _changes(DAMAGE["whole leg lost"])))
-    seen = walkers.walk(healthy, weights, walkers.settle(healthy, SETTLING), STEPS)
-    replayed = walkers.walk(
-        damaged, weights, walkers.settle(damaged, SETTLING), STEPS, heard=replace_readings(seen.readings)
+    found = walkers.rollout(healthy, weights, walkers.settle(healthy, SETTLING), STEPS)
+    replayed = walkers.rollout(
+        damaged, weights, walkers.settle(damaged, SETTLING), STEPS, override=replace_readings(found.readings)
     )
-    assert np.array_equal(replayed.commands, seen.commands)
-    assert not np.array_equal(replayed.readings, seen.readings)
+    assert np.array_equal(replayed.commands, found.commands)
+    assert not np.array_equal(replayed.readings, found.readings)
 
 
 def test_networks_hear_noise_that_the_readings_do_not_show(walkers: ClosedLoopSimulator) -> None:
@@ -222,9 +229,9 @@ def test_networks_hear_noise_that_the_readings_do_not_show(walkers: ClosedLoopSi
     start, random = walkers.settle(values, SETTLING), np.random.default_rng(4)
     shape = (2, STEPS, walkers.interface.n_inputs)
     noise = ReadingOverride(np.where(random.random(shape) < 0.1, -1.0, 1.0), 0.02 * random.standard_normal(shape))
-    noisy = walkers.walk(values, weights, start, STEPS, heard=noise)
-    assert not np.array_equal(noisy.commands, walkers.walk(values, weights, start, STEPS).commands)
-    told = noise.factor * noisy.readings + noise.added
-    replayed = walkers.walk(values, weights, start, STEPS, heard=replace_readings(told))
+    noisy = walkers.rollout(values, weights, start, STEPS, override=noise)
+    assert not np.array_equal(noisy.commands, walkers.rollout(values, weights, start, STEPS).commands)
+    given = noise.factor * noisy.readings + noise.added
+    replayed = walkers.rollout(values, weights, start, STEPS, override=replace_readings(given))
     assert np.allclose(replayed.commands[:, 0], noisy.commands[:, 0], atol=1e-6)
     assert np.allclose(noisy.readings[:, 0], replayed.readings[:, 0])

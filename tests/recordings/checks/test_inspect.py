@@ -2,12 +2,14 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks.inspect import judge
+from tests.recordings.checks.bad_logs import STEP, assert_found, assert_found_in_real, check, servo_log, without_motion
 
 
 @pytest.fixture
@@ -72,3 +74,23 @@ def test_the_judgement_is_json_without_nan(pendulum, make):
     assert (judged["rows"], judged["role"]) == (101, "train")
     assert judged["readings"]["sensor.acc.0"] == {"samples": 0, "low": None, "high": None, "step": None}
     assert judged["readings"]["sensor.angle"]["samples"] == 101
+
+
+def test_a_good_recording_has_no_faults(arm, tmp_path):
+    result = check(servo_log(), tmp_path, arm)
+    assert result["faults"] == [] and result["notes"] == []
+    assert result["commands"]["servo"]["lag_s"] == pytest.approx(0.03, abs=0.006)
+    assert result["readings"]["sensor.angle"]["step"] == pytest.approx(STEP)
+
+
+STILL = (without_motion, "still", "does not move")
+
+
+def test_a_joint_that_never_moves_is_found(arm, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert_found(STILL, arm, Path())
+
+
+def test_a_joint_that_never_moves_is_found_in_real_recordings(real_data, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert_found_in_real(STILL, real_data, Path())

@@ -114,15 +114,15 @@ def write_mcap(path, time, goal, position, stamp_offset_s=0.0):
         picture = writer.register_channel("/camera", "protobuf", 0)
         for row, stamp in enumerate(np.round(1e9 * time).astype(np.int64).tolist()):
             log_time = 1_700_000_000_000_000_000 + stamp
-            told = {"log_time": log_time, "publish_time": log_time - 1000}
+            stamps = {"log_time": log_time, "publish_time": log_time - 1000}
             if np.isfinite(goal[row]):
-                writer.add_message(goals, data=json.dumps({"position": [goal[row]]}).encode(), **told)
+                writer.add_message(goals, data=json.dumps({"position": [goal[row]]}).encode(), **stamps)
             if np.isfinite(position[row]):
                 pair = [("shoulder", 0.5), ("elbow", position[row])][:: -1 if row % 2 else 1]
                 header = {"stamp": {"sec": 1_700_000_000, "nanosec": int(stamp % 10**9)}, "frame_id": "base"}
                 names, values = [name for name, _ in pair], [value for _, value in pair]
                 message = {"header": header, "name": names, "position": values, "velocity": [], "effort": []}
-                writer.add_message(states, data=encode(message), **told)
+                writer.add_message(states, data=encode(message), **stamps)
             if row % 50 == 0:
-                writer.add_message(picture, data=b"\x00" * 100, **told)
+                writer.add_message(picture, data=b"\x00" * 100, **stamps)
         writer.finish()

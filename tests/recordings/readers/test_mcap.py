@@ -14,8 +14,12 @@ from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import Selection
 from tests.recordings.readers.forms import JOINT_STATE, write_mcap
 
-pytest.importorskip("mcap_ros2", reason="MCAP needs the extra `mcap`: pip install 'estexp_jax[mcap]'")
 STATE, GOAL = "/joint_states.position[elbow]", "/goal.position[0]"
+
+
+@pytest.fixture(autouse=True)
+def mcap_installed():
+    pytest.importorskip("mcap_ros2", reason="MCAP needs the extra `mcap`: pip install 'estexp_jax[mcap]'")
 
 
 def _read(path, *wanted, clock="log"):

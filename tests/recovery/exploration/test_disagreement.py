@@ -33,8 +33,8 @@ def test_what_foretells_the_same_is_never_told_apart(
 def test_a_weak_motor_shows_only_where_it_moves(
     world: DamageSimulator, settings: Settings, controllers: np.ndarray, robot: str
 ) -> None:
-    told = replace(settings, robot=robot)  # pyright: ignore[reportArgumentType]
-    still, *moving = remaining_probability(world, told, controllers, [(WEAK, 0.6), ((), 0.4)])
+    chosen = replace(settings, robot=robot)  # pyright: ignore[reportArgumentType]
+    still, *moving = remaining_probability(world, chosen, controllers, [(WEAK, 0.6), ((), 0.4)])
     assert still > 10.0 * max(moving)
 
 

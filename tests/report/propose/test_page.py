@@ -1,10 +1,7 @@
 """The report of a proposed motion: what is open, where it shows, what to do; nothing from elsewhere."""
 
-import numpy as np
 import pytest
 
-from estexp_jax.report.propose.advice import propose_advice
-from estexp_jax.report.propose.figures import figure_commands, figure_predictions, informative_readings
 from estexp_jax.report.propose.page import propose_headline, propose_page
 from tests.report.examples import LONG, proposal
 
@@ -28,18 +25,3 @@ def test_it_tells_rivals_moments_and_what_to_do():
 )
 def test_the_headline_claims_no_more_than_there_is(apart, told):
     assert told in propose_headline(proposal(apart)) and told in propose_page(proposal(apart))
-
-
-def test_figures_show_the_commands_and_all_rivals_where_they_differ_most():
-    [axes] = figure_predictions(proposal()).axes
-    assert [line.get_label() for line in axes.get_lines()[:3]] == ["1", "2", "3"]
-    assert axes.get_ylabel() == "<i>angle</i>$\\x$ (rad)"
-    assert informative_readings(proposal()) == {"<i>angle</i>$\\x$": [1.99, 0.01]}
-    [motor] = figure_commands(proposal()).axes
-    assert motor.get_title(loc="left") == "servo" and np.size(motor.get_lines()[0].get_xdata()) == 200
-
-
-def test_page_and_advice_say_the_same():
-    text, html = propose_advice(proposal()), propose_page(proposal())
-    for told in ("1.99", "0.0054", "beyond a limit", "holds 1.99 s of commands"):
-        assert (told in text) == (told in html)

@@ -1,22 +1,31 @@
 """Neuron fault: a hidden neuron of the controller gives only a share of its output."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import ClassVar, final
 
 import jax
 
 from estexp_jax.physics.effects.base import Parameter
-from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.effects.controller_fault import ControllerFault, Parameters
 from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.control.network import HIDDEN, Network
 
 
 @register
 @final
+@dataclass(frozen=True, eq=False)
 class NeuronFault(ControllerFault, Damage):
-    """output of the neuron = gain * nominal output."""
+    """output of the neuron = gain * nominal output.
+
+    Attributes:
+        n_hidden: hidden neurons of the controller; three in the paper's.
+    """
+
+    n_hidden: int = 3
 
     name: ClassVar[str] = "neuron_fault"
     kind: ClassVar[str] = "controller"
@@ -26,7 +35,10 @@ class NeuronFault(ControllerFault, Damage):
     source: ClassVar[str] = "Bongard and Lipson 2004, situation 11"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return tuple(f"hidden_{i}" for i in range(HIDDEN))
+        return tuple(f"hidden_{i}" for i in range(self.n_hidden))
+
+    def for_controller(self, n_hidden: int) -> NeuronFault:
+        return self if n_hidden == self.n_hidden else NeuronFault(n_hidden)
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((0.0, 1.0),)
@@ -40,5 +52,5 @@ class NeuronFault(ControllerFault, Damage):
     def combine(self, a: float, b: float) -> float:
         return max(a, b)
 
-    def damage(self, robot: Robot, network: Network, values: jax.Array) -> Network:
+    def damage(self, robot: Robot, network: Parameters, values: jax.Array) -> Parameters:
         return network._replace(hidden_gain=network.hidden_gain * values[:, 0])

@@ -7,13 +7,12 @@ import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Parameter
-from estexp_jax.physics.effects.controller_fault import CommandRoute
+from estexp_jax.physics.effects.controller_fault import CommandRoute, Parameters
 from estexp_jax.physics.effects.damage import PRESENT, Amounts, Damage
 from estexp_jax.physics.effects.guesses import Vectors, other_elements
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.control.network import Network
 
 
 @register
@@ -47,7 +46,7 @@ class TiedOutputs(CommandRoute, Damage):
     def combine(self, a: float, b: float) -> float:
         return max(a, b)
 
-    def damage(self, robot: Robot, network: Network, values: jax.Array) -> Network:
+    def damage(self, robot: Robot, network: Parameters, values: jax.Array) -> Parameters:
         source = self.route(robot, values)
         return network._replace(output_of=jnp.where(source >= 0, source, network.output_of))
 

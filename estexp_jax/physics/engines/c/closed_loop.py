@@ -19,7 +19,7 @@ import numpy as np
 
 from estexp_jax.physics.engines.batching import cores
 from estexp_jax.physics.engines.controller_interface import Interface
-from estexp_jax.recovery.control.network import HIDDEN
+from estexp_jax.physics.engines.policy import Policy
 
 _BUFFER = 4_000_000
 """Numbers in the buffer that `mujoco.rollout` fills before it is used again; larger ones are slower."""
@@ -56,19 +56,11 @@ def at_rest(model: mujoco.MjModel, qpos: np.ndarray, ctrl: np.ndarray, seconds: 
 
 @final
 class BatchedControllers:
-    """The networks of many robots (n, ...), or of one of them, in numpy; see `controllers` for their form."""
+    """The healthy controllers of many robots (n, ...), or of one of them, between sensors and motors."""
 
-    def __init__(self, weights: np.ndarray, face: Interface, gain: float) -> None:
+    def __init__(self, policy: Policy, weights: np.ndarray, face: Interface) -> None:
         """For weights (n, n_weights), or (n_weights,) for one robot."""
-        i, o, head = face.n_inputs, face.n_outputs, weights.shape[:-1]
-        a, b = HIDDEN * (i + 1), HIDDEN * (i + 1) + HIDDEN * HIDDEN
-        first = gain * weights[..., :a].reshape(*head, HIDDEN, i + 1).astype(float)
-        last = gain * weights[..., b:].reshape(*head, o, HIDDEN + 1).astype(float)
-        again = gain * weights[..., a:b].reshape(*head, HIDDEN, HIDDEN)
-        # One product gives both: inputs and the neurons' last outputs side by side.
-        self._first, self._bias = np.concatenate([first[..., :-1], again], axis=-1), first[..., -1]
-        self._last, self._last_bias = last[..., :-1].copy(), last[..., -1].copy()
-        self._face, self._seen = face, np.zeros((*head, i + HIDDEN))
+        self._policy, self._face = policy.on_host(weights, face.n_inputs, face.n_outputs), face
         self._touch = np.flatnonzero(face.is_touch)
         self._angle = np.flatnonzero(~face.is_touch)
         self._columns, self._qpos = face.columns[self._touch], face.qpos[self._angle]
@@ -76,13 +68,11 @@ class BatchedControllers:
 
     def commands(self, qpos: np.ndarray, sensordata: np.ndarray) -> np.ndarray:
         """Commands (..., nu) from configurations (..., nq) and readings (..., nsensordata) of the last step."""
-        face, seen = self._face, self._seen
-        seen[..., self._touch] = np.where(sensordata[..., self._columns] > 0.0, 1.0, -1.0)
+        face, inputs = self._face, self._policy.inputs
+        inputs[..., self._touch] = np.where(sensordata[..., self._columns] > 0.0, 1.0, -1.0)
         angles = (qpos[..., self._qpos] - self._centre) / self._scale
-        seen[..., self._angle] = np.minimum(np.maximum(angles, -1.0), 1.0)
-        hidden = np.tanh(np.matvec(self._first, seen) + self._bias)
-        seen[..., -HIDDEN:] = hidden
-        outputs = np.tanh(np.matvec(self._last, hidden) + self._last_bias)
+        inputs[..., self._angle] = np.minimum(np.maximum(angles, -1.0), 1.0)
+        outputs = self._policy.respond()
         return np.minimum(np.maximum(face.ctrl_centre + face.ctrl_scale * outputs, face.ctrl_low), face.ctrl_high)
 
 
@@ -90,7 +80,7 @@ class CSimulator(abc.ABC):
     """A way to simulate robots with the C engine."""
 
     @abc.abstractmethod
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """Simulate the first robots for some control steps.
 
         Returns:
@@ -101,23 +91,23 @@ class CSimulator(abc.ABC):
 @final
 @dataclass(frozen=True, eq=False)
 class CRollouts:
-    """What all of them are given.
+    """Inputs that all simulators share.
 
     Attributes:
         model: the nominal robot.
         face: of its controllers.
+        policy: the controllers' equations.
         start: where all begin.
         weights: (n, n_weights).
         substeps: physics steps a control step.
-        gain: of the neurons' tanh.
     """
 
     model: mujoco.MjModel
     face: Interface
+    policy: Policy
     start: StartState
     weights: np.ndarray
     substeps: int
-    gain: float = 3.0
 
 
 @final
@@ -126,14 +116,14 @@ class SerialSimulator(CSimulator):
     """One robot at a time, `mj_step` from Python.
 
     Attributes:
-        course: what to do.
+        course: the shared inputs.
         recorded: (n, steps, nu) commands to replay; None: the controllers give them.
     """
 
     course: CRollouts
     recorded: np.ndarray | None = None
 
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """See `CSimulator`."""
         data = mujoco.MjData(self.course.model)
         one = self._driven if self.recorded is None else self._replayed
@@ -142,16 +132,16 @@ class SerialSimulator(CSimulator):
     def _driven(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
         course = self.course
         course.start.into(data)
-        model, n, ctrl, qpos, felt = course.model, course.substeps, data.ctrl, data.qpos, data.sensordata
-        brain = BatchedControllers(course.weights[robot], course.face, course.gain)
+        model, n, ctrl, qpos, sensordata = course.model, course.substeps, data.ctrl, data.qpos, data.sensordata
+        controller = BatchedControllers(course.policy, course.weights[robot], course.face)
         for _ in range(steps):
-            ctrl[:] = brain.commands(qpos, felt)
+            ctrl[:] = controller.commands(qpos, sensordata)
             mujoco.mj_step(model, data, n)
         return qpos.copy()
 
     def _replayed(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
         course, rows = self.course, self.recorded
-        assert rows is not None  # chosen by `walk`
+        assert rows is not None  # chosen by `rollout`
         course.start.into(data)
         model, n, ctrl = course.model, course.substeps, data.ctrl
         for row in rows[robot, :steps]:
@@ -168,17 +158,17 @@ class PooledSimulator(CSimulator):
     course: CRollouts
     _batches: dict[int, Any] = field(default_factory=dict, init=False)
 
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """See `CSimulator`."""
-        return self._walk(robots, steps, None)
+        return self._rollout(robots, steps, None)
 
     def record(self, robots: int, steps: int) -> np.ndarray:
         """The commands (robots, steps, nu) that the controllers give."""
         rows = np.zeros((robots, steps, self.course.model.nu))
-        self._walk(robots, steps, rows)
+        self._rollout(robots, steps, rows)
         return rows
 
-    def _walk(self, robots: int, steps: int, rows: np.ndarray | None) -> np.ndarray:
+    def _rollout(self, robots: int, steps: int, rows: np.ndarray | None) -> np.ndarray:
         course, start = self.course, self.course.start
         if robots not in self._batches:
             self._batches.clear()
@@ -186,15 +176,15 @@ class PooledSimulator(CSimulator):
         batch = self._batches[robots]
         state = {name: batch.bind(name) for name in ("qpos", "qvel", "qacc_warmstart", "ctrl", "sensordata")}
         state["qpos"][:], state["qvel"][:], state["qacc_warmstart"][:] = start.qpos, start.qvel, start.warmstart
-        felt = np.broadcast_to(start.sensordata, (robots, len(start.sensordata)))
-        brains = BatchedControllers(course.weights[:robots], course.face, course.gain)
+        sensordata = np.broadcast_to(start.sensordata, (robots, len(start.sensordata)))
+        controllers = BatchedControllers(course.policy, course.weights[:robots], course.face)
         for row in range(steps):
-            ctrl = brains.commands(state["qpos"], felt)
+            ctrl = controllers.commands(state["qpos"], sensordata)
             state["ctrl"][:] = ctrl
             if rows is not None:
                 rows[:, row] = ctrl
             batch.step(nstep=course.substeps)
-            felt = state["sensordata"]
+            sensordata = state["sensordata"]
         return state["qpos"].copy()
 
 
@@ -204,7 +194,7 @@ class OpenLoopPool(CSimulator):
     """All robots on all cores, replaying commands: `mujoco.rollout`.
 
     Attributes:
-        course: what to do.
+        course: the shared inputs.
         recorded: (n, steps, nu) commands.
     """
 
@@ -212,7 +202,7 @@ class OpenLoopPool(CSimulator):
     recorded: np.ndarray
     _pool: Any = field(default_factory=lambda: mujoco.rollout.Rollout(nthread=cores()), init=False)
 
-    def walk(self, robots: int, steps: int) -> np.ndarray:
+    def rollout(self, robots: int, steps: int) -> np.ndarray:
         """See `CSimulator`; in pieces, so that what it must record (every state) stays in a small buffer."""
         course, model, full = self.course, self.course.model, mujoco.mjtState.mjSTATE_FULLPHYSICS
         size = partial(mujoco.mj_stateSize, model)

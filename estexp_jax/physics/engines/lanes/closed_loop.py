@@ -22,7 +22,6 @@ from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator, ReadingO
 from estexp_jax.physics.engines.devices import accelerated, wide
 from estexp_jax.physics.engines.lanes.control_loop import ROWS, Batch, Block, ControlLoop, NetworkInputs
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
-from estexp_jax.recovery.control.network import HIDDEN
 
 _VECTOR = 8
 """Robots in a chunk are a multiple of this, so that all take the same vector code and none depends on its place."""
@@ -46,7 +45,7 @@ def lanes_width(population: int) -> int:
 @final
 @dataclass(frozen=True, eq=False)
 class LanesClosedLoop(ClosedLoopSimulator):
-    """A walker in lanes."""
+    """Closed loops in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
     _programs: dict[str, Any] = field(default_factory=dict, init=False)
@@ -58,28 +57,28 @@ class LanesClosedLoop(ClosedLoopSimulator):
 
     @property
     def fast(self) -> bool:
-        """Whether XLA compiled the walk with the options that make it fast; after the first walk."""
+        """Whether XLA compiled the program with the options that make it fast; after the first rollout."""
         return self._programs["fast"]
 
     @property
     def flops(self) -> float | None:
-        """Floating-point operations of one robot in one control step, a lower bound; after the first walk.
+        """Floating-point operations of one robot in one control step, a lower bound; after the first rollout.
 
-        XLA's count of the compiled walk, with the body of each loop counted once: a control step with a single physics
-        step, in which the solver takes a single Newton step. None where XLA does not say.
+        XLA's count of the compiled program, with the body of each loop counted once: a control step with a single
+        physics step, in which the solver takes a single Newton step. None where XLA gives no count.
         """
-        counted = self._programs["walk"].cost_analysis().get("flops")
+        counted = self._programs["advance"].cost_analysis().get("flops")
         return None if counted is None else float(counted) / self.width
 
-    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, heard: ReadingOverride | None) -> Rollout:
-        batch = jax.tree.map(np.asarray, (lanes, heard))
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, override: ReadingOverride | None) -> Rollout:
+        batch = jax.tree.map(np.asarray, (lanes, override))
         return in_chunks(lambda part: self._chunk(part[0], part[1], steps, active), batch, self.width)
 
-    def _chunk(self, lanes: RobotInstance, heard: ReadingOverride | None, steps: int, active: bool) -> Rollout:
+    def _chunk(self, lanes: RobotInstance, override: ReadingOverride | None, steps: int, active: bool) -> Rollout:
         prepare, advance = self._compiled(lanes)
-        batch, neurons, rows = prepare(lanes), np.zeros((HIDDEN, self.width), np.float32), []
+        batch, neurons, rows = prepare(lanes), np.zeros((self.policy.n_hidden, self.width), np.float32), []
         for done in range(0, steps, ROWS):
-            inputs = NetworkInputs(*self._heard(heard, done), np.bool_(active))
+            inputs = NetworkInputs(*self._override(override, done), np.bool_(active))
             block = advance(batch, neurons, np.int32(min(ROWS, steps - done)), inputs)
             batch, neurons = batch._replace(start=block.final), block.neurons
             rows.append(block.rows)
@@ -89,11 +88,11 @@ class LanesClosedLoop(ClosedLoopSimulator):
         sound = [np.all(np.abs(x) < mujoco.mjMAXVAL, axis=1) for x in (final.qpos, final.qvel)]  # false for NaN
         return Rollout(table[..., :i], table[..., i : i + o], table[..., i + o :], final, ~(sound[0] & sound[1]))
 
-    def _heard(self, heard: ReadingOverride | None, done: int) -> ReadingOverride:
-        """What a call's networks get, robots last; new arrays, as the call may still read them later."""
+    def _override(self, override: ReadingOverride | None, done: int) -> ReadingOverride:
+        """Reading overrides of one call, robots last; new arrays, as the call may still read them later."""
         shape = (ROWS, self.interface.n_inputs, self.width)
         tables = ReadingOverride(np.ones(shape, np.float32), np.zeros(shape, np.float32))
-        for table, given in zip(tables, heard or (), strict=False):
+        for table, given in zip(tables, override or (), strict=False):
             part = np.moveaxis(given[:, done : done + ROWS], 0, -1)
             table[: len(part)] = part
         return tables
@@ -103,27 +102,26 @@ class LanesClosedLoop(ClosedLoopSimulator):
         with self._lock:
             if not self._programs:
                 prepare = lower(jax.vmap(self._prepared, out_axes=-1), lanes)
-                neurons = np.zeros((HIDDEN, self.width), np.float32)
-                told = NetworkInputs(*self._heard(None, 0), np.bool_(True))
+                neurons = np.zeros((self.policy.n_hidden, self.width), np.float32)
+                inputs = NetworkInputs(*self._override(None, 0), np.bool_(True))
                 with ThreadPoolExecutor(1) as other:
                     preparing = other.submit(prepare.compile)
-                    advance = lower(self._advanced, prepare.out_info, neurons, np.int32(0), told)
-                    self._programs["walk"], self._programs["fast"] = compile_lowered(advance, self.width)
+                    advance = lower(self._advanced, prepare.out_info, neurons, np.int32(0), inputs)
+                    self._programs["advance"], self._programs["fast"] = compile_lowered(advance, self.width)
                     self._programs["prepare"] = preparing.result()
-        return self._programs["prepare"], self._programs["walk"]
+        return self._programs["prepare"], self._programs["advance"]
 
     def _prepared(self, lane: RobotInstance) -> Batch:
-        """What does not change in a rollout, for one robot."""
-        network = self.network(lane)
-        network = network._replace(w_output=network.w_output[network.output_of])
+        """Constants of one robot's rollout."""
+        controller = self.policy.prepare_lanes(self.controller(lane))
         lost = jnp.zeros(self.interface.n_inputs, bool)
         if PartLost.name in lane.values:
             lost = lane.values[PartLost.name][:, 0] @ jnp.asarray(self.interface.lost, jnp.float32) > 0.5
         fields = self.lanes.fields(self.on_mjx.model, lane.values)
-        return Batch(fields, lane.values, network, lost, *self._faults(lane.values), lane.start)
+        return Batch(fields, lane.values, controller, lost, *self._faults(lane.values), lane.start)
 
     def _faults(self, values: Values) -> tuple[jax.Array, jax.Array]:
-        """What sensors' faults make of a reading x: scale x + shift, (n_inputs,) each; all are of this kind."""
+        """Scale and shift, (n_inputs,) each, that sensor faults apply to readings; all faults are of this kind."""
 
         def distorted(x: float) -> jax.Array:
             readings = jnp.full(self.robot.model.nsensordata, x, jnp.float32)
@@ -135,6 +133,6 @@ class LanesClosedLoop(ClosedLoopSimulator):
         shift = distorted(0.0)
         return distorted(1.0) - shift, shift
 
-    def _advanced(self, batch: Batch, neurons: Any, steps: Any, told: NetworkInputs) -> Block:
+    def _advanced(self, batch: Batch, neurons: Any, steps: Any, inputs: NetworkInputs) -> Block:
         """All robots, some control steps later."""
-        return ControlLoop(self, self.lanes, batch).advance(neurons, steps, told)
+        return ControlLoop(self, self.lanes, batch).advance(neurons, steps, inputs)

@@ -1,4 +1,4 @@
-"""The closed loop in lanes: sensors, network, motors, physics, over and over."""
+"""The closed loop in lanes: sensors, controller, motors, physics, over and over."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.lanes.algebra import add, total
-from estexp_jax.lanes.forces import MotorCommands
+from estexp_jax.lanes.forces import MotorCommands, motor_commands
 from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.sensors import SensorReader
 from estexp_jax.lanes.states import configuration_of, from_lanes, to_lanes
@@ -21,18 +21,17 @@ from estexp_jax.physics.engines.lanes.model import LanesModel
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.model.travel import root_position_map
-from estexp_jax.recovery.control.network import HIDDEN, Network
 
 ROWS = 25
 """Control steps in a call: XLA copies the rows of a call at each of its steps, so they are few."""
 
 
 class Batch(NamedTuple):
-    """What a rollout takes, robots last."""
+    """Inputs of a rollout, robots last."""
 
     fields: dict[str, Any]  #: numbers that differ from robot to robot
     values: Values
-    network: Network
+    controller: Any  #: parameters, as `Policy.prepare_lanes` gives them
     lost: Any  #: (n_inputs, N) bool: sensors of lost parts
     scale: Any  #: (n_inputs, N) by what faulty sensors multiply
     shift: Any  #: (n_inputs, N) what they add
@@ -40,7 +39,7 @@ class Batch(NamedTuple):
 
 
 class NetworkInputs(NamedTuple):
-    """What the networks of a call are told from outside."""
+    """Inputs that controllers get from outside, for one call."""
 
     factor: Any  #: (ROWS, n_inputs, N) by what the robots' own readings are multiplied; 0 where they do not count
     added: Any  #: (ROWS, n_inputs, N)
@@ -48,10 +47,10 @@ class NetworkInputs(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What a call gives, robots last."""
+    """Results of one call, robots last."""
 
     final: BodyState
-    neurons: Any  #: (HIDDEN, N)
+    neurons: Any  #: (n_hidden, N)
     rows: Any  #: (ROWS, n_inputs + n_outputs + 3, N): readings, commands, position; only the steps taken are filled
 
 
@@ -65,55 +64,57 @@ class _Carry(NamedTuple):
 
 @final
 class ControlLoop:
-    """Robots of one chunk, each driven by its own network."""
+    """Robots of one chunk, each driven by its own controller."""
 
-    def __init__(self, walker: ClosedLoopSimulator, lanes: LanesModel, batch: Batch) -> None:
-        """For a batch; made while a walk is traced."""
-        self._walker, self._face, self._plan, self._batch = walker, walker.interface, lanes.plan, batch
+    def __init__(self, simulator: ClosedLoopSimulator, lanes: LanesModel, batch: Batch) -> None:
+        """For a batch; made while a rollout is traced."""
+        self._simulator, self._face, self._layout, self._batch = simulator, simulator.interface, lanes.layout, batch
         self._dtype, self._n = batch.start.qpos.dtype, batch.start.qpos.shape[1]
-        numbers = ModelParameters(self._plan.model, batch.fields, self._dtype)
-        self._stepper = Stepper(self._plan, numbers, TOLERANCE[np.dtype(self._dtype)])
-        self._reader = SensorReader(self._plan, numbers, self._stepper.inertias)
-        self._acting = ActiveEffects(walker.robot, walker.catalogue, self._plan, numbers, batch.values)
-        kinds, touch = self._plan.model.sensor_type, int(mujoco.mjtSensor.mjSENS_TOUCH)
+        params = ModelParameters(self._layout.model, batch.fields, self._dtype)
+        self._stepper = Stepper(self._layout, params, TOLERANCE[np.dtype(self._dtype)])
+        self._reader = SensorReader(self._layout, params, self._stepper.inertias)
+        self._acting = ActiveEffects(simulator.robot, simulator.catalogue, self._layout, params, batch.values)
+        kinds, touch = self._layout.model.sensor_type, int(mujoco.mjtSensor.mjSENS_TOUCH)
         self._touches = np.flatnonzero(kinds == touch).tolist()
-        self._travel = root_position_map(walker.robot)
+        self._travel = root_position_map(simulator.robot)
 
-    def advance(self, neurons: Any, steps: Any, told: NetworkInputs) -> Block:
+    def advance(self, neurons: Any, steps: Any, inputs: NetworkInputs) -> Block:
         """The robots some control steps later.
 
         Args:
-            neurons: (HIDDEN, N) their last outputs.
+            neurons: (n_hidden, N) the controllers' hidden states.
             steps: at most `ROWS`.
-            told: what the networks are told.
+            inputs: from outside.
         """
         start, face = self._batch.start, self._face
-        columns = self._plan.model.sensor_adr[self._touches].tolist()
+        columns = self._layout.model.sensor_adr[self._touches].tolist()
         carry = _Carry(
-            to_lanes(self._plan, start.qpos, start.qvel, start.warmstart),
+            to_lanes(self._layout, start.qpos, start.qvel, start.warmstart),
             tuple(start.sensordata[c] for c in columns),
             start.hidden,
-            tuple(neurons[i] for i in range(HIDDEN)),
+            tuple(neurons[i] for i in range(self._simulator.policy.n_hidden)),
             jnp.zeros((ROWS, face.n_inputs + face.n_outputs + 3, self._n), self._dtype),
         )
-        carry = jax.lax.fori_loop(0, steps, lambda row, c: self._control_step(row, c, told), carry)
+        carry = jax.lax.fori_loop(0, steps, lambda row, c: self._control_step(row, c, inputs), carry)
         sensordata = start.sensordata
         for column, felt in zip(columns, carry.felt, strict=True):
             sensordata = sensordata.at[column].set(felt)
-        final = BodyState(*from_lanes(self._plan, carry.state), sensordata, carry.hidden)
+        final = BodyState(*from_lanes(self._layout, carry.state), sensordata, carry.hidden)
         return Block(final, jnp.stack(carry.neurons), carry.rows)
 
-    def _control_step(self, row: Any, carry: _Carry, told: NetworkInputs) -> _Carry:
-        qpos = configuration_of(self._plan, carry.state)
+    def _control_step(self, row: Any, carry: _Carry, inputs: NetworkInputs) -> _Carry:
+        qpos = configuration_of(self._layout, carry.state)
         readings = self._readings(qpos, carry.felt)
-        seen = [override_reading(told.factor[row, i], told.added[row, i], r) for i, r in enumerate(readings)]
-        neurons, outputs = _respond(self._batch.network, carry.neurons, self._inputs(seen), self._walker.gain)
-        commands = [self._command(i, u, told.active) for i, u in enumerate(outputs)]
+        sensed = [override_reading(inputs.factor[row, i], inputs.added[row, i], r) for i, r in enumerate(readings)]
+        neurons, outputs = self._simulator.policy.respond_lanes(
+            self._batch.controller, carry.neurons, self._inputs(sensed)
+        )
+        commands = [self._command(i, u, inputs.active) for i, u in enumerate(outputs)]
         table = jnp.stack(commands)
         inner = (carry.state, carry.felt, carry.hidden)
-        drive, on = self._drive(commands), jnp.ones_like(table)
+        drive, on = motor_commands(self._layout, commands), jnp.ones_like(table)
         state, felt, hidden = jax.lax.fori_loop(
-            0, self._walker.substeps, lambda _, x: self._physics_step(x, drive, table, on), inner
+            0, self._simulator.substeps, lambda _, x: self._physics_step(x, drive, table, on), inner
         )
         return _Carry(
             state,
@@ -125,17 +126,11 @@ class ControlLoop:
 
     def _physics_step(self, inner: tuple[LaneState, Any, Hidden], drive: MotorCommands, commands: Any, on: Any) -> Any:
         state, _, hidden = inner
-        added, dt = None, float(self._plan.model.opt.timestep)
+        added, dt = None, float(self._layout.model.opt.timestep)
         if self._acting.acts:
             drive, added, hidden = self._acting.act(state, commands, on, dt, hidden)
         state, now = self._stepper.step(state, drive, dt, added)
         return state, tuple(self._reader.read(now, self._touches).values()), hidden
-
-    def _drive(self, commands: list[Any]) -> MotorCommands:
-        motors = [m.ids for joint in self._plan.joints for m in joint.motors]
-        return MotorCommands(
-            {ids: commands[ids[0]] if len(ids) == 1 else jnp.stack([commands[i] for i in ids]) for ids in motors}
-        )
 
     def _command(self, i: int, output: Any, active: Any) -> Any:
         """As `Interface.commands`; home where the networks are not active."""
@@ -147,7 +142,7 @@ class ControlLoop:
     def _readings(self, qpos: list[Any], felt: tuple[Any, ...]) -> list[Any]:
         """Readings as the controllers get them: those of lost parts at rest, faults applied."""
         face, batch = self._face, self._batch
-        columns = self._plan.model.sensor_adr[self._touches].tolist()
+        columns = self._layout.model.sensor_adr[self._touches].tolist()
         found = []
         for i, column in enumerate(face.columns.tolist()):
             if face.is_touch[i]:
@@ -166,27 +161,10 @@ class ControlLoop:
         ]
 
     def _place(self, qpos: list[Any]) -> list[Any]:
-        """Where the roots are, m."""
+        """Positions of the roots, m."""
         matrix, offset = self._travel
         zero = jnp.zeros(self._n, self._dtype)
         return [
             add(total(float(m) * q for m, q in zip(row, qpos, strict=True) if m), float(o)) + zero
             for row, o in zip(matrix, offset, strict=True)
         ]
-
-
-def _respond(network: Network, hidden: tuple[Any, ...], inputs: list[Any], gain: float) -> tuple[list[Any], list[Any]]:
-    """As `controllers.respond`, each neuron one array (N,); motors that repeat others have those's weights."""
-
-    def weighed(weights: Any, xs: Any) -> Any:
-        return sum(weights[i] * x for i, x in enumerate(xs))
-
-    drives = [
-        network.w_hidden[h, len(inputs)]
-        + weighed(network.w_hidden[h], inputs)
-        + weighed(network.w_recurrent[h], hidden)
-        for h in range(HIDDEN)
-    ]
-    neurons = [jnp.tanh(gain * d) * network.hidden_gain[h] for h, d in enumerate(drives)]
-    outputs = [jnp.tanh(gain * (w[HIDDEN] + weighed(w, neurons))) for w in network.w_output]
-    return neurons, outputs

@@ -18,27 +18,32 @@ from estexp_jax.physics.model.robot import Robot
 
 
 def external_wrenches(
-    robot: Robot, effects: Sequence[BodyForce], plan: Layout, numbers: ModelParameters, values: Values, state: LaneState
+    robot: Robot,
+    effects: Sequence[BodyForce],
+    layout: Layout,
+    params: ModelParameters,
+    values: Values,
+    state: LaneState,
 ) -> dict[int, Vector]:
     """Force on the centre of mass of each group's bodies, N, world axes, by the group's index.
 
     Args:
         robot: the nominal robot.
         effects: what pulls.
-        plan: structure.
-        numbers: of the robots.
+        layout: structure.
+        params: of the robots.
         values: (n_sites, n_parameters, N) of each effect.
         state: of the robots.
     """
     found: dict[int, Vector] = {}
-    moving = body_motion(plan, numbers, state.qpos, state.qvel)
+    moving = body_motion(layout, params, state.qpos, state.qvel)
     for effect in effects:
         sites = [robot.index("body", site) for site in effect.sites(robot)]
-        for group in plan.groups:
+        for group in layout.groups:
             if not set(group.bodies) & set(sites):
                 continue
             pose = moving.poses[group.index]
-            arm = apply(pose.rotation, numbers.vector("body_ipos", group.bodies))
+            arm = apply(pose.rotation, params.vector("body_ipos", group.bodies))
             centre = vadd(vadd(pose.position, arm), moving.origin[group.index])
             mine = tuple(_members(group.bodies, sites, x) for x in jnp.moveaxis(values[effect.name], 1, 0))
             force, before = effect.force_on_body(mine, tuple(centre)), found.get(group.index)

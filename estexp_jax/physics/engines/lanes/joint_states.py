@@ -1,4 +1,4 @@
-"""What a term sees of its joints in one step, in lanes: `JointState` with rows (n_sites, N)."""
+"""Joint states of a term's sites in one step, in lanes: `JointState` with rows (n_sites, N)."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from estexp_jax.physics.model.robot import Robot
 
 
 class StepStart(NamedTuple):
-    """A step at its beginning: position and speed (N,) by velocity address, what motors are told, its length."""
+    """A step at its beginning: position and speed (N,) by velocity address, motor inputs, its length."""
 
     position: Mapping[int, Any]
     speed: Mapping[int, Any]
-    told: MotorInputs
+    inputs: MotorInputs
     dt: Any
 
 
@@ -32,22 +32,22 @@ class StepStart(NamedTuple):
 class JointStates:
     """Gathers what terms see, on robots of these numbers."""
 
-    def __init__(self, robot: Robot, plan: Layout, numbers: ModelParameters, motors: Motors) -> None:
+    def __init__(self, robot: Robot, layout: Layout, params: ModelParameters, motors: Motors) -> None:
         """With these motors."""
-        self._robot, self._plan, self._numbers, self._motors = robot, plan, numbers, motors
+        self._robot, self._layout, self._params, self._motors = robot, layout, params, motors
 
     def coordinates(self, state: LaneState) -> tuple[dict[int, Any], dict[int, Any]]:
         """Position and speed (N,) of each hinge and slide, by velocity address."""
         position, speed = {}, {}
-        for joint, q in zip(self._plan.joints, state.qpos, strict=True):
+        for joint, q in zip(self._layout.joints, state.qpos, strict=True):
             if not joint.free:
                 for i, address in enumerate(joint.dof):
                     position[address], speed[address] = (_row(x, i) for x in (q[0], state.qvel[joint.dofs[0]]))
         return position, speed
 
     def of(self, term: Term, now: StepStart) -> JointState:
-        """What a term sees of its sites' joints."""
-        (position, speed, told, dt), dofs, motors = now, term.dofs(self._robot), None
+        """Joint states of a term's sites."""
+        (position, speed, inputs, dt), dofs, motors = now, term.dofs(self._robot), None
         if term.kind == "actuator":
             motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)
         there = drives(self._robot, dofs, motors)
@@ -56,14 +56,14 @@ class JointStates:
 
         def torque_at(q: Any, w: Any) -> Any:
             pairs = [(site, q[i], w[i]) for i, site in enumerate(at)]
-            return jnp.stack([self._motors.torque(*pair, told, whole=there.whole) for pair in pairs])
+            return jnp.stack([self._motors.torque(*pair, inputs, whole=there.whole) for pair in pairs])
 
         def torque_of(number: Any) -> Any:
             total: Any = jnp.zeros_like(q)
             for address in position:
-                joint = int(self._plan.model.dof_jntid[address])
+                joint = int(self._layout.model.dof_jntid[address])
                 site = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
-                one = self._motors.torque(site, position[address], speed[address], told, whole=True)
+                one = self._motors.torque(site, position[address], speed[address], inputs, whole=True)
                 mine: Any = jnp.where(jnp.round(number) == joint + 1, one, 0.0)
                 total = total + mine
             return total
@@ -71,20 +71,20 @@ class JointStates:
         def motion_of(number: Any) -> tuple[Any, Any]:
             at: Any = jnp.zeros_like(q)
             rate: Any = jnp.zeros_like(q)
-            for address, joint in zip(position, self._plan.model.dof_jntid[list(position)], strict=True):
+            for address, joint in zip(position, self._layout.model.dof_jntid[list(position)], strict=True):
                 mine: Any = (jnp.round(number) == int(joint) + 1).astype(q.dtype)
                 at, rate = at + mine * position[address], rate + mine * speed[address]
             return at, rate
 
         def asked() -> tuple[Any, Any]:
-            each = [self._motors.asked(site, position, speed, told) for site in at]
+            each = [self._motors.asked(site, position, speed, inputs) for site in at]
             in_all, beyond = (jnp.stack(rows) for rows in zip(*each, strict=True))
             return in_all, beyond
 
         def switched(site: list[int]) -> Any:
             on = jnp.zeros_like(q[0])
             for a in site:
-                on = jnp.maximum(on, told.enable[a])
+                on = jnp.maximum(on, inputs.enable[a])
             return on
 
         return JointState(
@@ -94,9 +94,7 @@ class JointStates:
             on=jnp.stack([switched(site) for site in at]),
             dt=dt,
             limit=jnp.asarray(there.limit(), q.dtype)[:, None],
-            armature=jnp.stack(
-                [self._numbers.get("dof_armature", [int(d)], None) + jnp.zeros_like(q[0]) for d in dofs]
-            ),
+            armature=jnp.stack([self._params.get("dof_armature", [int(d)], None) + jnp.zeros_like(q[0]) for d in dofs]),
             torque_at=torque_at,
             torque_of=torque_of,
             motion_of=motion_of,

@@ -51,7 +51,7 @@ class LanesModel:
     written: tuple[str, ...]
 
     @cached_property
-    def plan(self) -> Layout:
+    def layout(self) -> Layout:
         """The structure."""
         return layout_of(self.on_mjx.armed)
 

@@ -17,7 +17,7 @@ _AFFINE_GAIN, _AFFINE_BIAS = int(mujoco.mjtGain.mjGAIN_AFFINE), int(mujoco.mjtBi
 
 
 class MotorInputs(NamedTuple):
-    """What the motors are told, rows (N,) by index.
+    """Inputs of the motors, rows (N,) by index.
 
     Attributes:
         commands: in force, within their ranges.
@@ -34,19 +34,19 @@ class MotorInputs(NamedTuple):
 class Motors:
     """The motors of robots of these numbers."""
 
-    def __init__(self, robot: Robot, plan: Layout, numbers: ModelParameters) -> None:
+    def __init__(self, robot: Robot, layout: Layout, params: ModelParameters) -> None:
         """Of a plan's robot."""
-        self._robot, self._plan, self._numbers = robot, plan, numbers
+        self._robot, self._layout, self._params = robot, layout, params
 
     def limited(self, a: int, command: Any) -> Any:
         """A command (N,) within its range."""
-        if not self._plan.model.actuator_ctrllimited[a]:
+        if not self._layout.model.actuator_ctrllimited[a]:
             return command
         return jnp.clip(command, *(self._number("actuator_ctrlrange", a, i) for i in range(2)))
 
     def idle(self, a: int, position: Mapping[int, Any], speed: Mapping[int, Any]) -> Any:
         """As `motors.idle_commands`, from positions and speeds (N,) by velocity address."""
-        joint, model = self._robot.joint_of_actuator(a), self._plan.model
+        joint, model = self._robot.joint_of_actuator(a), self._layout.model
         assert joint is not None
         address = int(model.jnt_dofadr[joint])
         zero = jnp.zeros_like(position[address])
@@ -62,15 +62,15 @@ class Motors:
         return found + zero
 
     def asked(
-        self, site: Sequence[int], position: Mapping[int, Any], speed: Mapping[int, Any], told: MotorInputs
+        self, site: Sequence[int], position: Mapping[int, Any], speed: Mapping[int, Any], inputs: MotorInputs
     ) -> tuple[Any, Any]:
         """As `motors.asked_torques`, (N,) of the motors at a site together, as scaled so far."""
         in_all: Any = jnp.zeros_like(next(iter(position.values())))
         beyond = in_all
         for a in site:
-            strength = self._strength(a, told.share) * told.enable[a]
-            in_all = in_all + strength * told.commands[a]
-            beyond = beyond + strength * (told.commands[a] - self.idle(a, position, speed))
+            strength = self._strength(a, inputs.share) * inputs.enable[a]
+            in_all = in_all + strength * inputs.commands[a]
+            beyond = beyond + strength * (inputs.commands[a] - self.idle(a, position, speed))
         return in_all, beyond
 
     def further(
@@ -84,31 +84,31 @@ class Motors:
             found[a] = commands[a] + jnp.where(strength == 0.0, 0.0, part)
         return found
 
-    def torque(self, site: Sequence[int], q: Any, w: Any, told: MotorInputs, *, whole: bool) -> Any:
+    def torque(self, site: Sequence[int], q: Any, w: Any, inputs: MotorInputs, *, whole: bool) -> Any:
         """Torque (N,) of the motors at a site at these positions and speeds, as scaled so far.
 
         Args:
             site: their indices.
             q: rad or m.
             w: speeds.
-            told: what they are told.
+            inputs: of the motors.
             whole: whether the joint's common limit counts.
         """
-        model, total = self._plan.model, jnp.zeros_like(q)
+        model, total = self._layout.model, jnp.zeros_like(q)
         for a in site:
             gear = self._number("actuator_gear", a, 0)
             length, rate = gear * q, gear * w
             gain = self._number("actuator_gainprm", a, 0)
             if model.actuator_gaintype[a] == _AFFINE_GAIN:
                 gain = gain + sum(self._number("actuator_gainprm", a, i) * x for i, x in ((1, length), (2, rate)))
-            force = gain * told.commands[a]
+            force = gain * inputs.commands[a]
             if model.actuator_biastype[a] == _AFFINE_BIAS:
                 b = [self._number("actuator_biasprm", a, i) for i in range(3)]
                 force = force + b[0] + b[1] * length + b[2] * rate
-            force = force * told.enable[a]
+            force = force * inputs.enable[a]
             if model.actuator_forcelimited[a]:
                 force = jnp.clip(force, *(self._number("actuator_forcerange", a, i) for i in range(2)))
-            total = total + gear * force * told.share.get(a, 1.0)
+            total = total + gear * force * inputs.share.get(a, 1.0)
         joint = self._robot.joint_of_actuator(site[0]) if site and whole else None
         if joint is not None and model.jnt_actfrclimited[joint]:
             total = jnp.clip(total, *(self._number("jnt_actfrcrange", joint, i) for i in range(2)))
@@ -119,4 +119,4 @@ class Motors:
         return self._number("actuator_gear", a, 0) * self._number("actuator_gainprm", a, 0) * share.get(a, 1.0)
 
     def _number(self, name: str, element: int, column: int | None = None) -> Scalar:
-        return self._numbers.get(name, [element], column)
+        return self._params.get(name, [element], column)

@@ -23,8 +23,9 @@ from estexp_jax.physics.engines.lanes.model import LanesModel, field_of, lanes_m
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.engines.motor_readings import motor_readings
-from estexp_jax.physics.engines.open_loop import LaneBatchState, OpenLoopSimulator, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
 
 LANES_REPLAY = 72, 64
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
@@ -33,7 +34,7 @@ LANES_REPLAY = 72, 64
 @final
 @dataclass(frozen=True, eq=False)
 class LanesOpenLoop(OpenLoopSimulator):
-    """A replayer in lanes."""
+    """Open loops in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
     _programs: dict[str, Any] = field(default_factory=dict, init=False)
@@ -75,11 +76,11 @@ class LanesOpenLoop(OpenLoopSimulator):
         def compile_it() -> Any:
             return compile_lowered(lower(self._blocked, prepared, carried, first), self.width)[0]
 
-        advance, seen = self._program("block", compile_it), []
+        advance, outputs = self._program("block", compile_it), []
         for begin in range(0, len(drive.length), self.block):
             carried, out = advance(prepared, carried, CommandSteps(*(x[begin : begin + self.block] for x in drive)))
-            seen.append(out)
-        whole = (np.concatenate([np.asarray(x) for x in kind]) for kind in zip(*seen, strict=True))
+            outputs.append(out)
+        whole = (np.concatenate([np.asarray(x) for x in kind]) for kind in zip(*outputs, strict=True))
         after = [np.moveaxis(np.asarray(x), -1, 0) for x in carried[:-1]]
         return LaneBatchState._make([*after, carried.hidden]), StepReadings(*whole)
 
@@ -92,53 +93,53 @@ class LanesOpenLoop(OpenLoopSimulator):
 
     def _resting(self, prepared: Any, roll: RolledRows) -> Hidden:
         _, acting = self._acting(prepared, roll.qpos.dtype)
-        return acting.rest(to_lanes(self.lanes.plan, roll.qpos, roll.qvel, roll.qvel), roll.ctrl)
+        return acting.rest(to_lanes(self.lanes.layout, roll.qpos, roll.qvel, roll.qvel), roll.ctrl)
 
     def _rolling(self, prepared: Any, hidden: Hidden, roll: RolledRows) -> Hidden:
         _, acting = self._acting(prepared, roll.qpos.dtype)
 
         def step(hidden: Hidden, now: RolledRows) -> tuple[Hidden, None]:
-            there = to_lanes(self.lanes.plan, now.qpos, now.qvel, now.qvel)
+            there = to_lanes(self.lanes.layout, now.qpos, now.qvel, now.qvel)
             _, _, after = acting.act(there, now.ctrl, now.enable, now.length, hidden)
             return jax.tree.map(partial(jnp.where, now.length > 0.0), after, hidden), None
 
         return jax.lax.scan(step, hidden, roll)[0]
 
     def _acting(self, prepared: Any, dtype: Any) -> tuple[ModelParameters, ActiveEffects]:
-        (fields, values), plan = prepared, self.lanes.plan
-        numbers = ModelParameters(plan.model, fields, dtype)
-        return numbers, ActiveEffects(self.robot, self.catalogue, plan, numbers, values)
+        (fields, values), layout = prepared, self.lanes.layout
+        params = ModelParameters(layout.model, fields, dtype)
+        return params, ActiveEffects(self.robot, self.catalogue, layout, params, values)
 
     def _blocked(self, prepared: Any, state: LaneBatchState, drive: CommandSteps) -> Any:
-        (_, values), plan = prepared, self.lanes.plan
-        numbers, acting = self._acting(prepared, state.qpos.dtype)
-        stepper = Stepper(plan, numbers, TOLERANCE[np.dtype(state.qpos.dtype)])
-        reader = SensorReader(plan, numbers, stepper.inertias)
+        (_, values), layout = prepared, self.lanes.layout
+        params, acting = self._acting(prepared, state.qpos.dtype)
+        stepper = Stepper(layout, params, TOLERANCE[np.dtype(state.qpos.dtype)])
+        reader = SensorReader(layout, params, stepper.inertias)
         before = jnp.asarray(is_acceleration(self.robot))[:, None]
-        shown = motor_readings(self.robot, self.catalogue)
+        motor_sensors = motor_readings(self.robot, self.catalogue)
 
         def step(carry: tuple[LaneState, Any, Hidden], now: CommandSteps) -> Any:
             lanes, felt, hidden = carry
             left: jax.Array = now.length
             moves = left > 0.0
-            length = jnp.where(moves, left, plan.model.opt.timestep).astype(left.dtype)
-            qpos, qvel, _ = from_lanes(plan, lanes)
-            told, added, after = acting.act(lanes, now.ctrl, now.enable, length, hidden)
-            stepped, instant = stepper.step(lanes, told, length, added)
+            length = jnp.where(moves, left, layout.model.opt.timestep).astype(left.dtype)
+            qpos, qvel, _ = from_lanes(layout, lanes)
+            commands, added, after = acting.act(lanes, now.ctrl, now.enable, length, hidden)
+            stepped, instant = stepper.step(lanes, commands, length, added)
             lanes, hidden = jax.tree.map(partial(jnp.where, moves), (stepped, after), (lanes, hidden))
-            read = reader.read(instant, range(plan.model.nsensor))
+            read = reader.read(instant, range(layout.model.nsensor))
             sensed = felt if not read else jnp.stack([read[i] + jnp.zeros_like(qpos[0]) for i in sorted(read)])
-            for s in shown:
+            for s in motor_sensors:
                 sensed = sensed.at[s.column].add(s.factor * after[s.effect][s.state][s.row])
             return (lanes, sensed, hidden), (jnp.where(before, felt, sensed), qpos, qvel)
 
-        start = (to_lanes(plan, state.qpos, state.qvel, state.warmstart), state.sensordata, state.hidden)
+        start = (to_lanes(layout, state.qpos, state.qvel, state.warmstart), state.sensordata, state.hidden)
         (lanes, felt, hidden), (sensors, qpos, qvel) = jax.lax.scan(step, start, drive)
         for effect in self.catalogue:
             if isinstance(effect, Distortion):
                 distort = jax.vmap(lambda x, v, e=effect: e.distort(self.robot, x, v), in_axes=-1, out_axes=-1)
                 sensors = distort(sensors, values[effect.name])
-        after = from_lanes(plan, lanes)
+        after = from_lanes(layout, lanes)
         return LaneBatchState(after[0], after[1], state.act, after[2], felt, hidden), (sensors, qpos, qvel)
 
 

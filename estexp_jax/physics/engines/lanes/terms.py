@@ -33,7 +33,7 @@ from estexp_jax.physics.model.robot import Robot
 @final
 @dataclass
 class _Sums:
-    """What the terms so far add: rows (N,) by address, and factors on the motors by their index."""
+    """Sums over the terms so far: rows (N,) by address, and factors on the motors by their index."""
 
     rows: dict[str, dict[int, Scalar]] = field(default_factory=dict)
     share: dict[int, Scalar] = field(default_factory=dict)
@@ -52,26 +52,26 @@ class ActiveEffects:
     """The effects of a catalogue that act during a step, on robots of these numbers."""
 
     def __init__(
-        self, robot: Robot, catalogue: Catalogue, plan: Layout, numbers: ModelParameters, values: Values
+        self, robot: Robot, catalogue: Catalogue, layout: Layout, params: ModelParameters, values: Values
     ) -> None:
         """With values (n_sites, n_parameters, N) of each effect."""
-        self._robot, self._plan, self._numbers, self._values = robot, plan, numbers, values
-        self._motors = Motors(robot, plan, numbers)
-        self._moments = JointStates(robot, plan, numbers, self._motors)
+        self._robot, self._layout, self._params, self._values = robot, layout, params, values
+        self._motors = Motors(robot, layout, params)
+        self._moments = JointStates(robot, layout, params, self._motors)
         self._terms = [e for e in catalogue if isinstance(e, Term) and e.sites(robot)]
         self._laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
-        self._pulls = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
+        self._body_forces = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
         self._at_work = {e.name: self._is_changed(e) for e in (*self._laws, *self._terms)}
 
     @property
     def acts(self) -> bool:
         """Whether there are any."""
-        return bool(self._terms or self._laws or self._pulls)
+        return bool(self._terms or self._laws or self._body_forces)
 
     def act(
         self, state: LaneState, commands: Any, enable: Any, dt: Any, hidden: Hidden
     ) -> tuple[MotorCommands, AddedForces, Hidden]:
-        """What the motors are told, what is added to the joints, the hidden variables after the step.
+        """Motor commands, additions to the joints, and hidden variables after the step.
 
         Args:
             state: at the beginning of the step.
@@ -87,8 +87,8 @@ class ActiveEffects:
         for law in self._laws:
             ids = law.actuators(self._robot)
             idle = jnp.stack([self._motors.idle(int(a), position, speed) for a in ids])
-            told, before = jnp.stack([rows[a] for a in ids]), hidden.get(law.name, ())
-            there, after = self._ruled(law, told, idle, dt, before)
+            command, before = jnp.stack([rows[a] for a in ids]), hidden.get(law.name, ())
+            there, after = self._ruled(law, command, idle, dt, before)
             hidden |= {law.name: after} if law.n_states else {}
             for i, a in enumerate(ids):
                 rows[a] = there[i]
@@ -122,16 +122,16 @@ class ActiveEffects:
         values = self._values[e.name]
         return jnp.any(values != jnp.array([p.neutral for p in e.parameters], values.dtype)[:, None])
 
-    def _ruled(self, law: CommandLaw, told: Any, idle: Any, dt: Any, before: Arrays) -> tuple[Any, Arrays]:
-        """What a law makes of commands (n_actuators, N), and its hidden variables after the step."""
+    def _ruled(self, law: CommandLaw, command: Any, idle: Any, dt: Any, before: Arrays) -> tuple[Any, Arrays]:
+        """Commands (n_actuators, N) after a law, and its hidden variables after the step."""
 
         def act() -> tuple[Any, Arrays]:
-            return law.act(self._parameters(law.name), told, idle, dt, before)
+            return law.act(self._parameters(law.name), command, idle, dt, before)
 
-        return jax.lax.cond(self._at_work[law.name], act, lambda: (told, before))
+        return jax.lax.cond(self._at_work[law.name], act, lambda: (command, before))
 
     def _acted(self, term: Term, now: StepStart, before: Arrays) -> tuple[JointForce, Arrays]:
-        """What a term does, and its hidden variables after the step."""
+        """Forces of a term, and its hidden variables after the step."""
 
         def act() -> tuple[dict[str, Any], Arrays]:
             does, after = term.act(self._parameters(term.name), self._moments.of(term, now), before)
@@ -164,7 +164,7 @@ class ActiveEffects:
             if term.kind == "actuator":
                 moved = [self._robot.index("actuator", site)]
             else:
-                joint = int(self._plan.model.dof_jntid[addresses[i]])
+                joint = int(self._layout.model.dof_jntid[addresses[i]])
                 moved = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]
             if not isinstance(does.command, float):
                 rows = self._motors.further(moved, rows, sums.share, does.command[i])
@@ -175,20 +175,20 @@ class ActiveEffects:
     def _slots(self, rows: list[Any]) -> dict[tuple[int, ...], Any]:
         return {
             motor.ids: rows[motor.ids[0]] if len(motor.ids) == 1 else jnp.stack([rows[a] for a in motor.ids])
-            for joint in self._plan.joints
+            for joint in self._layout.joints
             for motor in joint.motors
         }
 
     def _added(self, state: LaneState, sums: _Sums) -> AddedForces:
-        per_dof = {what: [_collected(dof, table) for dof in self._plan.dofs] for what, table in sums.rows.items()}
-        pulls = (
-            external_wrenches(self._robot, self._pulls, self._plan, self._numbers, self._values, state)
-            if self._pulls
+        per_dof = {what: [_collected(dof, table) for dof in self._layout.dofs] for what, table in sums.rows.items()}
+        wrenches = (
+            external_wrenches(self._robot, self._body_forces, self._layout, self._params, self._values, state)
+            if self._body_forces
             else {}
         )
         return AddedForces(
-            *(per_dof.get(what, [0] * len(self._plan.dofs)) for what in ("force", "damping", "friction", "inertia")),
-            pull=pulls,
+            *(per_dof.get(what, [0] * len(self._layout.dofs)) for what in ("force", "damping", "friction", "inertia")),
+            pull=wrenches,
         )
 
 

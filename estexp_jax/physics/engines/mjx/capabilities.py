@@ -1,4 +1,4 @@
-"""What MJX lacks and a robot's motion hardly needs: done without, and said, rather than refused.
+"""Elements that MJX lacks and that hardly affect a robot's motion: left out and reported, not refused.
 
 Solver and integrator make no other robot, only other steps. A contact that MJX has no function for is left out between
 two parts of a robot, and between a robot that is bolted down and what stands around it; what a robot may stand on is
@@ -75,11 +75,11 @@ def reduced_to_mjx(robot: Robot) -> ReducedRobot:
     Raises:
         InputError: two shapes that MJX cannot let touch may carry the robot.
     """
-    apart = _apart(robot)
-    fused = [bodies for bodies in overlapping_bodies(robot) if bodies not in apart]
-    model = copy.deepcopy(robot.without_contacts([*apart, *fused]).model)
+    left_out = _left_out(robot)
+    fused = [bodies for bodies in overlapping_bodies(robot) if bodies not in left_out]
+    model = copy.deepcopy(robot.without_contacts([*left_out, *fused]).model)
     _to_joints(model)
-    without = *_contacts(robot, apart), *_overlaps(robot, fused)
+    without = *_contacts(robot, left_out), *_overlaps(robot, fused)
     left_out = (*without, *_without_margins(model), *_options(model.opt), *_passed_over(model))
     return ReducedRobot(model, left_out)
 
@@ -100,7 +100,7 @@ def _to_joints(model: mujoco.MjModel) -> None:
 
 
 def _passed_over(model: mujoco.MjModel) -> Iterator[str]:
-    """What MJX would pass over in silence; sentences."""
+    """Sentences on what MJX would ignore silently."""
     for field, what in _UNKNOWN.items():
         if np.any(getattr(model, field)):
             yield what
@@ -128,15 +128,15 @@ def _options(option: mujoco.MjOption) -> Iterator[str]:
 
 def _without_margins(model: mujoco.MjModel) -> Iterator[str]:
     """Contacts that begin at touch wherever a mesh or a height field may touch; a sentence."""
-    touching = (model.geom_contype | model.geom_conaffinity) > 0
-    rough = touching & np.isin(model.geom_type, [int(shape) for shape in _ROUGH])
-    if rough.any() and np.any(model.geom_margin[touching]):
+    collides = (model.geom_contype | model.geom_conaffinity) > 0
+    rough = collides & np.isin(model.geom_type, [int(shape) for shape in _ROUGH])
+    if rough.any() and np.any(model.geom_margin[collides]):
         model.geom_margin[:] = 0.0
         model.geom_gap[:] = 0.0
         yield "margins of contacts: meshes and height fields have none"
 
 
-def _apart(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
+def _left_out(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
     """Pairs of bodies that cannot be let touch, and the shapes of two of their geoms that cannot."""
     model, geoms, found = robot.model, robot.names("geom"), dict[tuple[int, int], tuple[str, str]]()
     for a, b in _pairs(model):
@@ -153,12 +153,12 @@ def _apart(robot: Robot) -> dict[tuple[int, int], tuple[str, str]]:
     return found
 
 
-def _contacts(robot: Robot, apart: Mapping[tuple[int, int], tuple[str, str]]) -> Iterator[str]:
+def _contacts(robot: Robot, left_out: Mapping[tuple[int, int], tuple[str, str]]) -> Iterator[str]:
     """Contacts that are left out, a sentence."""
-    if apart and contacts_on(robot.model):
+    if left_out and contacts_on(robot.model):
         bodies = robot.names("body")
-        shapes = sorted({f"{one} with {other}" for one, other in apart.values()})
-        pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in apart)
+        shapes = sorted({f"{one} with {other}" for one, other in left_out.values()})
+        pairs = listing(f"{bodies[a]} and {bodies[b]}" for a, b in left_out)
         yield f"contacts between {pairs}: MJX has none of {' or of '.join(shapes)}"
 
 

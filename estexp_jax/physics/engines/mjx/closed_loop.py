@@ -27,7 +27,6 @@ from estexp_jax.physics.engines.closed_loop import (
 from estexp_jax.physics.engines.devices import accelerated, wide
 from estexp_jax.physics.engines.mjx.terms import MjxStepStart
 from estexp_jax.physics.model.travel import root_position
-from estexp_jax.recovery.control.network import HIDDEN, respond
 
 _WIDTHS = (16, 56)
 """Narrowest and widest chunk: below, a chunk's fixed costs dominate; above, nothing is gained."""
@@ -38,17 +37,17 @@ _VECTOR = 8
 @final
 @dataclass(frozen=True, eq=False)
 class MjxClosedLoop(ClosedLoopSimulator):
-    """A walker on MJX."""
+    """Closed loops on MJX."""
 
-    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, heard: ReadingOverride | None) -> Rollout:
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, override: ReadingOverride | None) -> Rollout:
         spread, real = _spread(len(lanes.weights), self.width)
         shape = (len(lanes.weights), self.rows, self.interface.n_inputs)
-        told = ReadingOverride(np.ones(shape, np.float32), np.zeros(shape, np.float32))
-        for table, given in zip(told, heard or (), strict=False):
+        tables = ReadingOverride(np.ones(shape, np.float32), np.zeros(shape, np.float32))
+        for table, given in zip(tables, override or (), strict=False):
             table[:, :steps] = given
-        batch = _taken((lanes, told), spread)
-        walk = in_chunks(lambda part: _walk_batch(self, part[0], part[1], steps, active), batch, self.width)
-        return _taken(walk, real)
+        batch = _taken((lanes, tables), spread)
+        rollout = in_chunks(lambda part: _rollout_batch(self, part[0], part[1], steps, active), batch, self.width)
+        return _taken(rollout, real)
 
 
 def mjx_width(population: int) -> int:
@@ -63,11 +62,11 @@ def mjx_width(population: int) -> int:
 
 
 def _spread(n: int, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Which robot goes where, so that a robot's walk does not depend on its place in the batch.
+    """Which robot goes where, so that a robot's motion does not depend on its place in the batch.
 
     XLA steps through a chunk by vectors of robots, but always leaves at least one over for other, scalar code, in which
-    a robot walks differently in the last bits; some hundred steps later, by decimetres. With a filler in the last place
-    of each chunk every robot takes the vector code, and a diagnosis that is exact foretells the trial exactly.
+    a robot moves differently in the last bits; some hundred steps later, by decimetres. With a filler in the last place
+    of each chunk every robot takes the vector code, and a diagnosis that is exact predicts the trial exactly.
 
     Returns:
         The robot in each place (n + fillers,), and the places of the robots (n,).
@@ -84,17 +83,21 @@ def _taken(tree: Any, places: np.ndarray) -> Any:
 
 
 @partial(jax.jit, static_argnums=0)
-def _walk_batch(self: MjxClosedLoop, lanes: RobotInstance, told: ReadingOverride, steps: int, active: bool) -> Rollout:
-    return jax.vmap(lambda lane, given: _walk_one(self, lane, given, steps, active))(lanes, told)
+def _rollout_batch(
+    self: MjxClosedLoop, lanes: RobotInstance, override: ReadingOverride, steps: int, active: bool
+) -> Rollout:
+    return jax.vmap(lambda lane, given: _rollout_one(self, lane, given, steps, active))(lanes, override)
 
 
-def _walk_one(self: MjxClosedLoop, lane: RobotInstance, told: ReadingOverride, steps: int, active: bool) -> Rollout:
-    """One robot's walk; what is not the lane's is traced, so that every trial and settling share one executable."""
+def _rollout_one(
+    self: MjxClosedLoop, lane: RobotInstance, override: ReadingOverride, steps: int, active: bool
+) -> Rollout:
+    """One robot's rollout; what is not the lane's is traced, so that every trial and settling share one executable."""
     model = self.on_mjx.edited(self.on_mjx.model, lane.values)
-    network = self.network(lane)
+    controller = self.controller(lane)
     travel = root_position(self.robot)
     rows, face = self.rows, self.interface
-    walk = Rollout(
+    rollout = Rollout(
         readings=jnp.zeros((rows, face.n_inputs)),
         commands=jnp.zeros((rows, face.n_outputs)),
         position=jnp.zeros((rows, 3)),
@@ -103,24 +106,24 @@ def _walk_one(self: MjxClosedLoop, lane: RobotInstance, told: ReadingOverride, s
     )
 
     def control_step(row, carry):  # noqa: ANN001, ANN202
-        walk, hidden = carry
-        body = walk.final
+        rollout, hidden = carry
+        body = rollout.final
         readings = _readings(self, lane.values, body)
-        seen = override_reading(told.factor[row], told.added[row], readings)
-        hidden, outputs = respond(network, hidden, face.inputs(seen), self.gain)
+        sensed = override_reading(override.factor[row], override.added[row], readings)
+        hidden, outputs = self.policy.respond(controller, hidden, face.inputs(sensed))
         ctrl = jnp.where(active, face.commands(outputs), face.ctrl_centre)
-        walk = walk._replace(
-            readings=walk.readings.at[row].set(readings),
-            commands=walk.commands.at[row].set(ctrl),
-            position=walk.position.at[row].set(travel(body.qpos)),
+        rollout = rollout._replace(
+            readings=rollout.readings.at[row].set(readings),
+            commands=rollout.commands.at[row].set(ctrl),
+            position=rollout.position.at[row].set(travel(body.qpos)),
             final=jax.lax.fori_loop(
                 0, self.substeps, lambda _, b: _physics_step(self, model, lane.values, b, ctrl), body
             ),
         )
-        return walk, hidden
+        return rollout, hidden
 
-    walk, _ = jax.lax.fori_loop(0, steps, control_step, (walk, jnp.zeros(HIDDEN)))
-    return walk._replace(failed=~(_sound(walk.final.qpos) & _sound(walk.final.qvel)))
+    rollout, _ = jax.lax.fori_loop(0, steps, control_step, (rollout, jnp.zeros(self.policy.n_hidden)))
+    return rollout._replace(failed=~(_sound(rollout.final.qpos) & _sound(rollout.final.qvel)))
 
 
 def _sound(x: jax.Array) -> jax.Array:

@@ -28,7 +28,7 @@ from estexp_jax.physics.model.robot import Robot
 
 NEWTON_ITERATIONS = 8
 """With 4 line-search steps: velocities of one step of the quadruped agree with the converged C engine to 1.1e-4 m/s
-(99th percentile over 251 states of random walks, with falls) in float32; a single iteration is wrong by 14 m/s."""
+(99th percentile over 251 states under random commands, with falls), in float32; one iteration is wrong by 14 m/s."""
 LINE_SEARCH_ITERATIONS = 4
 _ARMED = 1e-9
 """A friction loss without effect, that makes MJX keep a row for it."""
@@ -64,7 +64,7 @@ class MjxModel:
         return hidden_at_rest(self.robot, self.catalogue, values, now, model)
 
     def acted(self, model: mjx.Model, values: Values, hidden: Hidden, now: MjxStepStart) -> EffectForces:
-        """What one step is taken with, from an edited model whose motors are switched."""
+        """Forces and model of one step, from an edited model whose motors are switched."""
         model, force = with_polynomials(self.armed, model, now.qpos, now.qvel)
         does = apply_effects(self.robot, self.catalogue, model, values, hidden, now)
         return does._replace(force=does.force + force)
@@ -115,7 +115,7 @@ def _arm_forces(robot: Robot, model: mujoco.MjModel) -> None:
 
 
 def _rows(model: mujoco.MjModel) -> int:
-    """How many constraint rows MJX lays out for a model."""
+    """Number of constraint rows that MJX allocates for a model."""
     impl: Any = mjx.make_data(model)._impl  # MJX's own; its C and Warp siblings have no such rows
     return impl.efc_force.size
 

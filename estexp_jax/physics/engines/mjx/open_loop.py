@@ -16,8 +16,9 @@ from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.mjx.model import with_motors_switched, with_timestep
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.engines.motor_readings import motor_readings
-from estexp_jax.physics.engines.open_loop import LaneBatchState, OpenLoopSimulator, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
 
 MJX_REPLAY = 64, 256
 """Lanes in a chunk, and physics steps in a call."""
@@ -26,7 +27,7 @@ MJX_REPLAY = 64, 256
 @final
 @dataclass(frozen=True, eq=False)
 class MjxOpenLoop(OpenLoopSimulator):
-    """A replayer on MJX."""
+    """Open loops on MJX."""
 
     def _prepared(self, values: Values, overrides: tuple) -> Any:
         return values, overrides
@@ -40,14 +41,14 @@ class MjxOpenLoop(OpenLoopSimulator):
     def _advanced(
         self, prepared: Any, state: LaneBatchState, drive: CommandSteps
     ) -> tuple[LaneBatchState, StepReadings]:
-        seen, drive = [], CommandSteps(*map(_lanes_first, drive))
+        outputs, drive = [], CommandSteps(*map(_lanes_first, drive))
         for first in range(0, drive.length.shape[1], self.block):
             part = CommandSteps(*(x[:, first : first + self.block] for x in drive))
             state, out = _block(self, *prepared, state, part)
-            seen.append(out)
+            outputs.append(out)
         whole = (
             np.moveaxis(np.concatenate([np.asarray(x) for x in kind], axis=1), 0, -1)
-            for kind in zip(*seen, strict=True)
+            for kind in zip(*outputs, strict=True)
         )
         return state, StepReadings(*whole)
 

@@ -1,4 +1,4 @@
-"""Terms, command laws and pulls at work in one step of one robot on MJX.
+"""Terms, command laws and body forces at work in one step of one robot on MJX.
 
 The laws are elementwise over their sites; here is what gathers the sites from a robot's arrays and scatters back.
 """
@@ -43,7 +43,7 @@ class MjxStepStart(NamedTuple):
 
 
 class EffectForces(NamedTuple):
-    """What a step is taken with, and what is carried on."""
+    """Inputs of a physics step, and hidden variables after it."""
 
     model: mjx.Model
     ctrl: jax.Array  #: (nu,)
@@ -103,7 +103,7 @@ def apply_effects(
 ) -> EffectForces:
     """Let all effects of a catalogue act that do so during a step, in its order: command laws, then terms, pulls."""
     hidden = dict(hidden)
-    now, hidden = _commanded(robot, catalogue, model, values, hidden, now)
+    now, hidden = _with_command_laws(robot, catalogue, model, values, hidden, now)
     nominal = jnp.ones(robot.model.nu, now.qvel.dtype)
     step = _Step(robot, now, model, nominal, jnp.zeros(robot.model.nv, now.qvel.dtype))
     for e in catalogue:
@@ -111,7 +111,7 @@ def apply_effects(
             p = _columns(values[e.name])
             dofs = e.dofs(robot)
             there = drives(robot, dofs, _actuators(robot, e))
-            does, state = e.act(p, _moment(step, dofs, there), hidden.get(e.name, ()))
+            does, state = e.act(p, _joint_state(step, dofs, there), hidden.get(e.name, ()))
             hidden |= {e.name: state} if e.n_states else {}
             step = _applied(step, does, dofs, there)
     model = step.model if step.share is nominal else step.scaled()
@@ -133,7 +133,7 @@ def _actuators(robot: Robot, e: Term) -> np.ndarray | None:
     return np.array([robot.index("actuator", site) for site in e.sites(robot)], dtype=int)
 
 
-def _commanded(
+def _with_command_laws(
     robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, hidden: Hidden, now: MjxStepStart
 ) -> tuple[MjxStepStart, Hidden]:
     laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
@@ -150,7 +150,7 @@ def _commanded(
     return now._replace(ctrl=ctrl), hidden
 
 
-def _moment(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
+def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
     robot, model, now = step.robot, step.scaled(), step.now
     q, w = _coordinates(robot, dofs, now)
     command = limited_commands(model, now.ctrl)
@@ -210,11 +210,11 @@ def _applied(step: _Step, does: JointForce, dofs: np.ndarray, there: Drives) -> 
 
 def _pulled(robot: Robot, catalogue: Catalogue, model: mjx.Model, values: Values, now: MjxStepStart) -> jax.Array:
     pull = jnp.zeros((robot.model.nbody, 6), now.qvel.dtype)
-    pulls = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
-    if not pulls:
+    body_forces = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
+    if not body_forces:
         return pull
     place = mjx.kinematics(model, mjx.make_data(robot.model).replace(qpos=now.qpos)).xipos
-    for e in pulls:
+    for e in body_forces:
         bodies = np.array([robot.index("body", site) for site in e.sites(robot)], dtype=int)
         x, y, z = (place[bodies, axis] for axis in range(3))
         pull = pull.at[bodies, :3].add(jnp.stack(e.force_on_body(_columns(values[e.name]), (x, y, z)), axis=1))

@@ -1,0 +1,54 @@
+"""States of open-loop lanes between blocks of steps, and their readings at the beginning of steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.engines.mjx.terms import Hidden
+from estexp_jax.physics.engines.open_loop_inputs import equal_commands
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.window import Window
+
+_Array = Any
+"""A NumPy array outside the compiled function, a JAX array inside."""
+
+
+class LaneBatchState(NamedTuple):
+    """Lanes between two blocks: arrays (lanes, ...), and hidden variables as an engine keeps them."""
+
+    qpos: _Array
+    qvel: _Array
+    act: _Array
+    warmstart: _Array
+    sensordata: _Array  # of the step before
+    hidden: Hidden
+
+
+class StepReadings(NamedTuple):
+    """Readings and states of lanes at the beginning of steps, (steps, ..., lanes)."""
+
+    sensors: np.ndarray
+    qpos: np.ndarray
+    qvel: np.ndarray
+
+
+def at_rows(x: np.ndarray, windows: Sequence[Window], rows: int) -> np.ndarray:
+    """Columns (lanes, rows, columns) at the rows of windows, from those (steps, columns, lanes) at all steps.
+
+    NaN beyond a window's last row.
+    """
+    found = np.full((len(windows), rows, x.shape[1]), np.nan, np.float32)
+    for i, there in equal_commands(windows, np.ones(len(windows), bool)):
+        sample = windows[i].steps.sample
+        found[there, : len(sample)] = np.moveaxis(x[sample, :, there], -1, 0)
+    return found
+
+
+def is_acceleration(robot: Robot) -> np.ndarray:
+    """Which values of `sensordata` (nsensordata,) are forces or accelerations, which belong to the step before."""
+    acceleration = robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
+    return np.repeat(acceleration, robot.model.sensor_dim)

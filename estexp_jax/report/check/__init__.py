@@ -1,0 +1,1 @@
+"""What `check` found, as tables, sentences and a figure."""

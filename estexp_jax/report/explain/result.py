@@ -1,0 +1,86 @@
+"""What `explain` found, for Python and Jupyter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+from estexp_jax.discovery.diagnosis import Diagnosis
+from estexp_jax.discovery.telling_laws import joint_unit
+from estexp_jax.report.drawing.picture import Picture
+from estexp_jax.report.explain.competing_models import figure_competing_models
+from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where
+from estexp_jax.report.explain.files import write_explanation
+from estexp_jax.report.explain.latex import latex
+from estexp_jax.report.explain.law_figure import figure_law
+from estexp_jax.report.explain.text import explain_rows, explain_summary, explain_table
+from estexp_jax.report.tables import data_frame
+from estexp_jax.runs import open_run
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class ExplainResult:
+    """What `explain` found; prints itself as a table in a notebook.
+
+    Attributes:
+        diagnosis: everything, with its arrays.
+        findings: as in `findings.json`.
+    """
+
+    diagnosis: Diagnosis
+    findings: Mapping[str, Any]
+
+    def summary(self) -> str:
+        """The verdict, what is missing, and how much better unseen recordings are predicted."""
+        return explain_summary(self.findings)
+
+    def table(self) -> Any:
+        """The claimed effects, one parameter a row: a DataFrame where pandas is present, else a list of dicts."""
+        return data_frame(explain_rows(self.findings))
+
+    def plot_where(self) -> Picture:
+        """Where the error is."""
+        return Picture(figure_where(self.diagnosis))
+
+    def plot_fit(self) -> Picture:
+        """A test recording, before and after."""
+        return Picture(figure_fit(self.diagnosis))
+
+    def plot_rivals(self) -> Picture:
+        """Test and training errors of the nominal simulator, the competing models and the explanation."""
+        return Picture(figure_competing_models(self.findings))
+
+    def plot_ranking(self) -> Picture:
+        """All explanations tried, by how they predict held-out windows."""
+        return Picture(figure_ranking(self.diagnosis))
+
+    def plot_laws(self) -> list[Picture]:
+        """Each unknown law's force over position and speed, beside what its joint lacks; [] where none was found."""
+        robot = self.diagnosis.case.robot
+        return [Picture(figure_law(law, joint_unit(robot, law.joint))) for law in self.diagnosis.laws]
+
+    def latex(self) -> list[str]:
+        """The equation of each entry of `what`, in LaTeX's mathematics."""
+        return [latex(entry["equation"]) for entry in self.findings["what"]]
+
+    def write(self, out: str | Path, *, force: bool = False, pictures: bool = True) -> Path:
+        """Write all results into a folder, as the command does; gives the report's path.
+
+        Args:
+            out: the folder.
+            force: remove what an earlier run wrote there.
+            pictures: show the robots in the report, where something here can draw them.
+
+        Raises:
+            InputError: the folder holds results and `force` is not set.
+        """
+        return write_explanation(open_run(out, force=force), self.diagnosis, self.findings, pictures=pictures)[0]
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        return explain_table(self.findings)
