@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.cycle import job_of
 from estexp_jax.recovery.state import RunState
 from estexp_jax.report.recover.files import run_record
 from estexp_jax.report.recover.page import recover_advice, recover_headline, recover_page, recover_verdict
