@@ -30,7 +30,7 @@ from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_search import Unnamed
 from estexp_jax.discovery.laws import lacks_force, unknown_law, unknown_law_nearer
-from estexp_jax.discovery.likely_waves import likely_waves
+from estexp_jax.discovery.likely_waves import with_waves
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.possible import still_throughout
@@ -45,7 +45,6 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.discovery.verdict import QUIET, verdict
 from estexp_jax.estimation.windows import fitting_window
-from estexp_jax.physics.effects.registry import effect, every
 
 
 def explain(
@@ -70,7 +69,7 @@ def explain(
     settings = {name for r in case.recordings for name in r.settings}
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
     nominal = Fit(parameters, parameters.start(), np.inf)
-    whole = _with_waves(case, commanded(whole, nominal.member))
+    whole = with_waves(case, commanded(whole, nominal.member))
     selection, problem = yield from select(to_fit(case, config, whole), parameters, config.most)
     usual, nearer = fitting_window(case.robot, config.window) == config.window < np.inf, None
     if usual and hangs_on_hairs(problem, selection):
@@ -103,24 +102,6 @@ def explain(
     yield Progress("test recordings", 0, 1)
     shown = resolved(case, problem, shown, fits["explained"].member)
     return diagnosis(case, config, Found(problem, shown, selection, fits, learned, bases[0][1]))
-
-
-def _with_waves(case: Case, whole: Problem) -> Problem:
-    """The comparison with what missing forces suggest of cogging, where it is known how the robot moved."""
-    train = case.indices("train")
-    known = {s.recording for s in whole.segments if s.path is not None}
-    waves = [e for e in every() if e.sinusoidal and any(name == e.name for name, _ in whole.places)]
-    if not waves or not known >= set(train):
-        return whole
-    seen = force_residuals(whole, [robot.model for robot in case.robots], train)
-    found = likely_waves(case.robot, seen, waves)
-    return replace(
-        whole,
-        likely={
-            (name, site): [*best, *effect(name).initial_guesses(case.robot, site, whole.seen)]
-            for (name, site), best in found.items()
-        },
-    )
 
 
 def _late(

@@ -15,10 +15,11 @@ from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.possible import conceivable
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first, fitted, refitted
-from estexp_jax.discovery.screening import extended, looked_at
+from estexp_jax.discovery.screening import extended, looked_at, slot
 from estexp_jax.discovery.selection import Explanation, Fold, folds_of
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.registry import effect, every
+from estexp_jax.physics.model.robot import Robot
 
 _NEAR, RIVALS = 2.0, 1.3
 """Fits up to so many times as far off as the best are fitted on about it and judged by windows that are held out; where
@@ -28,6 +29,12 @@ _PROMISING, _LIKELIEST, _ONE_MORE = 8, 6, 3
 robot of many joints is `FAR` off; and fewest where only the best of them is asked for."""
 _JOINTS = 3
 """Degrees of freedom beyond which simulating a robot takes long."""
+FEW = 3
+"""More effects than so many are looked for only where these explain enough."""
+_MOST = 0.999
+"""Share of the largest value a number may have from which it is there."""
+_MUCH, _BASES = 3.0, 3
+"""Where the best single effect leaves more than so many deviations, up to so many of its rivals are all added to."""
 
 
 @final
@@ -151,3 +158,41 @@ def judged_apart(
     found, there = yield from fitted(problem, tasks, stage)
     yield Progress(f"{stage}, held-out windows", 0, 1)
     return cross_validated(there, found, search.folds)
+
+
+def bases_of(found: Standing) -> list[Fit]:
+    """What to add an effect to: the best explanation; where a single effect leaves much, also others about as good.
+
+    Of several things that are missing, the one that explains most alone need not be any of them.
+    """
+    chosen = found.chosen
+    if chosen.error <= _MUCH or len(chosen.places) != 1:
+        return [chosen.fitted]
+    ranked = sorted((e for e in found.tried if e.error <= RIVALS * chosen.error), key=lambda e: e.error)
+    slots = {slot(e.places[-1]): e.fitted for e in reversed(ranked) if len(e.places) == 1}
+    others = [f for s, f in reversed(slots.items()) if s != slot(chosen.places[-1])]
+    return [chosen.fitted, *others[: _BASES - 1]]
+
+
+def alike_while_on(robot: Robot, joints: Sequence[Place]) -> list[Place]:
+    """What motors do to joints just as some effects do there, while these motors are on."""
+    driven = [(a, robot.joint_of_actuator(i)) for i, a in enumerate(robot.names("actuator"))]
+    named = [(a, robot.names("joint")[j]) for a, j in driven if j is not None]
+    return [(e.name, a) for e in every() for a, j in named if (e.alike_while_on, j) in joints]
+
+
+def believable(judged: Sequence[Explanation], before: Explanation) -> list[Explanation]:
+    """Those that can be believed: where much was left, no more than a few effects, or none added `_at_its_most`.
+
+    An effect of many numbers takes up some of what nothing explains, whatever it is, and goes astray on other motions.
+    """
+    far = before.error > FAR
+    return [e for e in judged if not (far and len(e.places) > FEW and _at_its_most(e.fitted))]
+
+
+def _at_its_most(fitted: Fit) -> bool:
+    """Whether the effect that a fit claims last has several numbers, and one, no phase, is as large as it may be."""
+    free = zip(fitted.hypothesis.free, fitted.vector, strict=True)
+    own = [(f, v) for f, v in free if (f.effect, f.site) == fitted.hypothesis.places[-1]]
+    sizes = [(f, v) for f, v in own if not f.chosen and f.parameter != "phase"]
+    return len(own) > 1 and any(abs(v) >= _MOST * max(f.high, -f.low) for f, v in sizes)

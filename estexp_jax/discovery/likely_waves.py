@@ -10,13 +10,17 @@ Source: Lomb, Astrophysics and Space Science 39 (1976): least squares at each fr
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.diagnosis import Case
+from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.effects.effect import Effect
 from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.registry import effect, every
 from estexp_jax.physics.model.robot import Robot
 
 _SAMPLES = 4000
@@ -86,3 +90,21 @@ def _waves(q: np.ndarray, beside: np.ndarray, force: np.ndarray, bounds: Sequenc
     higher = np.concatenate([[-np.inf], taken, [-np.inf]])
     peaks = np.flatnonzero((taken >= higher[:-2]) & (taken >= higher[2:]))
     return [values[i] for i in peaks[np.argsort(-taken[peaks])][:_PEAKS]]
+
+
+def with_waves(case: Case, whole: Problem) -> Problem:
+    """The comparison with what missing forces suggest of cogging, where it is known how the robot moved."""
+    train = case.indices("train")
+    known = {s.recording for s in whole.segments if s.path is not None}
+    waves = [e for e in every() if e.sinusoidal and any(name == e.name for name, _ in whole.places)]
+    if not waves or not known >= set(train):
+        return whole
+    seen = force_residuals(whole, [robot.model for robot in case.robots], train)
+    found = likely_waves(case.robot, seen, waves)
+    return replace(
+        whole,
+        likely={
+            (name, site): [*best, *effect(name).initial_guesses(case.robot, site, whole.seen)]
+            for (name, site), best in found.items()
+        },
+    )

@@ -11,11 +11,11 @@ import numpy as np
 
 from estexp_jax.discovery.doubt import blinded, directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
-from estexp_jax.discovery.recorded import Recorded
+from estexp_jax.discovery.recorded import Recorded, louder_noise, observed_of
 from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
 from estexp_jax.estimation.channels import Channels
-from estexp_jax.estimation.noise import correlation_rows, noise_std
+from estexp_jax.estimation.noise import correlation_rows
 from estexp_jax.estimation.windows import WindowSet, is_sensitive_to_start
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
@@ -27,8 +27,6 @@ _BLOWN_UP = 10.0
 """Normalised error of a simulation that is no longer a number: worse than any that stays on its scale."""
 _FAR = 1e6
 """Deviations; further is a simulation that blew up."""
-_LOUDEST = 3.0
-"""Factor by which noise may be louder than it seems in a reading."""
 
 
 @final
@@ -199,12 +197,7 @@ class Problem:
         """
         windows = self.trained
         difference = self.simulated([member], windows)[0] - self.recorded.compared(windows)
-        noise = self.noise.copy()
-        for recording in {self.segments[w].recording for w in windows}:
-            own = np.array([self.segments[w].recording == recording for w in windows])
-            noise[recording] = np.fmax(
-                noise[recording], np.fmin(noise_std(difference[own]), _LOUDEST * noise[recording])
-            )
+        noise = louder_noise(self.noise, [self.segments[w].recording for w in windows], difference)
         return replace(self, noise=noise)
 
     def simulated(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
@@ -223,14 +216,7 @@ class Problem:
     @cached_property
     def seen(self) -> Observed:
         """Where joints were and what sensors showed in the training recordings, for where to start."""
-        train = {i for i, r in enumerate(self.recordings) if r.role == "train"}
-        paths = {s.recording: s.path for s in self.segments if s.recording in train and s.path is not None}
-        qpos = np.concatenate([p.qpos for p in paths.values()])
-        readings = np.concatenate([self.recordings[i].sensor for i in paths])
-        known = np.isfinite(readings).any(axis=0)
-        median = np.full(readings.shape[1], np.nan)
-        median[known] = np.nanmedian(readings[:, known], axis=0)
-        return Observed(qpos.min(axis=0), qpos.max(axis=0), median)
+        return observed_of(self.recordings, self.segments)
 
     def residuals(self, members: Sequence[Member], windows: np.ndarray) -> np.ndarray:
         """Differences (members, windows, samples) in deviations: their squares sum to 1 where only noise is left.

@@ -10,11 +10,14 @@ import numpy as np
 
 from estexp_jax.estimation.accuracy import nrmse
 from estexp_jax.estimation.channels import Channels, channel_ranges
-from estexp_jax.estimation.noise import median
+from estexp_jax.estimation.noise import median, noise_std
+from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.reading_noise import noise_std_of
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import Window
 
+_LOUDEST = 3.0
+"""Factor by which noise may be louder than it seems in a reading."""
 _LEAST_SHARE = 5e-4
 """Of a channel's range in a recording, or in the usual training recording: no simulator is right to more."""
 
@@ -94,3 +97,24 @@ class Recorded:
         """What counts as one (windows, rows, channels), or (windows, 1, channels) where rows are alike."""
         noise = np.nan_to_num(self.noise[[self.segments[w].recording for w in windows]], nan=1.0)[:, None, :]
         return noise if self.rough is None else np.hypot(noise, self.rough[windows, :rows])
+
+
+def observed_of(recordings: Sequence[Recording], segments: Sequence[Window]) -> Observed:
+    """Where joints were and what sensors showed in the training recordings."""
+    train = {i for i, r in enumerate(recordings) if r.role == "train"}
+    paths = {s.recording: s.path for s in segments if s.recording in train and s.path is not None}
+    qpos = np.concatenate([p.qpos for p in paths.values()])
+    readings = np.concatenate([recordings[i].sensor for i in paths])
+    known = np.isfinite(readings).any(axis=0)
+    usual = np.full(readings.shape[1], np.nan)
+    usual[known] = np.nanmedian(readings[:, known], axis=0)
+    return Observed(qpos.min(axis=0), qpos.max(axis=0), usual)
+
+
+def louder_noise(noise: np.ndarray, recordings: Sequence[int], difference: np.ndarray) -> np.ndarray:
+    """Noise (recordings, channels) as loud as differences (windows, rows, channels) in windows of these recordings."""
+    found = noise.copy()
+    for recording in set(recordings):
+        own = np.array([r == recording for r in recordings])
+        found[recording] = np.fmax(found[recording], np.fmin(noise_std(difference[own]), _LOUDEST * found[recording]))
+    return found

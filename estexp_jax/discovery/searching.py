@@ -9,12 +9,22 @@ import numpy as np
 
 from estexp_jax.discovery.cross_validation import as_fitted
 from estexp_jax.discovery.fitting import FAR, Progress, Task
-from estexp_jax.discovery.growing import RIVALS, Setting, Standing, compared, grown_from, judged_apart
+from estexp_jax.discovery.growing import (
+    FEW,
+    Setting,
+    Standing,
+    alike_while_on,
+    bases_of,
+    believable,
+    compared,
+    grown_from,
+    judged_apart,
+)
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import fitted
-from estexp_jax.discovery.screening import extended, instead, simpler, slot, without
+from estexp_jax.discovery.screening import extended, instead, simpler, without
 from estexp_jax.discovery.selection import (
     NOISE,
     Explanation,
@@ -29,16 +39,10 @@ from estexp_jax.discovery.selection import (
 from estexp_jax.discovery.slopes import Fit, stretched, unbent
 from estexp_jax.discovery.verdict import ENOUGH, verdict
 from estexp_jax.estimation.accuracy import gain
-from estexp_jax.physics.effects.registry import every
 from estexp_jax.physics.effects.sites import ALL_ALIKE
-from estexp_jax.physics.model.robot import Robot
 
-_MUCH, _BASES = 3.0, 3
-"""Where the best single effect leaves more than so many deviations, up to so many of its rivals are all added to."""
-_FEW, _BUDGET = 3, 800_000_000
-"""More effects than so many are looked for where these explain enough, until so many steps of a joint are simulated."""
-_MOST = 0.999
-"""Share of the largest value a number may have from which it is there."""
+_BUDGET = 800_000_000
+"""More than a few effects are looked for until so many steps of a joint are simulated."""
 _FITS = 0.95
 """Share of an explanation's squared error on the windows it was fitted to, to which one more effect must bring that."""
 _TWINS = 3
@@ -74,8 +78,8 @@ def select(problem: Problem, parameters: Hypothesis, most: int) -> Generator[Pro
         found = yield from _unbound(search, found)
     as_it_is = min(nominal, corrected, key=lambda e: e.error)
     for n in range(1, most + 1):
-        before, bases = found.chosen, _bases(found)
-        if before.error <= NOISE or (n > _FEW and not _goes_on(problem, before, as_it_is)):
+        before, bases = found.chosen, bases_of(found)
+        if before.error <= NOISE or (n > FEW and not _goes_on(problem, before, as_it_is)):
             break
         found = yield from _added(search, found, bases, n)
         if n == 1 and found.chosen is before:
@@ -106,7 +110,7 @@ def _unbound(search: Setting, found: Standing) -> Generator[Progress, None, Stan
     while bent := [(f.effect, f.site) for f in stretched(found.chosen.fitted)]:
         fitted, claims = found.chosen.fitted, found.chosen.places
         alike = dict.fromkeys((name, ALL_ALIKE) for name, _ in bent)
-        motors = _alike_while_on(found.problem.replayer.robot, bent)
+        motors = alike_while_on(found.problem.replayer.robot, bent)
         places = [p for p in (*bent, *motors, *alike) if p in found.problem.places and p not in claims]
         if not places:
             break
@@ -121,31 +125,10 @@ def _unbound(search: Setting, found: Standing) -> Generator[Progress, None, Stan
     return found
 
 
-def _alike_while_on(robot: Robot, joints: Sequence[Place]) -> list[Place]:
-    """What motors do to joints just as some effects do there, while these motors are on."""
-    driven = [(a, robot.joint_of_actuator(i)) for i, a in enumerate(robot.names("actuator"))]
-    named = [(a, robot.names("joint")[j]) for a, j in driven if j is not None]
-    return [(e.name, a) for e in every() for a, j in named if (e.alike_while_on, j) in joints]
-
-
 def _goes_on(problem: Problem, chosen: Explanation, as_it_is: Explanation) -> bool:
     """Whether more than a few effects are looked for: not to pile up names that explain little, nor for too long."""
     work = problem.counted[0] * problem.replayer.robot.model.nv
     return gain(chosen.error, as_it_is.error, 1.0) >= ENOUGH and work < _BUDGET
-
-
-def _bases(found: Standing) -> list[Fit]:
-    """What to add an effect to: the best explanation; where a single effect leaves much, also others about as good.
-
-    Of several things that are missing, the one that explains most alone need not be any of them.
-    """
-    chosen = found.chosen
-    if chosen.error <= _MUCH or len(chosen.places) != 1:
-        return [chosen.fitted]
-    ranked = sorted((e for e in found.tried if e.error <= RIVALS * chosen.error), key=lambda e: e.error)
-    slots = {slot(e.places[-1]): e.fitted for e in reversed(ranked) if len(e.places) == 1}
-    others = [f for s, f in reversed(slots.items()) if s != slot(chosen.places[-1])]
-    return [chosen.fitted, *others[: _BASES - 1]]
 
 
 def _added(
@@ -167,30 +150,13 @@ def _added(
     if not grown:
         return found
     (before, *judged), problem = yield from compared(search, found.problem, [found.chosen.fitted, *grown], stage)
-    sound = _sound(judged, before)
+    sound = believable(judged, before)
     helping = [e for e in sound if not before.places or e.fitted.cost < _FITS * before.fitted.cost]
     tried = (*found.tried, *sound)
     if not helping:
         return replace(found, tried=tried)
     best = steadiest(helping, before) if before.places and before.error > FAR else simplest(helping)
     return Standing(problem, best, tried) if worth(best, before) else replace(found, tried=tried)
-
-
-def _sound(judged: Sequence[Explanation], before: Explanation) -> list[Explanation]:
-    """Those that can be believed: where much was left, no more than a few effects, or none added `_at_its_most`.
-
-    An effect of many numbers takes up some of what nothing explains, whatever it is, and goes astray on other motions.
-    """
-    far = before.error > FAR
-    return [e for e in judged if not (far and len(e.places) > _FEW and _at_its_most(e.fitted))]
-
-
-def _at_its_most(fitted: Fit) -> bool:
-    """Whether the effect that a fit claims last has several numbers, and one, no phase, is as large as it may be."""
-    free = zip(fitted.hypothesis.free, fitted.vector, strict=True)
-    own = [(f, v) for f, v in free if (f.effect, f.site) == fitted.hypothesis.places[-1]]
-    sizes = [(f, v) for f, v in own if not f.chosen and f.parameter != "phase"]
-    return len(own) > 1 and any(abs(v) >= _MOST * max(f.high, -f.low) for f, v in sizes)
 
 
 def _exchanged(search: Setting, found: Standing, place: Place) -> Generator[Progress, None, Standing]:
@@ -203,7 +169,7 @@ def _exchanged(search: Setting, found: Standing, place: Place) -> Generator[Prog
     if not new:
         return found
     (before, *judged), problem = yield from compared(search, found.problem, [chosen.fitted, *new], stage)
-    sound = _sound(judged, before)
+    sound = believable(judged, before)
     if not sound:
         return found
     tried, best = (*found.tried, *sound), simplest(sound)
@@ -216,7 +182,7 @@ def _all_exchanged(search: Setting, found: Standing, as_it_is: Explanation) -> G
     while _goes_on(found.problem, found.chosen, as_it_is) and found.chosen.error > FAR:
         claims = frozenset(found.chosen.places)
         left = [p for p in found.chosen.places if claims - {p} not in asked]
-        if len(claims) < _FEW or not left:
+        if len(claims) < FEW or not left:
             break
         asked.add(claims - {left[0]})
         found = yield from _exchanged(search, found, left[0])
