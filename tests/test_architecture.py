@@ -62,13 +62,14 @@ def test_no_retired_word_is_an_identifier():
 
 
 def test_a_public_class_or_function_exists_once():
-    names = Counter(
-        node.name
+    owners = {
+        (node.name, path)
         for path in modules()
         if path.relative_to(PACKAGE).parts[0] != OLD_SEARCH
         for node in tree(path).body
         if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_")
-    )
+    }
+    names = Counter(name for name, _ in owners)
     assert not {name for name, count in names.items() if count > 1}
 
 

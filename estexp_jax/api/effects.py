@@ -68,18 +68,18 @@ def register(effect: _E | None = None, robots: Sequence[Robot] = ()) -> _E | Cal
     found = effect_faults(one)
     if not found:
         earlier = next((own for own in registry.own() if own.name == one.name), None)
-        registry.register(one)
+        registry.register_effect(one)
         tried = robots or [Robot.from_xml(model_path(name)) for name in _TRIED]
         found = next((wrong for wrong in (effect_faults(one, robot) for robot in tried) if wrong), [])
         if found:
             registry.unregister(one.name)
             if earlier is not None:
-                registry.register(earlier)
+                registry.register_effect(earlier)
     if found:
         raise InputError(found[0], where=f"the effect {type(one).__name__}", right="see docs/effects.md")
     return effect
 
 
 def _row(e: Effect) -> tuple[str, ...]:
-    numbers = ", ".join(f"{p.name} [{p.unit}]" if p.unit else p.name for p in e.parameters)
-    return e.name, e.kind, e.side, numbers, e.equation
+    parameters = ", ".join(f"{p.name} [{p.unit}]" if p.unit else p.name for p in e.parameters)
+    return e.name, e.kind, e.side, parameters, e.equation

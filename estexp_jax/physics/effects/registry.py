@@ -1,7 +1,7 @@
 """Every effect by name: those of the package, and those that a user registers beside them.
 
-The decorator `register` puts an effect in; the folders `catalogue` and `laws` are loaded with this package. The order
-is that of registering: so terms act, and so searches try them. Groups follow from what effects say of themselves.
+The decorator `register_effect` puts an effect in; the folders `catalogue` and `laws` are loaded with this package. The
+order is that of registering: so terms act, and so searches try them. Groups follow from what effects say of themselves.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _OFF = ("body", "actuator", "joint", "environment", "sensor", "controller")
 _PACKAGE = f"{__name__.partition('.')[0]}."
 
 
-def register(effect: _E) -> _E:
+def register_effect(effect: _E) -> _E:
     """Make an effect known, given as a class (then as a decorator) or an instance; the user's front door asks more.
 
     Raises:

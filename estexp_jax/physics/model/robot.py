@@ -13,7 +13,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.files import is_file, read_description
-from estexp_jax.physics.model.spec import freeze, named, spec_elements, with_masses
+from estexp_jax.physics.model.spec import freeze, spec_elements, with_masses, with_names
 from estexp_jax.physics.model.validation import refuse_invalid, refuse_unbounded, warnings_suppressed
 
 _TYPES = {
@@ -85,7 +85,7 @@ class Robot:
         refuse_unbounded(spec, source)
         model = spec.compile()
         refuse_invalid(model, source)
-        return cls(with_masses(named(spec), model), model, source)
+        return cls(with_masses(with_names(spec), model), model, source)
 
     def names(self, kind: str) -> tuple[str, ...]:
         """Names of all elements of a kind, in MuJoCo's order; unnamed ones are `<kind>_<index>`.

@@ -21,7 +21,7 @@ def spec_elements(spec: mujoco.MjSpec) -> dict[str, Sequence[Any]]:
     return {"body": spec.bodies, "joint": spec.joints, "actuator": spec.actuators, "sensor": spec.sensors}
 
 
-def named(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+def with_names(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     """A copy of a compiled description in which the unnamed are called `<kind>_<index>`.
 
     Indices shift when a part is deleted from a description; names stay.
