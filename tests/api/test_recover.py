@@ -77,7 +77,7 @@ class Played:
 
 
 def awaited(path: Path) -> None:
-    end = time.monotonic() + 120.0
+    end = time.monotonic() + 900.0
     while not path.exists() and time.monotonic() < end:
         time.sleep(0.02)
 
