@@ -114,13 +114,8 @@ def _with_waves(case: Case, whole: Problem) -> Problem:
         return whole
     seen = force_residuals(whole, [robot.model for robot in case.robots], train)
     found = likely_waves(case.robot, seen, waves)
-    return replace(
-        whole,
-        likely={
-            (name, site): [*best, *effect(name).initial_guesses(case.robot, site, whole.seen)]
-            for (name, site), best in found.items()
-        },
-    )
+    likely = {p: [*best, *effect(p[0]).initial_guesses(case.robot, p[1], whole.seen)] for p, best in found.items()}
+    return replace(whole, likely=likely)
 
 
 def _late(

@@ -9,12 +9,12 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, CommandLaw, Parameter
 from estexp_jax.physics.effects.guesses import Vectors
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
-@register
+@register_effect
 @final
 class ActuatorLag(CommandLaw):
     """tau du/dt = command - u; the motor obeys u, its mean over the step."""

@@ -8,13 +8,13 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites, smallest_of_joints
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
-@register
+@register_effect
 @final
 class Armature(Edit):
     """tau = -I dw/dt: inertia I added to the joint's own armature."""

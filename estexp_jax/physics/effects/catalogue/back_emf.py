@@ -5,7 +5,7 @@ from typing import ClassVar, final
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.friction import friction_advice
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.servos import servo_damping_at
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model import scales
@@ -13,7 +13,7 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
 
-@register
+@register_effect
 @final
 class BackEmf(Term):
     """tau = -k w while the motor is on; integrated implicitly, as joint damping.

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.model.robot import Robot
@@ -87,7 +87,7 @@ class Play(Term):
         return does, (x, a, jnp.where(has_play, motor_torque, 0.0), thrown)
 
 
-@register
+@register_effect
 @final
 class Backlash(Play):
     """With a rotor that has the joint's armature, and does not rebound."""

@@ -11,13 +11,13 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.damage import Amounts, Damage, ModelError
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.model.spec import set_masses
 
 
-@register
+@register_effect
 @final
 class BodyMass(Edit, Damage, ModelError):
     """mass = nominal + dm, inertia scaled with the mass about the unchanged centre."""

@@ -10,7 +10,7 @@ import numpy as np
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import is_slide, scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -19,7 +19,7 @@ _OFTEN, _OFTEN_SLIDE = (3.0, 60.0), (6.0, 500.0)
 """How often it may come in a turn, over 2 pi m of a slide. What comes less often is no cog: a spring, an unbalance."""
 
 
-@register
+@register_effect
 @final
 class Cogging(Term):
     """tau = A sin(n q + phase)."""

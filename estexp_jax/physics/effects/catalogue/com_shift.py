@@ -11,13 +11,13 @@ from mujoco import mjx
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.guesses import Vectors, along_axes
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.model.spec import set_masses
 
 
-@register
+@register_effect
 @final
 class ComShift(Edit):
     """Centre of mass = nominal + (x, y, z) in the body's frame; mass and inertia about the centre stay."""

@@ -6,12 +6,12 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import CommandShift, Parameter
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE, with_all
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class CommandDelay(CommandShift):
     """u(t) = command(t - delay)."""

@@ -9,7 +9,7 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.friction import friction_advice
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import (
     friction_sites,
     joint_dofs,
@@ -23,7 +23,7 @@ from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.recording import Recording
 
 
-@register
+@register_effect
 @final
 class CoulombFriction(Edit):
     """tau = -T sign(w), as MuJoCo's friction loss: a constraint, so that it also holds at rest and never chatters."""

@@ -7,12 +7,12 @@ from typing import ClassVar, final
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Vectors, other_elements
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class Crosstalk(Term):
     """tau = g * motor torque of joint `from`: tendons or cables that pass a joint on their way."""

@@ -6,13 +6,13 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Array, Arrays, CommandLaw, Parameter
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class DeadBand(CommandLaw):
     """u = idle + z - clip(z, -half_width, half_width) with z = command - idle.

@@ -8,7 +8,7 @@ import numpy as np
 from estexp_jax.physics.effects.base import Array, Arrays, BodyForce, Parameter
 from estexp_jax.physics.effects.guesses import Vectors, along_axes
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import body_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -16,7 +16,7 @@ _REACH, _CONSTANT = 1.0, 0.05
 """Over so many metres (m) a spring that changes by this share of its pull is reported as a constant force."""
 
 
-@register
+@register_effect
 @final
 class ExternalForce(BodyForce):
     """F = (x, y, z) - k c at the body's centre of mass c, in world axes.

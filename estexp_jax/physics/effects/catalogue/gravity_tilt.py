@@ -14,14 +14,14 @@ from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.damage import Amounts, Damage
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.model.robot import Robot
 
 STEEPEST = np.pi / 6
 """Steepest slope, rad."""
 
 
-@register
+@register_effect
 @final
 class GravityTilt(Edit, Damage):
     """Gravity turned about a horizontal axis u, itself turned by `axis` from x towards y.

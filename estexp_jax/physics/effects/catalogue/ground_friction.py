@@ -13,14 +13,14 @@ from estexp_jax.physics.effects.base import NEVER, Edit, Parameter
 from estexp_jax.physics.effects.damage import Amounts, Damage, ModelError
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.model.robot import Robot
 
 _GRIPS = (0.03, 0.1, 0.25, 0.5, 0.75, 0.93, 1.07, 1.4, 2.5)
 """Shares of the modelled grip: where feet slip, a motion a little farther off is another one."""
 
 
-@register
+@register_effect
 @final
 class GroundFriction(Edit, Damage, ModelError):
     """|tangential force| <= mu |normal force| at every contact: sliding friction of all that touches.

@@ -10,7 +10,7 @@ from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointStat
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -19,7 +19,7 @@ _AT_ONCE = 5e-3
 """A presliding way, rad or m, too short for anyone to call it anything but Coulomb friction."""
 
 
-@register
+@register_effect
 @final
 class Hysteresis(Term):
     """dF/dq = sigma (1 - F/T sign(w)), tau = -F: Dahl friction, bristles of presliding way T / sigma."""

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Bounds, Vectors, spread
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import holding_force, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model import scales
@@ -87,7 +87,7 @@ class Compliance(Term):
         return does, (jnp.where(is_soft, r, joint.q), jnp.where(is_soft, a, w), jnp.where(is_soft, torque, 0.0))
 
 
-@register
+@register_effect
 @final
 class JointCompliance(Compliance):
     """The motor's own loop sees the rotor, as most servos' encoders do."""

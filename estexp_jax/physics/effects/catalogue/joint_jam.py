@@ -14,12 +14,12 @@ from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.jam import JAMMED, jam_damping, jam_range
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import joint_dofs, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
-@register
+@register_effect
 @final
 class JointJam(Edit, Damage):
     """tau = -c(f) w with c growing geometrically from the joint's damping (f = 0) to stuck (f = 1)."""

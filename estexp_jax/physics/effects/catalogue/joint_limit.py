@@ -12,13 +12,13 @@ from mujoco import mjx
 from estexp_jax.physics.effects.base import NEVER, Edit, Parameter
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import angle_unit, scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
-@register
+@register_effect
 @final
 class JointLimit(Edit):
     """low <= q <= high, as MuJoCo's joint limit; a side that is not given stays as modelled."""

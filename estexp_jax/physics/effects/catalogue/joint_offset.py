@@ -9,12 +9,12 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import angle_unit, is_slide, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
-@register
+@register_effect
 @final
 class JointOffset(Edit):
     """The robot is in the model's zero posture where the joint shows q = offset: the pose is that of q - offset."""

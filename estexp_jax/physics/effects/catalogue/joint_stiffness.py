@@ -14,13 +14,13 @@ from estexp_jax.physics.effects.base import Array, Edit, Parameter
 from estexp_jax.physics.effects.guesses import SHARES, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.passive import add_spring
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class JointStiffness(Edit):
     """tau = -k (q - q0), beside the joint's own spring: the two together are one spring, at a position between."""

@@ -9,12 +9,12 @@ from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointStat
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class LoadBristles(Term):
     """Bristles whose level of steady sliding is mu |motor torque|, with the presliding way x."""

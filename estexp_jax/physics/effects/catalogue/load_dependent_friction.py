@@ -7,13 +7,13 @@ import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.friction import friction_advice
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
 
-@register
+@register_effect
 @final
 class LoadDependentFriction(Term):
     """tau = -mu |motor torque| sign(w), as a friction loss renewed at each step from that step's motor torque."""

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -18,7 +18,7 @@ _SOONEST = 0.5
 in for anything that grows with torque."""
 
 
-@register
+@register_effect
 @final
 class MotorFade(Term):
     """dH/dt = ((tau / tau_max)^2 - H) / t with t = `tau`, force = (1 - loss H) nominal force.

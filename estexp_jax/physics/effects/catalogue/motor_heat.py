@@ -10,14 +10,14 @@ from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Para
 from estexp_jax.physics.effects.catalogue.motor_fade import MotorFade
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import actuator_sites
 from estexp_jax.physics.model.robot import Robot
 
 _FADE = MotorFade()
 
 
-@register
+@register_effect
 @final
 class MotorHeat(Term):
     """dH/dt = ((tau / (s tau_max))^2 - H) / t with t = `tau`, s = `share`, force = (1 - loss min(H, 1)) nominal force.

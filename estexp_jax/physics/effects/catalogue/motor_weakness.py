@@ -11,12 +11,12 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.damage import Damage, ModelError
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE, actuator_sites, driven_actuators, per_element, with_all
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
-@register
+@register_effect
 @final
 class MotorWeakness(Edit, Damage, ModelError):
     """force = max(1 - loss, 0) * nominal force: gain, bias and force range shrink together."""

@@ -11,11 +11,11 @@ import jax
 from estexp_jax.physics.effects.base import Parameter
 from estexp_jax.physics.effects.controller_fault import ControllerFault, Parameters
 from estexp_jax.physics.effects.damage import Damage
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 @dataclass(frozen=True, eq=False)
 class NeuronFault(ControllerFault, Damage):

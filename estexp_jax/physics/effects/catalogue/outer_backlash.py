@@ -10,7 +10,7 @@ import numpy as np
 from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Vectors, spread
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import holding_force, inertia_bounds, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
 from estexp_jax.physics.model import scales
@@ -24,7 +24,7 @@ _DAMPED = 0.3
 """Damping ratio of the contact of steel gears."""
 
 
-@register
+@register_effect
 @final
 class OuterBacklash(Term):
     """I da/dt = motor torque - tau, tau = k (x - s half_gap) + d (a - w) where x s > half_gap and tau s > 0, else 0.

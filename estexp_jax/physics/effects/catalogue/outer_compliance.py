@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 from estexp_jax.physics.effects.catalogue.joint_compliance import Compliance
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 
 
-@register
+@register_effect
 @final
 class OuterCompliance(Compliance):
     """The motor's own loop sees the joint, by an encoder behind the spring; reported as joint compliance."""

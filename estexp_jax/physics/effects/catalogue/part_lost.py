@@ -13,7 +13,7 @@ from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.damage import PRESENT, Amounts, Damage
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import lost_bodies
 from estexp_jax.physics.model.robot import Robot, spec_element
 
@@ -63,7 +63,7 @@ class Loss(Edit):
         return [(1.0,)]
 
 
-@register
+@register_effect
 @final
 class PartLost(Loss, Damage):
     """No mass, no contact, no motor below the joint. The structure stays, so nothing is compiled anew.

@@ -9,7 +9,7 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.catalogue.part_lost import NO_CONTACT, Loss, lost_masks
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.model.spec import set_masses
 
@@ -17,7 +17,7 @@ _STUB = 0.01
 """Share of masses and inertias that remains."""
 
 
-@register
+@register_effect
 @final
 class PartStub(Loss):
     """Next to no mass and no contact below the joint, while its motor and its sensors work on."""

@@ -8,13 +8,13 @@ import mujoco
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.passive import add_damper
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class QuadraticDrag(Term):
     """tau = -c |w| w, as a damping of c |w| renewed at each step, so that it never overshoots."""

@@ -14,7 +14,7 @@ from estexp_jax.physics.effects.base import NEVER, Edit, Parameter
 from estexp_jax.physics.effects.catalogue.joint_limit import JointLimit
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 _LIMIT = JointLimit()
@@ -23,7 +23,7 @@ _STIFF, _SOFT = (0.01, 500.0), (0.3, 33.0)
 """Time constant (s) and frequency (rad/s) of stops that throw a joint back at once, or after they gave way."""
 
 
-@register
+@register_effect
 @final
 class ReboundLimit(Edit):
     """MuJoCo's joint limit with its own time constant and frequency: the less damped it swings, the more it bounces."""

@@ -9,7 +9,7 @@ from estexp_jax.physics.effects.base import Array, Arrays, JointState, Parameter
 from estexp_jax.physics.effects.catalogue.backlash import Play
 from estexp_jax.physics.effects.guesses import Bounds, Vectors, spread
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import inertia_bounds
 from estexp_jax.physics.model.robot import Robot
 
@@ -17,7 +17,7 @@ _REBOUND = 0.35
 """Restitution of steel on steel, as gears meet."""
 
 
-@register
+@register_effect
 @final
 class RotorBacklash(Play):
     """With a rotor that rebounds, as steel does, and is but part of the joint's armature; reported as backlash.

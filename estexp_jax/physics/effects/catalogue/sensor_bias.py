@@ -9,7 +9,7 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import Distortion, Parameter
 from estexp_jax.physics.effects.damage import Amounts, Damage
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import is_touch_sensor, scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model.robot import Robot
 
@@ -17,7 +17,7 @@ _LARGEST = 0.5
 """Largest bias of a damaged angle sensor, rad."""
 
 
-@register
+@register_effect
 @final
 class SensorBias(Distortion, Damage):
     """reading = true + bias."""

@@ -6,12 +6,12 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter, ReadingShift
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class SensorDelay(ReadingShift):
     """reading(t) = true(t - delay)."""

@@ -8,12 +8,12 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import Distortion, Parameter
 from estexp_jax.physics.effects.damage import Damage
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class SensorGain(Distortion, Damage):
     """reading = gain * true."""

@@ -11,7 +11,7 @@ from estexp_jax.physics.effects.base import NEVER, Distortion, Parameter
 from estexp_jax.physics.effects.damage import Amounts, Damage
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import is_touch_sensor, scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -24,7 +24,7 @@ _SWING = np.pi / 4
 """Angle at which a damaged sensor is stuck at most, rad."""
 
 
-@register
+@register_effect
 @final
 class SensorStuck(Distortion, Damage):
     """reading = value."""

@@ -11,13 +11,13 @@ from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_frictio
 from estexp_jax.physics.effects.catalogue.stribeck_friction import reported_levels
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class StribeckBristles(Term):
     """Bristles whose level of steady sliding is T + S exp(-(w / w_s)^2), with the presliding way x."""

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import SHARES, Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
@@ -25,7 +25,7 @@ def reported_levels(values: Mapping[str, float]) -> tuple[str, Mapping[str, floa
     return "stribeck_friction", {name: values[name] for name in ("T", "S", "w_s")}
 
 
-@register
+@register_effect
 @final
 class StribeckFriction(Term):
     """tau = -(T + S exp(-(w / w_s)^2)) sign(w), as a friction loss renewed at each step from that step's speed."""

@@ -11,11 +11,11 @@ from estexp_jax.physics.effects.controller_fault import CommandRoute, Parameters
 from estexp_jax.physics.effects.damage import PRESENT, Amounts, Damage
 from estexp_jax.physics.effects.guesses import Vectors, other_elements
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class TiedOutputs(CommandRoute, Damage):
     """command of a motor = command of motor `with`. The value array holds `with` as 1 + its index; 0 is untied."""

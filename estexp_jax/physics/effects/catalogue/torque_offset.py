@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
 
-@register
+@register_effect
 @final
 class TorqueOffset(Term):
     """tau = T, whatever the joint does: a cable's pull, a current sensor's offset."""

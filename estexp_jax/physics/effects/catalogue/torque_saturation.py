@@ -12,13 +12,13 @@ from mujoco import mjx
 from estexp_jax.physics.effects.base import NEVER, Edit, Parameter
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.effects.observed import Observed
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import actuator_sites, driven_actuators
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
-@register
+@register_effect
 @final
 class TorqueSaturation(Edit):
     """|torque of the motor at its joint| <= limit, as MuJoCo's force range."""

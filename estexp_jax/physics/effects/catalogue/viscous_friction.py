@@ -11,7 +11,7 @@ from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.damage import ModelError
 from estexp_jax.physics.effects.friction import friction_advice
 from estexp_jax.physics.effects.jam import JAMMED, jam_damping
-from estexp_jax.physics.effects.registry import register
+from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import (
     ALL_ALIKE,
     friction_sites,
@@ -26,7 +26,7 @@ from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.recording import Recording
 
 
-@register
+@register_effect
 @final
 class ViscousFriction(Edit, ModelError):
     """tau = -c w, added to the joint's own damping; integrated implicitly, as MuJoCo does."""

@@ -53,7 +53,7 @@ from estexp_jax.physics.effects.laws.speed import (
     LawSmoothFriction,
 )
 from estexp_jax.physics.effects.laws.time_dependent import LawCreep, LawRhythm, LawThinning
-from estexp_jax.physics.effects.registry import every, register
+from estexp_jax.physics.effects.registry import every, register_effect
 
 for _law in (
     LawSquare(),
@@ -101,7 +101,7 @@ for _law in (
     LawSag(),
     LawDrift(),
 ):
-    register(_law)
+    register_effect(_law)
 
 
 def law_terms() -> tuple[JointLaw, ...]:
