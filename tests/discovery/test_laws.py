@@ -31,7 +31,7 @@ from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import Setting, judged_apart
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.law_forces import held
-from estexp_jax.discovery.law_search import BESIDE
+from estexp_jax.discovery.law_search import beside_laws
 from estexp_jax.discovery.laws import lacks_force, suspects
 from estexp_jax.discovery.likely_laws import likely, likely_values
 from estexp_jax.discovery.marginal import about
@@ -313,8 +313,8 @@ def test_terms_that_a_named_effect_says_count_only_without_it():
     ],
 )
 def test_missing_forces_suggest_values_of_names(force, values):
-    found = likely_values(nominal("two"), [moving(lambda _, q, w: force(q[:, 1], w[:, 1]))], "elbow", BESIDE)
-    assert set(found) == {(name, "elbow") for name in BESIDE}
+    found = likely_values(nominal("two"), [moving(lambda _, q, w: force(q[:, 1], w[:, 1]))], "elbow", beside_laws())
+    assert set(found) == {(name, "elbow") for name in beside_laws()}
     for name, expected in values.items():
         assert any(own[: len(expected)] == pytest.approx(expected, rel=0.1) for own in found[name, "elbow"])
 

@@ -48,9 +48,9 @@ def colours(robot: Robot, changes: Sequence[Change] = ()) -> np.ndarray:
         body = part_at(robot, change.kind, change.name)
         if body is None:
             continue
-        lost = effect(change.effect).removes_part
-        geoms = np.isin(model.geom_bodyid, robot.subtree(body) if lost else (body,))
-        if lost:
+        gone = effect(change.effect).removes_part
+        geoms = np.isin(model.geom_bodyid, robot.subtree(body) if gone else (body,))
+        if gone:
             rgba[geoms] = 0.0
         else:
             rgba[geoms, :3] = MARK

@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from estexp_jax.recordings.readers.read import read_table
     from estexp_jax.report.drawing.gl import NoGlError
     from estexp_jax.report.explain.ghosts import ghosts_of
-    from estexp_jax.report.explain.marked import guilty, marked_of
+    from estexp_jax.report.explain.marked import claimed_places, marked_of
     from experiments.benchmark.generator.__main__ import write_one
     from experiments.benchmark.generator.case import Plan, Planted
     from experiments.harness.figures import write_figure
@@ -55,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in ("where", "fit", "rivals", "ranking"):
         getattr(found, f"plot_{name}")().save(str(out / f"{name}.png"))
     with suppress(NoGlError):
-        marked = marked_of(found.diagnosis.case.robot, guilty(found.findings))
+        marked = marked_of(found.diagnosis.case.robot, claimed_places(found.findings))
         for name, picture in (("robots", ghosts_of(found.diagnosis)), ("marked", marked)):
             if picture is not None:
                 (out / f"{name}.jpg").write_bytes(picture)

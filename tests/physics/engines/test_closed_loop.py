@@ -198,7 +198,7 @@ def test_what_it_refuses(walkers: ClosedLoopSimulator) -> None:
             walkers.settle(values, steps)
     short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     with pytest.raises(ValueError, match="command_delay"):
-        closed_loop_simulator(robot("quadruped"), (*paper(), effect("command_delay")), **short)
+        closed_loop_simulator(robot("quadruped"), catalogue([*(e.name for e in paper()), "command_delay"]), **short)
     with pytest.raises(InputError, match=MUTE):
         closed_loop_simulator(robot(MUTE), paper(), **short)
 
