@@ -34,7 +34,7 @@ def test_the_namespace_is_a_module_and_can_be_called(script: str) -> None:
 
 def test_the_list_prints_as_a_table() -> None:
     listed = ee.effects()
-    assert tuple(listed) == registry.named()
+    assert tuple(listed) == registry.named_effects()
     header, *rows = repr(listed).splitlines()
     assert header.split()[0] == "effect" and len(rows) == len(listed)
     [row] = [row for row in rows if row.startswith("viscous_friction ")]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from html import escape
-from typing import TypeVar, final, overload
+from typing import TypeVar, final
 
 from estexp_jax.errors import InputError
 from estexp_jax.package_data import model_path
@@ -38,14 +38,10 @@ class EffectList(tuple[Effect, ...]):
 
 def effects() -> EffectList:
     """The effects that can be planted, recovered from or found: the catalogue, then those of your own."""
-    return EffectList(registry.named())
+    return EffectList(registry.named_effects())
 
 
-@overload
-def register(effect: _E, robots: Sequence[Robot] = ()) -> _E: ...
-@overload
-def register(*, robots: Sequence[Robot]) -> Callable[[_E], _E]: ...
-def register(effect: _E | None = None, robots: Sequence[Robot] = ()) -> _E | Callable[[_E], _E]:
+def register(effect: _E, robots: Sequence[Robot] = ()) -> _E:
     """Put an effect of your own beside the catalogue, for this process: called, or as a decorator of its class.
 
     From then on it can be planted (`record`), it is fitted, chosen and reported by `explain` like any other, and
@@ -56,14 +52,12 @@ def register(effect: _E | None = None, robots: Sequence[Robot] = ()) -> _E | Cal
         robots: on which it is tried first; by default a leg with servos and a quadruped.
 
     Returns:
-        What was given; without an effect, a decorator.
+        What was given.
 
     Raises:
         InputError: a law that every effect obeys does not hold: places that exist, finite bounds, a sentence that names
             place and numbers, no change at neutral values, ...; or the program has an effect of that name.
     """
-    if effect is None:
-        return lambda given: register(given, robots)
     one = effect() if isinstance(effect, type) else effect
     found = effect_faults(one)
     if not found:

@@ -11,7 +11,7 @@ from estexp_jax.discovery.contest import CompetingModels
 from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.registry import named
+from estexp_jax.physics.effects.registry import named_effects
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -38,7 +38,7 @@ class Case:
 
 def explaining() -> tuple[str, ...]:
     """Names of the effects that recordings are explained by: no network is behind their commands."""
-    return tuple(e.name for e in named() if e.kind != "controller")
+    return tuple(e.name for e in named_effects() if e.kind != "controller")
 
 
 @final

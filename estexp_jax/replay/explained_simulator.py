@@ -10,7 +10,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, Values, encode, stack
-from estexp_jax.physics.effects.registry import catalogue, named
+from estexp_jax.physics.effects.registry import catalogue, named_effects
 from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator, RowController
 from estexp_jax.physics.model.clearance import ROWS, TOGETHER, without_collisions
@@ -117,7 +117,7 @@ class ExplainedSimulator:
         forget_programs()
         effects = catalogue(dict.fromkeys(change.effect for change in self.changes))
         if not effects:
-            effects = named()[:1]  # a catalogue needs one; it stays neutral
+            effects = named_effects()[:1]  # a catalogue needs one; it stays neutral
         values = stack([encode(self.robot, effects, self.changes)])
         near = TOGETHER + 2.0 * float(self.robot.model.geom_margin.max(initial=0.0))
         left_out = without_collisions(self.robot, [np.asarray(window.start.qpos, float)[None]], near)

@@ -8,7 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from estexp_jax.package_data import schema_path
-from estexp_jax.physics.effects.registry import named
+from estexp_jax.physics.effects.registry import named_effects
 from estexp_jax.runs import versions, write_json
 
 
@@ -73,6 +73,6 @@ def test_empty_and_whole_rivals_and_free_runs_are_allowed(diagnosed, validator, 
 
 def test_every_effect_of_the_catalogue_has_its_name_in_the_schema(validator):
     definitions = validator.schema["$defs"]
-    assert {e.name for e in named()} <= set(definitions["effect"]["enum"])
-    assert {e.kind for e in named()} <= set(definitions["kind"]["enum"])
-    assert {e.side for e in named()} <= set(validator.schema["properties"]["side"]["enum"])
+    assert {e.name for e in named_effects()} <= set(definitions["effect"]["enum"])
+    assert {e.kind for e in named_effects()} <= set(definitions["kind"]["enum"])
+    assert {e.side for e in named_effects()} <= set(validator.schema["properties"]["side"]["enum"])

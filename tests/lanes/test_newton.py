@@ -11,7 +11,7 @@ import pytest
 from mujoco import mjx
 
 from estexp_jax.physics.effects.changes import neutral, stack
-from estexp_jax.physics.effects.registry import named
+from estexp_jax.physics.effects.registry import named_effects
 from tests.physics.conftest import Lab
 from tests.physics.reference import States, converged
 from tests.physics.robots import robot
@@ -58,7 +58,7 @@ def test_the_states_hold_all_contact_situations(visited: States) -> None:
 
 def test_one_step_errors_are_below_a_millimetre_a_second(lab: Callable[[str], Lab], visited: States) -> None:
     here = lab("quadruped")
-    nominal = stack([neutral(here.on_mjx.robot, named())] * len(visited.qpos))
+    nominal = stack([neutral(here.on_mjx.robot, named_effects())] * len(visited.qpos))
     settled = np.abs(here.run(nominal, visited)["next_qvel"] - visited.next_qvel).max(axis=1)
     assert np.quantile(settled, 0.99) < REQUIRED
 

@@ -17,7 +17,7 @@ from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.states import from_lanes, to_lanes
 from estexp_jax.lanes.step import Stepper
 from estexp_jax.physics.effects.changes import Values, neutral
-from estexp_jax.physics.effects.registry import catalogue, named, paper
+from estexp_jax.physics.effects.registry import catalogue, named_effects, paper
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
@@ -133,7 +133,7 @@ def lab(request: pytest.FixtureRequest) -> Callable[[str], Lab]:
 
     @cache
     def one(name: str) -> Lab:
-        on = mjx_model(robot(name), named())
+        on = mjx_model(robot(name), named_effects())
         if request.param == "mjx":
             return Lab(on)
         refused = lanes_refusal(on)

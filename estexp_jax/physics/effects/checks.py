@@ -1,4 +1,4 @@
-"""Laws that every effect obeys, of the catalogue or a user's own: what `register` asks first, and the tests of all."""
+"""Laws that every effect obeys, of the catalogue or a user's own: asked when one is registered, and by the tests."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Every effect by name: those of the package, and those that a user registers beside them.
 
 The decorator `register_effect` puts an effect in; the folders `catalogue` and `laws` are loaded with this package. The
-order is that of registering: so terms act, and so searches try them. Groups follow from what effects say of themselves.
+order is that of registering: so terms act, and so searches try them. Groups follow from what effects say of
+themselves.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def every() -> Catalogue:
     return tuple(_EFFECTS.values())
 
 
-def named() -> Catalogue:
+def named_effects() -> Catalogue:
     """The effects that have a name to be reported under, each in its first form: the catalogue."""
     return tuple(e for e in every() if e.named and e.claimable and not e.variant_of)
 
@@ -94,7 +95,7 @@ def effect(name: str) -> Effect:
         InputError: there is none; the message lists the catalogue.
     """
     if name not in _EFFECTS:
-        raise InputError(f"there is no effect '{name}'", right=known(e.name for e in named()))
+        raise InputError(f"there is no effect '{name}'", right=known(e.name for e in named_effects()))
     return _EFFECTS[name]
 
 

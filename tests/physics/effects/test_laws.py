@@ -12,16 +12,16 @@ from estexp_jax.physics.effects.base import (
 from estexp_jax.physics.effects.changes import Change, encode, parse_change
 from estexp_jax.physics.effects.checks import effect_faults, middle_values
 from estexp_jax.physics.effects.controller_fault import ControllerFault
-from estexp_jax.physics.effects.registry import effect, named, nameless, paper
+from estexp_jax.physics.effects.registry import effect, named_effects, nameless, paper
 from estexp_jax.recovery.control.network import HIDDEN, decode, n_weights
 from tests.physics.robots import MUTE, ROBOTS, robot
 
-every_effect = pytest.mark.parametrize("e", [*named(), *nameless()], ids=lambda e: e.name)
+every_effect = pytest.mark.parametrize("e", [*named_effects(), *nameless()], ids=lambda e: e.name)
 every_robot = pytest.mark.parametrize("name", [*ROBOTS, MUTE])
 
 
 def test_names_are_unique_and_the_papers_six_are_there() -> None:
-    assert len({e.name for e in named()}) == len(named())
+    assert len({e.name for e in named_effects()}) == len(named_effects())
     assert [e.gene for e in paper()] == list(range(6))
 
 
@@ -42,7 +42,7 @@ def test_the_quadruped_has_a_place_for_it(e: Effect) -> None:
     assert e.sites(robot("quadruped"))
 
 
-@pytest.mark.parametrize("e", [e for e in named() if isinstance(e, Distortion)], ids=lambda e: e.name)
+@pytest.mark.parametrize("e", [e for e in named_effects() if isinstance(e, Distortion)], ids=lambda e: e.name)
 def test_restoring_undoes_a_distortion(e: Distortion) -> None:
     subject = robot("quadruped")
     true = np.random.default_rng(0).normal(size=(5, subject.model.nsensordata)).astype(np.float32)
@@ -58,7 +58,7 @@ def test_restoring_undoes_a_distortion(e: Distortion) -> None:
         np.testing.assert_allclose(e.restore(subject, faulty, values), true, atol=1e-6)
 
 
-@pytest.mark.parametrize("e", [e for e in named() if isinstance(e, Distortion)], ids=lambda e: e.name)
+@pytest.mark.parametrize("e", [e for e in named_effects() if isinstance(e, Distortion)], ids=lambda e: e.name)
 def test_a_distortion_scales_and_shifts_each_reading(e: Distortion) -> None:
     """Lanes rely on it: they work out both numbers once for a walk."""
     subject = robot("quadruped")
@@ -79,7 +79,7 @@ def test_a_dead_sensor_cannot_be_restored() -> None:
     assert np.isnan(true[:, 0]).all() and np.isfinite(true[:, 1:]).all()
 
 
-@pytest.mark.parametrize("e", named(), ids=lambda e: e.name)
+@pytest.mark.parametrize("e", named_effects(), ids=lambda e: e.name)
 @every_robot
 def test_it_writes_mjcf_if_and_only_if_it_says_so(e: Effect, name: str) -> None:
     subject = robot(name)

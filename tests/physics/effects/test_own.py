@@ -55,12 +55,12 @@ def test_what_is_registered_is_known_everywhere() -> None:
 
 
 def test_a_class_is_registered_by_a_decorator() -> None:
-    @ee.register(robots=[LEG])
+    @ee.register
     class Mine(_Drag):
         name = "mine"
 
     assert isinstance(Mine, type) and isinstance(registry.effect("mine"), Mine)
-    assert registry.named()[-1].name == "mine", "after the catalogue"
+    assert registry.named_effects()[-1].name == "mine", "after the catalogue"
 
 
 def test_one_that_is_refused_leaves_the_earlier_one() -> None:

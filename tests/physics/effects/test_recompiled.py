@@ -11,7 +11,7 @@ import pytest
 
 from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Change, Values, encode, parse_change, stack
-from estexp_jax.physics.effects.registry import named
+from estexp_jax.physics.effects.registry import named_effects
 from estexp_jax.physics.model.robot import Robot
 from tests.physics.conftest import Lab
 from tests.physics.reference import Mapping, States, mapping, recompiled, visit
@@ -69,7 +69,7 @@ def _tried(e: Edit) -> list[tuple[float, ...]]:
 
 def _singles(subject: Robot) -> list[tuple[Change, ...]]:
     cases = []
-    for e in named():
+    for e in named_effects():
         if not (isinstance(e, Edit) and e.in_mjcf):
             continue
         for site in _some(e.sites(subject)):
@@ -133,7 +133,7 @@ def _compare_all(lab: Callable[[str], Lab], name: str) -> dict[str, Compared]:
 
 
 def _values(subject: Robot, sets) -> Values:  # noqa: ANN001
-    return stack([encode(subject, named(), changes) for changes in sets for _ in range(N_STATES)])
+    return stack([encode(subject, named_effects(), changes) for changes in sets for _ in range(N_STATES)])
 
 
 every_case = pytest.mark.parametrize(("name", "case"), [(name, case) for name in ROBOTS for case in cases(name)])
@@ -183,4 +183,4 @@ def test_the_nominal_model_moves_otherwise(compared, name: str, case: str) -> No
 
 def test_every_edit_is_compared() -> None:
     seen = {change.effect for name in ROBOTS for changes in cases(name).values() for change in changes}
-    assert seen == {e.name for e in named() if isinstance(e, Edit) and e.in_mjcf}
+    assert seen == {e.name for e in named_effects() if isinstance(e, Edit) and e.in_mjcf}

@@ -7,14 +7,14 @@ import pytest
 
 from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Term
 from estexp_jax.physics.effects.changes import Change, encode, parse_change, stack
-from estexp_jax.physics.effects.registry import named
+from estexp_jax.physics.effects.registry import named_effects
 from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, Window, window_of
 from tests.physics.effects.twins import TWINS, XML, Twin, simulated
 
-ACTING = tuple(e for e in named() if isinstance(e, Term | CommandLaw | BodyForce))
+ACTING = tuple(e for e in named_effects() if isinstance(e, Term | CommandLaw | BodyForce))
 PERIOD, ROWS = 0.01, 80
 ROBOT = Robot.from_string(XML, "twin.xml")
 REPLAYER = open_loop_simulator(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320)

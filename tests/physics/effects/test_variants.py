@@ -18,7 +18,7 @@ from estexp_jax.physics.effects.catalogue.rotor_backlash import RotorBacklash
 from estexp_jax.physics.effects.catalogue.servo_damping import ServoDamping
 from estexp_jax.physics.effects.catalogue.stribeck_bristles import StribeckBristles
 from estexp_jax.physics.effects.catalogue.stribeck_friction import StribeckFriction
-from estexp_jax.physics.effects.registry import effect, named, variants
+from estexp_jax.physics.effects.registry import effect, named_effects, variants
 from estexp_jax.physics.effects.servos import servo_damping
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.model.robot import Robot
@@ -39,7 +39,7 @@ SERVO = """
 def test_a_variant_is_told_under_a_name_and_with_values_of_the_catalogue(variant):
     values = {p.name: 0.3 for p in variant.parameters}
     name, told = variant.reported_as(values)
-    assert name in {e.name for e in named()}
+    assert name in {e.name for e in named_effects()}
     assert set(told) == {p.name for p in effect(name).parameters}
     assert effect(variant.name) is variant
 

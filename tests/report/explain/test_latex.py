@@ -5,7 +5,7 @@ import re
 import pytest
 
 from estexp_jax.physics.effects.laws.library import law_terms
-from estexp_jax.physics.effects.registry import named
+from estexp_jax.physics.effects.registry import named_effects
 from estexp_jax.report.explain.latex import latex
 
 
@@ -24,7 +24,7 @@ def test_equations_as_they_are_written(text: str, expected: str) -> None:
     assert latex(text) == expected
 
 
-@pytest.mark.parametrize("effect", [*named(), *law_terms()], ids=lambda e: e.name)
+@pytest.mark.parametrize("effect", [*named_effects(), *law_terms()], ids=lambda e: e.name)
 def test_every_equation_can_be_written(effect) -> None:
     text = latex(effect.equation)
     assert text.count("{") == text.count("}") and "`" not in text

@@ -11,7 +11,7 @@ from estexp_jax.physics.effects.base import JointForce, Term, neutral_values
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import JointLaw, MotionRange
 from estexp_jax.physics.effects.laws.library import law_terms
-from estexp_jax.physics.effects.registry import effect, named, nameless, variants
+from estexp_jax.physics.effects.registry import effect, named_effects, nameless, variants
 from tests.physics.effects.laws.joint_states import ASKED, FASTER, M2, Q2, REMEMBERING, W2, M, Q, W, force, joint_state
 from tests.physics.robots import ROBOTS, robot
 
@@ -59,10 +59,10 @@ EXPECTED = {
 
 
 def test_the_library_is_one_of_its_own() -> None:
-    names = [e.name for e in (*named(), *variants(), *law_terms(), *nameless())]
+    names = [e.name for e in (*named_effects(), *variants(), *law_terms(), *nameless())]
     assert len(set(names)) == len(names)
     assert {law.name for law in law_terms()} == {*EXPECTED, *REMEMBERING}
-    assert {law.stands_for for law in law_terms()} - {""} <= {e.name for e in named()}
+    assert {law.stands_for for law in law_terms()} - {""} <= {e.name for e in named_effects()}
 
 
 @pytest.mark.parametrize("name", EXPECTED)

@@ -11,7 +11,7 @@ from mujoco import mjx
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import encode, parse_change, stack
-from estexp_jax.physics.effects.registry import catalogue, named
+from estexp_jax.physics.effects.registry import catalogue, named_effects
 from estexp_jax.physics.engines.mjx.model import mjx_model, with_motors_switched
 from estexp_jax.physics.model.robot import Robot
 from tests.physics.conftest import Lab
@@ -56,7 +56,7 @@ def test_a_term_agrees_with_the_c_engine_given_each_steps_parameters(
 ) -> None:
     subject = robot(name)
     states = visit(subject, converged(subject.spec.copy().compile()), seed=5, n=8, term=term)
-    values = [encode(subject, named(), [parse_change(text, subject)]), encode(subject, named(), [])]
+    values = [encode(subject, named_effects(), [parse_change(text, subject)]), encode(subject, named_effects(), [])]
     ours, nominal = (lab(name).run(stack([v] * 8), states) for v in values)
     assert np.abs(ours["next_qvel"] - states.next_qvel).max() < 1e-4 * max(1.0, np.abs(states.next_qvel).max())
     assert np.abs(ours["final_qpos"] - states.final_qpos).max() < 1e-3
