@@ -47,7 +47,7 @@ class Film:
     video: bytes | None
 
     def _repr_html_(self) -> str:
-        still = f'<img alt="the runs" src="{source(self.strip, "image/jpeg")}">'
+        still = f'<img alt="the walks" src="{source(self.strip, "image/jpeg")}">'
         if self.video is None:
             return still
         return f'<video controls loop muted src="{source(self.video, "video/mp4")}"></video>{still}'

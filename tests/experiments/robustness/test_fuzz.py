@@ -100,8 +100,8 @@ def test_the_tally_counts_distinct_inputs():
 
 
 def test_the_published_table_is_that_of_the_results():
-    folder = ROOT / "experiments" / "fuzz"
-    message, text = json.loads((folder / "results.json").read_text()), (folder / "README.md").read_text()
+    folder = ROOT / "experiments" / "robustness" / "fuzz"
+    message, text = json.loads((folder / "summary.json").read_text()), (folder / "README.md").read_text()
     assert set(message) == set(trial.KINDS)
     for kind, row in message.items():
         assert f"| {kind} | {row['tried']} | {row['refused']} | {row['accepted']} | {row['crashes']} |" in text
