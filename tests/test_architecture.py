@@ -91,4 +91,5 @@ def test_no_import_circle():
             elif isinstance(node, ast.Import):
                 wanted |= {alias.name for alias in node.names} & known
         graph[dotted(path)] = wanted - {dotted(path)}
-    TopologicalSorter(graph).prepare()  # raises CycleError
+    order = list(TopologicalSorter(graph).static_order())  # raises CycleError
+    assert set(order) == known

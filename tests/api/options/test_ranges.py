@@ -38,7 +38,8 @@ class Example(CheckedOptions):
     ],
 )
 def test_possible_values_pass(given):
-    Example(**given)
+    made = Example(**given)
+    assert {name: getattr(made, name) for name in given} == given
 
 
 @pytest.mark.parametrize(
