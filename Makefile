@@ -16,7 +16,7 @@ demo: $(STAMP)
 	$(BIN)/estexp demo --out out/demo --force
 
 test: $(STAMP)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
+from estexp_jax.runs.cache import compilation_cache_folder, quiet_xla
 from tests.pendulum import EFFECT, PENDULUM, SMALL, run
 
 if TYPE_CHECKING:
@@ -18,6 +20,13 @@ if TYPE_CHECKING:
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")  # how long an example takes depends on what else the machine does
+
+quiet_xla()
+with suppress(OSError, RuntimeError):
+    # Tests, workers and commands share what one of them compiled. JAX reads this when imported, which is later.
+    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(compilation_cache_folder()))
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "-1")
 
 ROOT = Path(__file__).resolve().parents[1]
 

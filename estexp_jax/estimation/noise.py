@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import savgol_coeffs, savgol_filter
 
 from estexp_jax.estimation.channels import Channels, channel_ranges
 from estexp_jax.physics.reading_noise import noise_std_of
@@ -55,6 +54,8 @@ def _beside_parabolas(signal: np.ndarray) -> np.ndarray:
     """Residuals of nine-sample parabolas, scaled so that white noise keeps its size; empty for shorter signals."""
     if len(signal) < _SPAN:
         return np.zeros(0)
+    from scipy.signal import savgol_coeffs, savgol_filter  # imported here: it takes two seconds
+
     middle = savgol_coeffs(_SPAN, 2)[_SPAN // 2]
     inside = slice(_SPAN // 2, len(signal) - _SPAN // 2)
     return ((signal - savgol_filter(signal, _SPAN, 2)) / np.sqrt(1.0 - middle))[inside]

@@ -35,16 +35,27 @@ def enable_compilation_cache() -> Path | None:
     if configured or "JAX_COMPILATION_CACHE_DIR" in os.environ:
         return Path(configured) if configured else None
     try:
-        folder = _user_cache() / "estexp_jax" / "xla" / _processor()
-        folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK | os.X_OK):
-            raise PermissionError(f"{folder} may not be written")
+        folder = compilation_cache_folder()
     except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
         print(f"estexp: warning: compiled programs are not kept for the next run: {error}", file=sys.stderr)
         return None
     jax.config.update("jax_compilation_cache_dir", str(folder))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+    return folder
+
+
+def compilation_cache_folder() -> Path:
+    """The user's folder of compiled programs for this kind of processor, made if it is not there.
+
+    Raises:
+        OSError: if it cannot be made or written.
+        RuntimeError: if the user has no home.
+    """
+    folder = _user_cache() / "estexp_jax" / "xla" / _processor()
+    folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise PermissionError(f"{folder} may not be written")
     return folder
 
 

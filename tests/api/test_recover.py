@@ -201,6 +201,7 @@ def test_a_simulated_robot_needs_no_healthy_recording(capsys: pytest.CaptureFixt
     assert "--hardware" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_its_damage_is_found(tmp_path: Path) -> None:
     exchange, out = tmp_path / "exchange", tmp_path / "out"
     played = Played(exchange)

@@ -61,6 +61,7 @@ def test_killed_and_resumed_it_ends_the_same(finished: tuple[Path, str], tmp_pat
         assert (out / name).read_bytes() == (finished[0] / name).read_bytes(), name
 
 
+@pytest.mark.slow  # the same in one process: tests/api/test_recover.py
 def test_interrupted_it_ends_with_its_own_code(tmp_path: Path) -> None:
     with subprocess.Popen(
         command(tmp_path / "run"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

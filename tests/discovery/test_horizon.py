@@ -55,6 +55,7 @@ def test_shorter_windows_find_teeth_that_throw_the_joint_about():
     assert found["phase"] == pytest.approx(PHASE, abs=0.2), "at zero, turns away from where the joint is thrown to"
 
 
+@pytest.mark.slow
 def test_shorter_windows_find_the_law_of_such_teeth_where_it_has_no_name():
     nameless = replace(FEW, effects=("viscous_friction", "coulomb_friction"))
     [law] = explained(case_of("two", Plant(law=teeth), 665), nameless).findings["what"]
@@ -64,6 +65,7 @@ def test_shorter_windows_find_the_law_of_such_teeth_where_it_has_no_name():
     assert values["n"] == pytest.approx(TEETH, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_servo_that_holds_its_joint_needs_no_shorter_windows():
     def pull(time: float, _: np.ndarray, __: np.ndarray) -> list[float]:
         return [0.5 * np.sign(np.sin(9.0 * time))]
@@ -210,7 +212,7 @@ def test_only_a_pendulum_that_may_fall_to_either_side_is_far_from_linear_in_its_
     assert stands > 3.0 > 0.3 > max(hangs, also_hangs)
 
 
-@pytest.mark.parametrize("asked", ["at once", "at last", "never"])
+@pytest.mark.parametrize("asked", ["at once", pytest.param("at last", marks=pytest.mark.slow), "never"])
 def test_what_shows_only_in_long_windows_in_which_motions_part_is_no_mismatch(monkeypatch, asked):
     """Asked at once, no law is looked for; at last, none was found."""
     looked = []

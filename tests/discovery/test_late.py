@@ -128,6 +128,7 @@ def test_what_is_there_from_the_start_or_never_has_no_beginning(name):
     assert finished(parted(whole, problem, own)) == {}
 
 
+@pytest.mark.slow
 def test_a_motor_that_weakens_part_way_is_no_motor_that_fades():
     recordings = [late_recording(910 + i, t, "train", 0.0, 0.35) for i, t in enumerate(BEGAN)]
     weak = Case(nominal("one"), (*recordings, late_recording(913, -1.0, "test", 0.0, 0.35)), (nominal("one"),) * 4)

@@ -173,7 +173,9 @@ def test_a_term_may_take_the_place_of_a_name_that_half_explains(monkeypatch, pla
     ("planted", "effects", "name", "value"),
     [
         ("armature@shaft", ("viscous_friction", "body_mass", "com_shift"), "I", 0.02),
-        ("motor_weakness@servo", ("joint_compliance", "viscous_friction"), "a", 0.5),
+        pytest.param(
+            "motor_weakness@servo", ("joint_compliance", "viscous_friction"), "a", 0.5, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_what_names_of_many_numbers_would_make_up_is_told_as_a_term_of_one(planted, effects, name, value):
@@ -264,11 +266,11 @@ def test_what_no_term_describes_stays_unexplained():
 
 def moving(force) -> ForceResidual:
     """A joint that is swung about, lacking a force of its position and speed."""
-    time = 0.01 * np.arange(800)
+    time = 0.02 * np.arange(400)
     q = np.stack([np.sin(1.7 * time) + 0.3 * np.sin(5.1 * time), 0.8 * np.cos(2.9 * time + 0.4 * time**1.1)], axis=1)
     w = np.gradient(q, time, axis=0)
     motor = np.stack([np.sin(4.0 * time), np.cos(6.5 * time)], axis=1)
-    lacks = np.zeros((800, 2))
+    lacks = np.zeros_like(q)
     lacks[:, 1] = force(time, q, w)
     return ForceResidual(time, q, w, motor, motor, lacks, motor, motor, np.ones_like(w))
 
@@ -382,7 +384,7 @@ def sticking(level: float, share: float, n: float, seed: int) -> ForceResidual:
     return ForceResidual(time, q, w, motor, motor, lacks, motor, motor, np.ones_like(w))
 
 
-@pytest.mark.parametrize("seed", [3, 4, 5])
+@pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 5))])
 def test_where_dry_friction_holds_a_joint_its_law_is_looked_for_in_the_motion(seed):
     there = sticking(1.0, 0.9, 7.3, seed)
     resting = np.mean(np.abs(there.qvel[:, 1]) < 1e-3)

@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import jax
 import mujoco
@@ -64,6 +65,13 @@ BOXES = """
 """
 
 DAMAGES: dict[str, Sequence[str]] = {
+    "all at once": (
+        "body_mass@upper_b dm=0.125",
+        "motor_weakness@knee_l loss=0.5",
+        "joint_jam@hip_r f=0.5",
+        "gravity_tilt angle=0.5",
+        "part_lost@lower_f",
+    ),
     "intact": (),
     "mass": ("body_mass@upper_b dm=0.125",),
     "motor": ("motor_weakness@knee_l loss=0.5",),
@@ -73,6 +81,11 @@ DAMAGES: dict[str, Sequence[str]] = {
     "limb": ("part_lost@upper_l",),
     "part and motor": ("part_lost@lower_b", "motor_weakness@hip_f loss=0.25"),
 }
+
+
+def first_quick(first: str, *others: str) -> list[Any]:
+    """The first one by default, the others where slow tests run: each is compiled for itself."""
+    return [first, *(pytest.param(name, marks=pytest.mark.slow) for name in others)]
 
 
 @pytest.fixture(autouse=True)
@@ -90,14 +103,14 @@ def _agrees(model: mujoco.MjModel, *, qpos: np.ndarray | None = None, n: int = N
     np.testing.assert_allclose(ours.sensordata, states.sensordata, rtol=1e-8, atol=1e-8)
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("damage", first_quick(*DAMAGES))
 def test_the_quadruped_with_damage_recompiled(damage: str) -> None:
     subject = robot("quadruped")
     changed = recompiled(subject, [parse_change(text, subject) for text in DAMAGES[damage]])
     _agrees(changed, qpos=subject.home()[mapping(subject, changed).qpos])
 
 
-@pytest.mark.parametrize("name", ["pendulum", "cartpole", "leg", "boxes"])
+@pytest.mark.parametrize("name", first_quick("boxes", "pendulum", "cartpole", "leg"))
 def test_other_robots(name: str) -> None:
     if name == "leg":
         model = mujoco.MjModel.from_xml_path(str(model_path("leg")))
@@ -106,7 +119,7 @@ def test_other_robots(name: str) -> None:
     _agrees(copy.deepcopy(model))
 
 
-@pytest.mark.parametrize("device", ["xl330", "double_pendulum", "so101"])
+@pytest.mark.parametrize("device", first_quick("xl330", "double_pendulum", "so101"))
 def test_the_models_of_real_devices(device: str, real_data: Path) -> None:
     _agrees(mujoco.MjModel.from_xml_path(str(real_data / device / "nominal.xml")))
 

@@ -11,8 +11,7 @@ import pytest
 from mujoco import mjx
 
 from estexp_jax.physics.effects.changes import neutral, stack
-from estexp_jax.physics.effects.registry import named_effects
-from tests.physics.conftest import Lab
+from tests.physics.conftest import COMPARED, Lab
 from tests.physics.reference import States, converged
 from tests.physics.robots import robot
 from tests.recovery.control.controller_twin import N_WEIGHTS, Body, Twin
@@ -56,9 +55,12 @@ def test_the_states_hold_all_contact_situations(visited: States) -> None:
     assert visited.contacts.max() >= 5
 
 
-def test_one_step_errors_are_below_a_millimetre_a_second(lab: Callable[[str], Lab], visited: States) -> None:
-    here = lab("quadruped")
-    nominal = stack([neutral(here.on_mjx.robot, named_effects())] * len(visited.qpos))
+@pytest.mark.parametrize("engine", ["lanes", pytest.param("mjx", marks=pytest.mark.slow)])
+def test_one_step_errors_are_below_a_millimetre_a_second(
+    lab: Callable[[str, str], Lab], engine: str, visited: States
+) -> None:
+    here = lab(engine, "quadruped")
+    nominal = stack([neutral(here.on_mjx.robot, COMPARED)] * len(visited.qpos))
     settled = np.abs(here.run(nominal, visited)["next_qvel"] - visited.next_qvel).max(axis=1)
     assert np.quantile(settled, 0.99) < REQUIRED
 

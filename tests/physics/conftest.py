@@ -16,6 +16,7 @@ from estexp_jax.lanes.layout import Layout
 from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.states import from_lanes, to_lanes
 from estexp_jax.lanes.step import Stepper
+from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Values, neutral
 from estexp_jax.physics.effects.registry import catalogue, named_effects, paper
 from estexp_jax.physics.engines.batching import in_chunks
@@ -30,12 +31,17 @@ from tests.physics.reference import TRAJECTORY, States
 from tests.physics.robots import robot
 
 WIDTH = 120
+COMPARED = (
+    *(e for e in named_effects() if isinstance(e, Edit) and e.in_mjcf),
+    *catalogue(["load_dependent_friction", "back_emf"]),
+)
+"""Effects that are compared with a model of the C engine, changed once or before each step."""
 CONSTANTS = ("body_subtreemass", "dof_invweight0", "body_invweight0")
 
 
 @dataclass(frozen=True, eq=False)
 class Lab:
-    """One robot on MJX with every effect: batches of (values, state), all by one executable."""
+    """One robot on MJX with the effects that are compared: batches of (values, state), all by one executable."""
 
     on_mjx: MjxModel
 
@@ -127,19 +133,27 @@ def _lanes_run(self: LanesLab, layout: Layout, prepared: Any, qpos: Any, qvel: A
     return {"next_qvel": first, "final_qpos": from_lanes(layout, state)[0]} | constants
 
 
-@pytest.fixture(scope="session", params=["mjx", "lanes"])
-def lab(request: pytest.FixtureRequest) -> Callable[[str], Lab]:
-    """The lab of a robot, by the robot's name, in each engine."""
+def marks(engine: str, name: str) -> tuple[pytest.MarkDecorator, ...]:
+    """Marks of a test in the lab of a robot: MJX takes a minute to compile one, and by default tries a pendulum."""
+    return (pytest.mark.slow,) if engine == "mjx" and name != "pendulum" else ()
+
+
+@pytest.fixture(scope="session")
+def lab() -> Callable[[str, str], Lab]:
+    """The lab of an engine and a robot, by their names."""
 
     @cache
-    def one(name: str) -> Lab:
-        on = mjx_model(robot(name), named_effects())
-        if request.param == "mjx":
+    def made(engine: str, name: str) -> Lab | str:
+        on = mjx_model(robot(name), COMPARED)
+        if engine == "mjx":
             return Lab(on)
-        refused = lanes_refusal(on)
-        if refused is not None:
-            pytest.skip(f"{name}: {refused} by the lanes engine")
-        return LanesLab(on)
+        return lanes_refusal(on) or LanesLab(on)
+
+    def one(engine: str, name: str) -> Lab:
+        found = made(engine, name)
+        if isinstance(found, str):
+            pytest.skip(f"{name}: {found} by the lanes engine")
+        return found
 
     return one
 

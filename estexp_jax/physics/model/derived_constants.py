@@ -8,15 +8,17 @@ Source: MuJoCo `engine_setconst.c`, mj_setConst; checked against recompiled mode
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
-from mujoco import mjx
 
 from estexp_jax.physics.model.robot import Robot
+
+if TYPE_CHECKING:
+    from mujoco import mjx  # seconds that whoever only reads a model would wait
 
 _JOINT = mujoco.mjtJoint
 _FREE, _BALL = int(_JOINT.mjJNT_FREE), int(_JOINT.mjJNT_BALL)

@@ -20,7 +20,7 @@ from experiments.benchmark.generator.making import make
 def visible(tmp_path_factory) -> tuple[Path, dict]:
     """A planar arm with plain friction at its elbow, and the answer as it comes from a file."""
     folder = tmp_path_factory.mktemp("case")
-    case = make(Plan("single", "planar", (Planted("coulomb_friction", 1, 0.6),), 8), shorter=0.4, refit=False)
+    case = make(Plan("single", "planar", (Planted("coulomb_friction", 1, 0.6),), 8), shorter=0.2, refit=False)
     write_case(case, folder)
     return folder, json.loads(json.dumps(answer(case)))
 

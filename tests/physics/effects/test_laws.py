@@ -1,5 +1,7 @@
 """Laws that every effect of the registry obeys, on every robot: a new effect gets them for nothing."""
 
+from collections.abc import Sequence
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -16,8 +18,23 @@ from estexp_jax.physics.effects.registry import effect, named_effects, nameless,
 from estexp_jax.recovery.control.network import HIDDEN, decode, n_weights
 from tests.physics.robots import MUTE, ROBOTS, robot
 
-every_effect = pytest.mark.parametrize("e", [*named_effects(), *nameless()], ids=lambda e: e.name)
-every_robot = pytest.mark.parametrize("name", [*ROBOTS, MUTE])
+EVERY = (*named_effects(), *nameless())
+every_effect = pytest.mark.parametrize("e", EVERY, ids=lambda e: e.name)
+
+
+def quick(e: Effect, name: str) -> bool:
+    """Whether an effect is tried on a robot by default: on those without a place for it, and on a cheap one with."""
+    return name in ("pendulum", MUTE) or (name == "quadruped" and not e.sites(robot("pendulum")))
+
+
+def on_every_robot(effects: Sequence[Effect]) -> pytest.MarkDecorator:
+    """Each effect on each robot; most pairs are slow."""
+    pairs = [(e, name) for name in (*ROBOTS, MUTE) for e in effects]
+    marked = [
+        pytest.param(e, name, id=f"{name}-{e.name}", marks=() if quick(e, name) else pytest.mark.slow)
+        for e, name in pairs
+    ]
+    return pytest.mark.parametrize(("e", "name"), marked)
 
 
 def test_names_are_unique_and_the_papers_six_are_there() -> None:
@@ -31,8 +48,7 @@ def test_it_says_what_it_is(e: Effect) -> None:
     assert type(e).__doc__
 
 
-@every_effect
-@every_robot
+@on_every_robot(EVERY)
 def test_it_obeys_the_laws(e: Effect, name: str) -> None:
     assert effect_faults(e, robot(name)) == []
 
@@ -79,8 +95,7 @@ def test_a_dead_sensor_cannot_be_restored() -> None:
     assert np.isnan(true[:, 0]).all() and np.isfinite(true[:, 1:]).all()
 
 
-@pytest.mark.parametrize("e", named_effects(), ids=lambda e: e.name)
-@every_robot
+@on_every_robot(named_effects())
 def test_it_writes_mjcf_if_and_only_if_it_says_so(e: Effect, name: str) -> None:
     subject = robot(name)
     for site in e.sites(subject):

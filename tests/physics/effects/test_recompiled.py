@@ -3,6 +3,7 @@
 import zlib
 from collections.abc import Callable
 from functools import cache, partial
+from itertools import product
 from typing import NamedTuple
 
 import mujoco
@@ -13,7 +14,7 @@ from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Change, Values, encode, parse_change, stack
 from estexp_jax.physics.effects.registry import named_effects
 from estexp_jax.physics.model.robot import Robot
-from tests.physics.conftest import Lab
+from tests.physics.conftest import COMPARED, Lab, marks
 from tests.physics.reference import Mapping, States, mapping, recompiled, visit
 from tests.physics.robots import ROBOTS, robot
 
@@ -104,21 +105,21 @@ class Compared(NamedTuple):
 
 
 @pytest.fixture(scope="session")
-def compared(lab: Callable[[str], Lab]) -> Callable[[str], dict[str, Compared]]:
-    """All cases of a robot, run as one batch."""
+def compared(lab: Callable[[str, str], Lab]) -> Callable[[str, str], dict[str, Compared]]:
+    """All cases of a robot in an engine, run as one batch."""
     return cache(partial(_compare_all, lab))
 
 
-def _compare_all(lab: Callable[[str], Lab], name: str) -> dict[str, Compared]:
-    subject, sets = robot(name), cases(name)
+def _compare_all(lab: Callable[[str, str], Lab], engine: str, name: str) -> dict[str, Compared]:
+    here, subject, sets = lab(engine, name), robot(name), cases(name)
     models = [recompiled(subject, changes) for changes in sets.values()]
     visited = [
         visit(subject, model, seed=zlib.crc32(key.encode()), n=N_STATES)
         for key, model in zip(sets, models, strict=True)
     ]
     states = States(*(np.concatenate(column) for column in zip(*visited, strict=True)))
-    edited = lab(name).run(_values(subject, sets.values()), states)
-    nominal = lab(name).run(_values(subject, [()] * len(sets)), states)
+    edited = here.run(_values(subject, sets.values()), states)
+    nominal = here.run(_values(subject, [()] * len(sets)), states)
     parts = [slice(i * N_STATES, (i + 1) * N_STATES) for i in range(len(sets))]
     return {
         key: Compared(
@@ -133,15 +134,22 @@ def _compare_all(lab: Callable[[str], Lab], name: str) -> dict[str, Compared]:
 
 
 def _values(subject: Robot, sets) -> Values:  # noqa: ANN001
-    return stack([encode(subject, named_effects(), changes) for changes in sets for _ in range(N_STATES)])
+    return stack([encode(subject, COMPARED, changes) for changes in sets for _ in range(N_STATES)])
 
 
-every_case = pytest.mark.parametrize(("name", "case"), [(name, case) for name in ROBOTS for case in cases(name)])
+every_case = pytest.mark.parametrize(
+    ("engine", "name", "case"),
+    [
+        pytest.param(engine, name, case, marks=marks(engine, name))
+        for engine, name in product(("lanes", "mjx"), ROBOTS)
+        for case in cases(name)
+    ],
+)
 
 
 @every_case
-def test_derived_constants_are_those_of_the_recompiled_model(compared, name: str, case: str) -> None:
-    it = compared(name)[case]
+def test_derived_constants_are_those_of_the_recompiled_model(compared, engine: str, name: str, case: str) -> None:
+    it = compared(engine, name)[case]
     for field, at in (
         ("body_subtreemass", it.where.body),
         ("dof_invweight0", it.where.dof),
@@ -159,22 +167,22 @@ def _became_slider(it: Compared, name: str) -> np.ndarray:
 
 
 @every_case
-def test_one_step_velocities_agree(compared, name: str, case: str) -> None:
-    it = compared(name)[case]
+def test_one_step_velocities_agree(compared, engine: str, name: str, case: str) -> None:
+    it = compared(engine, name)[case]
     error = np.abs(it.edited["next_qvel"] - it.states.next_qvel)[:, it.where.dof]
     assert error.max() < 1e-4 * max(1.0, np.abs(it.states.next_qvel).max())
 
 
 @every_case
-def test_short_trajectories_agree(compared, name: str, case: str) -> None:
-    it = compared(name)[case]
+def test_short_trajectories_agree(compared, engine: str, name: str, case: str) -> None:
+    it = compared(engine, name)[case]
     error = np.abs(it.edited["final_qpos"] - it.states.final_qpos)[:, it.where.qpos]
     assert error.max() < 1e-3
 
 
 @every_case
-def test_the_nominal_model_moves_otherwise(compared, name: str, case: str) -> None:
-    it = compared(name)[case]
+def test_the_nominal_model_moves_otherwise(compared, engine: str, name: str, case: str) -> None:
+    it = compared(engine, name)[case]
     change = np.abs(it.nominal["final_qpos"] - it.states.final_qpos)[:, it.where.qpos]
     assert change.max() > 2e-3 or case.startswith(UNSEEN), (
         "this case tells an edit that does nothing from one that works"

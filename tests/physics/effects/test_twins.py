@@ -9,6 +9,7 @@ from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Term
 from estexp_jax.physics.effects.changes import Change, encode, parse_change, stack
 from estexp_jax.physics.effects.registry import named_effects
 from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, Window, window_of
@@ -17,7 +18,11 @@ from tests.physics.effects.twins import TWINS, XML, Twin, simulated
 ACTING = tuple(e for e in named_effects() if isinstance(e, Term | CommandLaw | BodyForce))
 PERIOD, ROWS = 0.01, 80
 ROBOT = Robot.from_string(XML, "twin.xml")
-REPLAYER = open_loop_simulator(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320)
+
+
+@cache
+def simulator() -> OpenLoopSimulator:
+    return open_loop_simulator(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320)
 
 
 def commands() -> np.ndarray:
@@ -44,7 +49,7 @@ def ours(timestep: float) -> dict[str, np.ndarray]:
     """Positions (rows, 2) with each planted effect, and nominal ones, in one batch."""
     sets = {"nominal": [], **{text: [parse_change(text, ROBOT)] for text in TWINS}}
     values = stack([encode(ROBOT, ACTING, changes) for changes in sets.values()])
-    replay = REPLAYER.replay(values, [part(timestep)], np.zeros(len(sets), int))
+    replay = simulator().replay(values, [part(timestep)], np.zeros(len(sets), int))
     return dict(zip(sets, replay.qpos, strict=True))
 
 
@@ -93,7 +98,7 @@ def corners() -> list[Change]:
 def test_extreme_parameters_leave_everything_finite() -> None:
     sets = corners()
     values = stack([encode(ROBOT, ACTING, [change]) for change in sets])
-    replay = REPLAYER.replay(values, [part(0.0025)], np.zeros(len(sets), int))
+    replay = simulator().replay(values, [part(0.0025)], np.zeros(len(sets), int))
     wild = [c.place for c, q, w in zip(sets, replay.qpos, replay.qvel, strict=True) if not (_sound(q) and _sound(w))]
     assert wild == []
 
@@ -110,5 +115,5 @@ def test_every_acting_effect_has_a_twin() -> None:
 def test_it_does_the_same_whatever_others_have(text: str) -> None:
     """What no robot of a chunk has is skipped; here nothing is, in a chunk of all, and all but one law alone."""
     changes = [] if text == "nominal" else [parse_change(text, ROBOT)]
-    alone = REPLAYER.replay(stack([encode(ROBOT, ACTING, changes)]), [part(0.0025)], np.zeros(1, int))
+    alone = simulator().replay(stack([encode(ROBOT, ACTING, changes)]), [part(0.0025)], np.zeros(1, int))
     np.testing.assert_allclose(alone.qpos[0], ours(0.0025)[text], atol=1e-5)

@@ -1,6 +1,7 @@
 """What is remembered from before a window, commands that go elsewhere, and readings that are late, stuck or drift."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from estexp_jax.physics.effects.changes import encode, parse_change, stack
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import open_loop_simulator
-from estexp_jax.physics.engines.open_loop import OpenLoopRollout
+from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, StateEstimate, Window, window_of
@@ -19,8 +20,12 @@ EFFECTS = catalogue(
     ["hysteresis", "motor_fade", "joint_compliance", "backlash", "actuator_lag", "tied_outputs"]
     + ["sensor_delay", "sensor_stuck", "law_drift"]
 )
-REPLAYER = open_loop_simulator(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
 PERIOD, ROWS, MIDDLE = 0.005, 160, 100
+
+
+@cache
+def simulator() -> OpenLoopSimulator:
+    return open_loop_simulator(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
 
 
 def log(ctrl: np.ndarray | None = None) -> Recording:
@@ -37,7 +42,7 @@ def part(first: int = 0, start: InitialState | None = None, recording: Recording
 
 def run(text: str, segment: Window) -> OpenLoopRollout:
     changes = [parse_change(t, ROBOT) for t in text.split(" + ")] if text else []
-    return REPLAYER.replay(stack([encode(ROBOT, EFFECTS, changes)]), [segment], np.zeros(1, int))
+    return simulator().replay(stack([encode(ROBOT, EFFECTS, changes)]), [segment], np.zeros(1, int))
 
 
 @pytest.mark.parametrize(

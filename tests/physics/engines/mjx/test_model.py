@@ -1,6 +1,7 @@
 """A robot on MJX: terms at work, arming, motors off, and what MJX cannot do."""
 
 from collections.abc import Callable
+from itertools import product
 
 import jax
 import jax.numpy as jnp
@@ -11,10 +12,10 @@ from mujoco import mjx
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import encode, parse_change, stack
-from estexp_jax.physics.effects.registry import catalogue, named_effects
+from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.mjx.model import mjx_model, with_motors_switched
 from estexp_jax.physics.model.robot import Robot
-from tests.physics.conftest import Lab
+from tests.physics.conftest import COMPARED, Lab, marks
 from tests.physics.reference import converged, visit
 from tests.physics.robots import robot
 
@@ -41,23 +42,29 @@ def _braked(subject: Robot, joint: str, k: float) -> Callable[[mujoco.MjModel, m
     return term
 
 
+TERMS = {
+    ("pendulum", "load_dependent_friction@shoulder mu=0.4"): _renewed(robot("pendulum"), "shoulder", 0.4),
+    ("cartpole", "load_dependent_friction@rail mu=0.6"): _renewed(robot("cartpole"), "rail", 0.6),
+    ("quadruped", "load_dependent_friction@knee_f mu=0.9"): _renewed(robot("quadruped"), "knee_f", 0.9),
+    ("pendulum", "back_emf@servo k=0.3"): _braked(robot("pendulum"), "shoulder", 0.3),
+    ("quadruped", "back_emf@hip_l k=1.0"): _braked(robot("quadruped"), "hip_l", 1.0),
+}
+
+
 @pytest.mark.parametrize(
-    ("name", "text", "term"),
+    ("engine", "name", "text"),
     [
-        ("pendulum", "load_dependent_friction@shoulder mu=0.4", _renewed(robot("pendulum"), "shoulder", 0.4)),
-        ("cartpole", "load_dependent_friction@rail mu=0.6", _renewed(robot("cartpole"), "rail", 0.6)),
-        ("quadruped", "load_dependent_friction@knee_f mu=0.9", _renewed(robot("quadruped"), "knee_f", 0.9)),
-        ("pendulum", "back_emf@servo k=0.3", _braked(robot("pendulum"), "shoulder", 0.3)),
-        ("quadruped", "back_emf@hip_l k=1.0", _braked(robot("quadruped"), "hip_l", 1.0)),
+        pytest.param(engine, name, text, marks=marks(engine, name))
+        for engine, (name, text) in product(("lanes", "mjx"), TERMS)
     ],
 )
 def test_a_term_agrees_with_the_c_engine_given_each_steps_parameters(
-    lab: Callable[[str], Lab], name: str, text: str, term: Callable[[mujoco.MjModel, mujoco.MjData], None]
+    lab: Callable[[str, str], Lab], engine: str, name: str, text: str
 ) -> None:
     subject = robot(name)
-    states = visit(subject, converged(subject.spec.copy().compile()), seed=5, n=8, term=term)
-    values = [encode(subject, named_effects(), [parse_change(text, subject)]), encode(subject, named_effects(), [])]
-    ours, nominal = (lab(name).run(stack([v] * 8), states) for v in values)
+    states = visit(subject, converged(subject.spec.copy().compile()), seed=5, n=8, term=TERMS[name, text])
+    values = [encode(subject, COMPARED, changes) for changes in ([parse_change(text, subject)], [])]
+    ours, nominal = (lab(engine, name).run(stack([v] * 8), states) for v in values)
     assert np.abs(ours["next_qvel"] - states.next_qvel).max() < 1e-4 * max(1.0, np.abs(states.next_qvel).max())
     assert np.abs(ours["final_qpos"] - states.final_qpos).max() < 1e-3
     assert np.abs(nominal["final_qpos"] - states.final_qpos).max() > 2e-3
