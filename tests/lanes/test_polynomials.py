@@ -11,6 +11,7 @@ from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, window_of
@@ -39,6 +40,11 @@ def robot(integrator: str) -> Robot:
     return Robot.from_string(XML.replace("Euler", integrator))
 
 
+@cache
+def simulator(integrator: str, engine: str) -> OpenLoopSimulator:
+    return open_loop_simulator(robot(integrator), EFFECTS, [robot(integrator)], width=1, engine=engine)
+
+
 def in_c(model: mujoco.MjModel) -> np.ndarray:
     data, path = mujoco.MjData(model), []
     data.qpos[:], data.qvel[:] = START.qpos, START.qvel
@@ -53,8 +59,8 @@ def replayed(integrator: str, engine: str, *changes: Change) -> np.ndarray:
     here, nothing = robot(integrator), np.full((ROWS, 2), np.nan)
     log = Recording("log", STEP * np.arange(ROWS), COMMANDS, np.ones((ROWS, 2)), nothing[:, :1], nothing, nothing)
     stretch = window_of([log], 0, (0, ROWS - 1), STEP, START)
-    simulator = open_loop_simulator(here, EFFECTS, [here], width=1, engine=engine)
-    return simulator.replay(stack([encode(here, EFFECTS, changes)]), [stretch], np.zeros(1, int)).qpos[0]
+    values = stack([encode(here, EFFECTS, changes)])
+    return simulator(integrator, engine).replay(values, [stretch], np.zeros(1, int)).qpos[0]
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,7 @@ def _agrees(xml: str) -> None:
 _ALL: Any = list(HealthCheck)
 
 
-@settings(max_examples=6, deadline=None, suppress_health_check=_ALL, derandomize=True)
+@settings(max_examples=3, deadline=None, suppress_health_check=_ALL, derandomize=True)
 @given(trees())
 def test_random_trees_move_as_in_c(xml: str) -> None:
     _agrees(xml)

@@ -1,5 +1,6 @@
 """Forms of effects that go by another name: they act as written and are told as an effect of the catalogue."""
 
+import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
@@ -57,13 +58,17 @@ def test_bristles_that_give_by_a_millimetre_are_told_as_coulomb_friction():
 def slid(term, p, speed, torque=0.0, dt=1e-3, seconds=0.5):
     """Force of a term at the end of a slide at constant speed, with its implicit damping taken."""
     q, one = jnp.zeros(1), jnp.ones(1)
-    state, left = term.initial(p, q, q), 0.0
-    for _ in range(round(seconds / dt)):
+    state, left = term.initial(p, q, q), q
+
+    @jax.jit
+    def step(q, state):
         joint = JointState(q, one * speed, one * torque, one, one * dt, one, one, lambda q, w: q, *IDLE)
         does, state = term.act(p, joint, state)
-        left = float((does.force - does.damping * speed)[0])
-        q = q + dt * speed
-    return left
+        return q + dt * speed, state, does.force - does.damping * speed
+
+    for _ in range(round(seconds / dt)):
+        q, state, left = step(q, state)
+    return float(left[0])
 
 
 def test_a_motor_hot_at_its_largest_torque_only_is_the_one_that_fades():
@@ -126,13 +131,17 @@ def hunting(dt, seconds=0.4):
     def servo(q, w):
         return 8.0 * (0.3 - q) - 0.1 * w
 
-    for n in range(round(seconds / dt)):
+    @jax.jit
+    def step(q, w, state):
         torque = servo(q, w)
         joint = JointState(q, w, torque, one, one * dt, one, one * armature, servo, *IDLE)
         does, state = term.act(p, joint, state)
         inertia = armature + rest + does.inertia
         w = (inertia * w + dt * (does.force + does.motor * torque)) / (inertia + dt * does.damping)
-        q = q + dt * w
+        return q + dt * w, w, state
+
+    for n in range(round(seconds / dt)):
+        q, w, state = step(q, w, state)
         rows += [float(q[0])] if (n + 1) % round(0.02 / dt) == 0 else []
     return np.array(rows)
 
@@ -148,7 +157,7 @@ def test_a_servo_with_play_inside_its_loop_moves_as_two_bodies_do():
         push = push if push * deep > 0.0 else 0.0
         return w, push / (0.02 - rotor), a, (8.0 * (0.3 - q) - 0.1 * w - push) / rotor
 
-    two = solve_ivp(rates, (0.0, 0.4), [0.0, 0.0, gap, 0.0], t_eval=np.arange(1, 21) * 0.02, max_step=2e-5).y[0]
+    two = solve_ivp(rates, (0.0, 0.4), [0.0, 0.0, gap, 0.0], t_eval=np.arange(1, 21) * 0.02, max_step=1e-4).y[0]
     assert np.ptp(two) > 0.4
     np.testing.assert_allclose(hunting(2e-4), two, atol=0.01)
     np.testing.assert_allclose(hunting(2e-3), two, atol=0.06)

@@ -13,6 +13,7 @@ from estexp_jax.physics.effects.changes import Change, Values, encode, neutral, 
 from estexp_jax.physics.effects.registry import catalogue, effect, paper
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import BodyState, ClosedLoopSimulator, ReadingOverride, replace_readings
+from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.runs import count_compilations
 from tests.physics.conftest import WALKER_ROWS
@@ -168,9 +169,7 @@ def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: ClosedL
 def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine: str) -> None:
     effects = catalogue(["body_mass", "motor_weakness"])
     weights = np.zeros((200, 3 * 3 + 9 + 2 * 4), np.float32)
-    closed_loop_simulator(
-        robot("cartpole"), effects, policy=RecurrentPolicy(), rows=12, control_step=0.01, engine="mjx"
-    )  # compiles what putting a model takes
+    mjx_model(robot("cartpole"), effects)  # compiles what putting a model takes
     with count_compilations() as found:
         here = closed_loop_simulator(
             robot("cartpole"),
