@@ -28,8 +28,8 @@ def test_engines_agree_and_a_wrong_one_does_not(engine: str) -> None:
     one = robot("cartpole")
     effects = catalogue(["body_mass", "motor_weakness", "joint_jam"])
     simulator = closed_loop_simulator(
-        one, effects, policy=RecurrentPolicy(), rows=3, control_step=0.01, population=60, engine=engine
-    )
+        one, effects, policy=RecurrentPolicy(), rows=12, control_step=0.01, population=4, engine=engine
+    )  # as in test_closed_loop.py, so that it is compiled once
     states = sample_states(one, simulator.interface, 40)
     found = closed_loop_agreement(simulator, states, SETS)
     assert found.agrees and found.states == 40 and found.physics_steps == 2

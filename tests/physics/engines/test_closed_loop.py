@@ -167,7 +167,7 @@ def test_a_robot_that_blows_up_is_marked_and_harms_no_neighbour(walkers: ClosedL
 
 @pytest.mark.parametrize("engine", ["mjx", "lanes"])
 def test_one_compilation_serves_settling_and_walks_of_any_length_and_size(engine: str) -> None:
-    effects = catalogue(["body_mass", "motor_weakness"])
+    effects = catalogue(["body_mass", "motor_weakness", "joint_jam"])
     weights = np.zeros((200, 3 * 3 + 9 + 2 * 4), np.float32)
     mjx_model(robot("cartpole"), effects)  # compiles what putting a model takes
     with count_compilations() as found:
