@@ -1,5 +1,6 @@
 """What tests of several floors need."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -35,6 +36,13 @@ def pytest_configure() -> None:
     """Hear Ctrl-C: background jobs ignore it, what they start does too, and tests of it would wait for ever."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish() -> None:
+    """Spare the collector from looking again and again through what importing and tracing make: it stays."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 @pytest.fixture(scope="session")

@@ -571,7 +571,8 @@ def test_a_sensor_that_drifts_is_told_as_a_law_of_its_own():
     assert any(line.startswith("The law found at angle") for line in findings["advice"])
 
 
-@pytest.mark.parametrize("in_vain", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("in_vain", [False, True])
 def test_a_law_takes_the_place_of_names_that_are_put_together_for_it(monkeypatch, in_vain):
     """Also where laws of several terms were asked before, and none was believed."""
     if in_vain:

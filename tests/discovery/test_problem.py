@@ -108,6 +108,7 @@ def test_what_another_start_would_explain_counts_little(setting):
         assert np.all(left < size)
 
 
+@pytest.mark.slow
 def test_a_block_at_rest_whose_first_speed_is_uncertain_is_no_mismatch():
     """It leaves its place by more than a simulation that blew up is bounded to: ten times the range of its readings."""
     case = case_of("idle", Plant(), 732, trains=4, tests=0, bits=14, length=5.0)

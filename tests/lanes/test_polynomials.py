@@ -65,7 +65,12 @@ def replayed(integrator: str, engine: str, *changes: Change) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("integrator", "engine", "off"),
-    [("Euler", "lanes", 1e-5), ("Euler", "mjx", 1e-5), ("RK4", "lanes", 1e-5), ("RK4", "mjx", 2e-3)],
+    [
+        ("Euler", "lanes", 1e-5),
+        ("Euler", "mjx", 1e-5),
+        ("RK4", "lanes", 1e-5),
+        pytest.param("RK4", "mjx", 2e-3, marks=pytest.mark.slow),
+    ],
 )
 def test_springs_and_dampers_of_higher_degree_act_as_in_c(integrator: str, engine: str, off: float) -> None:
     """MJX takes their tangents through the stages of a step by Runge and Kutta's method."""

@@ -37,7 +37,7 @@ def test_it_shares_no_code_with_the_package():
 def test_without_effects_and_errors_a_robot_is_its_nominal_model(robot, hand):
     if hand and not ROBOTS[robot].by_hand:
         pytest.skip("not written out")
-    case = make(Plan("null", robot, (), 5, hand), shorter=0.1, clean=True, refit=False)
+    case = make(Plan("null", robot, (), 5, hand), shorter=0.2, clean=True, refit=False)
     smeared = 1.5 if robot in ("arm6", "scara") else 0.5  # jumps of the command within a coarse nominal step
     assert max(case.visible.nominal.values()) < smeared, "beyond its own step error, in noise floors"
 
@@ -104,7 +104,7 @@ def test_a_bias_shows_where_the_motion_depends_on_the_position_alone():
 
 
 def test_what_a_walker_leaves_without_the_effect_is_not_the_effects():
-    single = make(Plan("single", "quadruped", (Planted("ground_friction", -1, 0.05),), 13), shorter=0.06)
+    single = make(Plan("single", "quadruped", (Planted("ground_friction", -1, 0.05),), 13), shorter=0.1)
     assert single.twin is not None
     shown = answer(single)["visibility"]
     left = {role: np.sqrt(max(shown["refit"][role] ** 2 - shown["twin"][role] ** 2, 0.0)) for role in shown["refit"]}

@@ -131,7 +131,8 @@ def test_nothing_outside_is_opened(tmp_path: Path, kind: str, way: str) -> None:
     (tmp_path / "own" / "linked.xml").symlink_to(tmp_path / "secret.xml")
     (tmp_path / "own" / "folder").symlink_to(tmp_path)
     text = f"<mujoco>{OUT[kind].format(way.format(tmp_path))}<worldbody>{BODY}</worldbody></mujoco>"
-    with pytest.raises(InputError, match=r"secret.xml' leads out|linked.xml' leads out"):
+    # A long path ends in three points.
+    with pytest.raises(InputError, match=r"(secret.xml'|linked.xml'|\.\.\.) leads out"):
         Robot.from_xml(_write(tmp_path / "own" / "model.xml", text))
 
 
