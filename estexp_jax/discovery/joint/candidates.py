@@ -1,0 +1,105 @@
+"""Directions in which a robot may differ from its model: one for each first guess of each effect at each place."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from estexp_jax.discovery.joint.criteria import SelectionCriteria
+from estexp_jax.estimation.parameters import ParameterSpace, Place, with_values
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.sites import ALL_ALIKE
+
+_LEAST_STEP, _STEP = 1e-3, 0.01
+"""Finite-difference steps, as a share of a parameter's range, and of its distance from neutral."""
+
+
+class Candidate(NamedTuple):
+    """An effect at a place with values to try it at.
+
+    Attributes:
+        place: effect and site.
+        direction: (n,) difference from neutral.
+        most: so many times the direction stays within bounds.
+        numbers: how many parameters it fixes.
+    """
+
+    place: Place
+    direction: np.ndarray
+    most: float
+    numbers: int
+
+
+def candidates(
+    space: ParameterSpace, observed: Observed, places: Collection[Place], sides: Sequence[str]
+) -> list[Candidate]:
+    """All first guesses of the effects at some places whose side (plant, command, sensor) is among `sides`.
+
+    Values that stand for all elements alike are left out: each element has its own.
+    """
+    found: list[Candidate] = []
+    for place in space.of_place:
+        e = effect(place[0])
+        if place not in places or e.side not in sides or place[1] == ALL_ALIKE:
+            continue
+        for values in e.initial_guesses(space.robot, place[1], observed):
+            direction = with_values(space, space.neutral, place, values) - space.neutral
+            if direction.any():
+                found.append(Candidate(place, direction, _most(space, direction), len(e.parameters)))
+    return found
+
+
+def log_odds(names: Sequence[Place], criteria: SelectionCriteria) -> np.ndarray:
+    """Prior log odds of candidates, nats, from the places they stand for: one place's guesses share its odds."""
+    places, counts = list(dict.fromkeys(names)), Counter(names)
+    odds = np.log(criteria.expected_effects / max(len(places) - criteria.expected_effects, 1.0))
+    native = {p: criteria.native_odds * (effect(p[0]).model_attribute is not None) for p in places}
+    return np.array([odds + native[p] - np.log(counts[p]) for p in names])
+
+
+def _most(space: ParameterSpace, direction: np.ndarray) -> float:
+    """How often a direction fits into the bounds of ratios; amounts with a unit may be any multiple.
+
+    Bounds of torques and the like come from what motors could do, which says little of what a robot does.
+    """
+    times = np.inf
+    for i in np.flatnonzero(direction):
+        p = space.parameters[i]
+        unit = next(q.unit for q in effect(p.effect).parameters if q.name == p.name)
+        if not unit:
+            end = space.bounds[i, 1] if direction[i] > 0.0 else space.bounds[i, 0]
+            times = min(times, (end - p.neutral) / direction[i])
+    return float(times)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """Finite-difference directions of parameters at a point.
+
+    Attributes:
+        indices: (k,) of the parameters.
+        directions: (k, n), a step of one parameter each.
+        steps: (k,).
+    """
+
+    indices: np.ndarray
+    directions: np.ndarray
+    steps: np.ndarray
+
+
+def derivatives(space: ParameterSpace, point: np.ndarray, indices: Sequence[int] | np.ndarray) -> Derivatives:
+    """Directions along single parameters, inwards where a bound is near."""
+    directions = np.zeros((len(indices), len(point)))
+    steps = np.zeros(len(indices))
+    for row, i in enumerate(indices):
+        p = space.parameters[int(i)]
+        step = max(_STEP * abs(point[i] - p.neutral), _LEAST_STEP * (p.nominal or p.size))
+        steps[row] = -step if point[i] + step > space.bounds[i, 1] else step
+        directions[row, i] = steps[row]
+    return Derivatives(np.asarray(indices, dtype=int), directions, steps)
