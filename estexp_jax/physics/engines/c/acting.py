@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import final
 
-import jax
 import numpy as np
 
 from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Term
@@ -38,7 +37,9 @@ class ActingEffects:
         self.terms: list[ActingTerm] = []
         self.body_forces: list[ActingBodyForce] = []
         for e in catalogue:
-            there = instances_of(e, np.asarray(values[e.name])) if isinstance(e, CommandLaw | Term | BodyForce) else None
+            there = (
+                instances_of(e, np.asarray(values[e.name])) if isinstance(e, CommandLaw | Term | BodyForce) else None
+            )
             if there is None:
                 continue
             if isinstance(e, CommandLaw):
@@ -60,7 +61,9 @@ class ActingEffects:
         """Parts of the table that terms have changed so far."""
         return set[str]().union(*(term.written for term in self.terms))
 
-    def begin(self, qpos: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray, enable: np.ndarray, dt: np.ndarray) -> StepTable:
+    def begin(
+        self, qpos: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray, enable: np.ndarray, dt: np.ndarray
+    ) -> StepTable:
         """The table filled with the beginning of a step: arrays (lanes, ...), switches of motors by their commands."""
         table = self.table
         table["qpos"][:], table["qvel"][:], table["ctrl"][:], table["dt"][:, 0] = qpos, qvel, ctrl, dt
@@ -78,17 +81,15 @@ class ActingEffects:
 
     def rest(self) -> LaneHidden:
         """Hidden variables of robots that have been where the table says, under its commands, for long."""
-        with jax.enable_x64(True):
-            return {e.effect.name: e.rest(self.table) for e in (*self.laws, *self.terms) if e.effect.n_states}
+        return {e.effect.name: e.rest(self.table) for e in (*self.laws, *self.terms) if e.effect.n_states}
 
     def act(self, hidden: LaneHidden) -> LaneHidden:
         """Let command laws and terms act in the step that has begun; hidden variables after it."""
         after: LaneHidden = {}
-        with jax.enable_x64(True):
-            for e in (*self.laws, *self.terms):
-                state = e.act(self.table, hidden.get(e.effect.name))
-                if e.effect.n_states:
-                    after[e.effect.name] = state
+        for e in (*self.laws, *self.terms):
+            state = e.act(self.table, hidden.get(e.effect.name))
+            if e.effect.n_states:
+                after[e.effect.name] = state
         return after
 
     def kept(self, moves: np.ndarray, before: LaneHidden, after: LaneHidden) -> LaneHidden:
@@ -97,10 +98,8 @@ class ActingEffects:
             return after
         found = {}
         for e in (*self.laws, *self.terms):
-            name, n = e.effect.name, len(e.lane)
-            if name in after:
-                found[name] = after[name].copy()
-                found[name][:, :n] = np.where(moves[e.lane], after[name][:, :n], before[name][:, :n])
+            if (name := e.effect.name) in after:
+                found[name] = np.where(moves[e.lane], after[name], before[name])
         return found
 
 

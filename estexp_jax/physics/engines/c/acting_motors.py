@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from estexp_jax.physics.effects.sites import driven_actuators
@@ -23,15 +21,13 @@ class Chunk(NamedTuple):
     table: StepTable
 
 
-def on_device(x: Any) -> Any:
-    """Arrays in double precision where programs find them without copying."""
-    with jax.enable_x64(True):
-        return jax.tree.map(jnp.asarray, x)
-
-
 def motor_fields(models: LaneModels, lane: np.ndarray, motors: np.ndarray) -> MotorFields:
     """Numbers of motors (motors, n) of lanes (n,)."""
-    return MotorFields(*(np.asarray(models.read(name)[lane, motors]) for name in MotorFields._fields))
+    return MotorFields(*(_limits(name, models.read(name)[lane, motors]) for name in MotorFields._fields))
+
+
+def _limits(name: str, x: np.ndarray) -> np.ndarray:
+    return x.astype(bool) if name.endswith("limited") else x
 
 
 def motor_rows(chunk: Chunk, lane: np.ndarray, motors: np.ndarray) -> np.ndarray:
@@ -50,6 +46,7 @@ class WholeRobot:
 
     Attributes:
         fixed: what does not change.
+        size: numbers of joints and motors.
     """
 
     def __init__(self, chunk: Chunk, lane: np.ndarray) -> None:
@@ -57,15 +54,13 @@ class WholeRobot:
         robot, table, model = chunk.robot, chunk.table, chunk.robot.model
         joints, motors = np.array(robot.scalar_joints, dtype=int), np.array(driven_actuators(robot), dtype=int)
         driven = np.array([robot.joint_of_actuator(int(a)) for a in motors], dtype=int)
-        read = chunk.models.read
-        self.fixed: RobotFields = on_device(
-            RobotFields(
-                joints + 1.0,
-                motor_fields(chunk.models, lane, motors[:, None]),
-                (joints[:, None] == driven).astype(float),
-                np.asarray(read("jnt_actfrclimited")[lane, joints[:, None]], bool),
-                np.asarray(read("jnt_actfrcrange")[lane, joints[:, None]]),
-            )
+        self.size, read = (len(joints), len(motors)), chunk.models.read
+        self.fixed = RobotFields(
+            joints + 1.0,
+            motor_fields(chunk.models, lane, motors[:, None]),
+            (joints[:, None] == driven).astype(float),
+            read("jnt_actfrclimited")[lane, joints[:, None]].astype(bool),
+            read("jnt_actfrcrange")[lane, joints[:, None]],
         )
         self._take = np.concatenate(
             [

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import final
 
-import jax
 import numpy as np
 
 from estexp_jax.physics.effects.base import BodyForce
-from estexp_jax.physics.engines.c.acting_motors import on_device
-from estexp_jax.physics.engines.c.instances import Instances, padded
+from estexp_jax.physics.engines.c.instances import Instances
 from estexp_jax.physics.engines.c.laws import body_program
 from estexp_jax.physics.model.robot import Robot
 
@@ -26,7 +24,7 @@ class ActingBodyForce:
         """With its instances."""
         self.lane = there.lane
         self._body = np.array([robot.index("body", site) for site in e.sites(robot)])[there.site]
-        self._p, self._program = on_device(there.p), body_program(e)
+        self._law = body_program(e).bound(there.p, len(there.lane))
 
     def act(self, place: np.ndarray, pull: np.ndarray) -> None:
         """Add its forces.
@@ -35,6 +33,5 @@ class ActingBodyForce:
             place: (lanes, bodies, 3) centres of mass, m.
             pull: (lanes, bodies, 6) external forces and torques, changed in place.
         """
-        with jax.enable_x64(True):
-            force = np.asarray(self._program(self._p, padded(place[self.lane, self._body]).T))
-        pull[self.lane, self._body, :3] += force[:, : len(self.lane)].T
+        for axis, force in enumerate(self._law(place[self.lane, self._body].T)):
+            pull[self.lane, self._body, axis] += force

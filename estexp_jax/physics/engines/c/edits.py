@@ -14,12 +14,14 @@ import numpy as np
 from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.engines.c.instances import at_work, padded
+from estexp_jax.physics.engines.c.instances import at_work
 from estexp_jax.physics.engines.c.lane_models import LaneModels, field_of
 from estexp_jax.physics.model.robot import Robot
 
 _PROGRAMS = 512
 """Programs of edits that are kept."""
+_LANES = 64
+"""Lanes in a call, so that programs of one width serve all."""
 
 
 def edit_models(robot: Robot, catalogue: Catalogue, models: LaneModels, values: Values) -> None:
@@ -41,12 +43,16 @@ def edit_models(robot: Robot, catalogue: Catalogue, models: LaneModels, values: 
 def _edit(robot: Robot, e: Edit, models: LaneModels, values: np.ndarray, lanes: np.ndarray) -> set[str]:
     """Edit some lanes; the names of the fields that were written."""
     reads, program = _program(robot, e)
-    with jax.enable_x64(True):
-        fields = {name: padded(models.read(name)[lanes].astype(float)) for name in reads}
-        found = {name: np.asarray(x) for name, x in program(fields, padded(values)).items()}
-    for name, x in found.items():
-        models.own(name)[lanes] = x[: len(lanes)]
-    return set(found)
+    written = set[str]()
+    for first in range(0, len(lanes), _LANES):
+        index = np.minimum(np.arange(first, first + _LANES), len(lanes) - 1)
+        fields = {name: models.read(name)[lanes[index]].astype(float) for name in reads}
+        with jax.enable_x64(True):
+            found = {name: np.asarray(x) for name, x in program(fields, values[index]).items()}
+        for name, x in found.items():
+            models.own(name)[lanes[index]] = x
+        written |= set(found)
+    return written
 
 
 @lru_cache(maxsize=_PROGRAMS)

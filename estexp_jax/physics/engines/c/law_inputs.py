@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, JointState
@@ -100,6 +101,7 @@ class RobotInputs(NamedTuple):
         return cls(x[:joints], x[joints : 2 * joints], MotorState(ctrl, on * share))
 
 
+@jax.jit  # traced once, although terms ask many times
 def _torque(motors: MotorFields, state: MotorState, q: Any, w: Any) -> Any:
     """Torque (motors, n) of motors on their joints."""
     return state.scale * motor_torque(motors, ..., q, w, limited_commands(motors, state.ctrl))  # pyright: ignore[reportArgumentType]

@@ -105,5 +105,3 @@ class COpenLoop(OpenLoopSimulator):
         after, found = prepared.steps.advance(state, drive, before, prepared.shown)
         distort_readings(self.robot, self.catalogue, prepared.values, found.sensors)
         return after, found
-
-

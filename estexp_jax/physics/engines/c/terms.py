@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import final
+from collections.abc import Sequence
+from typing import Any, final
 
-import jax
 import numpy as np
 
 from estexp_jax.physics.effects.base import Term
@@ -14,9 +14,8 @@ from estexp_jax.physics.engines.c.acting_motors import (
     command_of,
     motor_fields,
     motor_rows,
-    on_device,
 )
-from estexp_jax.physics.engines.c.instances import Instances, padded
+from estexp_jax.physics.engines.c.instances import Instances
 from estexp_jax.physics.engines.c.law_inputs import SiteFields
 from estexp_jax.physics.engines.c.laws import couples_joints, rest_program, term_program
 from estexp_jax.physics.engines.c.step_table import StepTable
@@ -39,59 +38,57 @@ class ActingTerm:
     def __init__(self, e: Term, chunk: Chunk, there: Instances) -> None:
         """With its instances."""
         self.effect, self.site, self.lane, self.written = e, there.site, there.lane, set[str]()
-        lane, site, dofs = padded(there.lane), padded(there.site), e.dofs(chunk.robot)
+        dofs = e.dofs(chunk.robot)
         motors = _drives(e, chunk, dofs)
-        at_site = motors.motors[site].T
-        self._program, self._couples = term_program(e, len(at_site)), couples_joints(e)
-        self._fixed = _fixed(chunk, there, motors, lane, site)
-        self._whole = WholeRobot(chunk, lane) if self._couples else None
-        self._index(e, chunk, motors, dofs[site], lane, at_site)
+        self._whole = WholeRobot(chunk, self.lane) if couples_joints(e) else None
+        law, self._names = term_program(e, motors.motors.shape[1], self._whole.size if self._whole else None)
+        fixed = _fixed(chunk, there, motors), self._whole.fixed if self._whole else None
+        self._p, self._law = there.p, law.bound(fixed, len(self.lane))
+        self._index(chunk, motors, dofs[self.site])
 
-    def _index(
-        self, e: Term, chunk: Chunk, motors: Drives, dof: np.ndarray, lane: np.ndarray, at_site: np.ndarray
-    ) -> None:
+    def _index(self, chunk: Chunk, motors: Drives, dof: np.ndarray) -> None:
         """Find the places in the table that it reads and writes."""
-        model, index, n = chunk.robot.model, chunk.table.index, len(self.lane)
+        model, index, lane = chunk.robot.model, chunk.table.index, self.lane
+        at_site = motors.motors[self.site].T
         joint = [
             index("qpos", lane, model.jnt_qposadr[model.dof_jntid[dof]]),
             *(index(part, lane, elements) for part, elements in (("qvel", dof), ("dt", 0), ("armature", dof))),
         ]
         self._take = np.concatenate([np.array(joint), motor_rows(chunk, lane, at_site)])
-        self._rows = np.empty((len(self._take) + e.n_states, len(lane)))
-        self._added = {name: index(part, self.lane, dof[:n]) for name, part in _ADDED.items()}
+        self._rows = np.empty((len(self._take) + self.effect.n_states, len(lane)))
+        self._added = {name: index(part, lane, dof) for name, part in _ADDED.items()}
         #: For each motor of a site: which instances have it, and where its command and its share stand.
         self._motors = [
-            (moved, index("ctrl", self.lane, command_of(chunk.robot, a))[moved], index("share", self.lane, a)[moved])
-            for a, moved in zip(at_site[:, :n], motors.there[self.site].T > 0.0, strict=True)
+            (moved, index("ctrl", lane, command_of(chunk.robot, a))[moved], index("share", lane, a)[moved])
+            for a, moved in zip(at_site, motors.there[self.site].T > 0.0, strict=True)
         ]
 
     def rest(self, table: StepTable) -> np.ndarray:
-        """Hidden variables (variables, padded n) of robots that have been where the table says for long."""
+        """Hidden variables (variables, n) of robots that have been where the table says for long."""
+        n = len(self.lane)
         table.take(self._take, self._rows[: len(self._take)])
-        return np.asarray(rest_program(self.effect)(self._fixed.p, self._rows[0], self._rows[1]))
+        return stacked(rest_program(self.effect).bound(self._p, n)(self._rows[0], self._rows[1]), n)
 
     def act(self, table: StepTable, before: np.ndarray | None) -> np.ndarray:
-        """Act in a step; hidden variables (variables, padded n) after it, of those before."""
+        """Act in a step; hidden variables (variables, n) after it, of those before."""
+        n = len(self.lane)
         table.take(self._take, self._rows[: len(self._take)])
         if before is not None:
             self._rows[len(self._take) :] = before
-        others = (None, None) if self._whole is None else (self._whole.fixed, self._whole.rows(table))
-        does, row, n = np.asarray(self._program.act(self._fixed, self._rows, *others)), 0, len(self.lane)
-        for name in self._program.names:
+        does = iter(self._law(self._rows, *([self._whole.rows(table)] if self._whole else [])))
+        for name in self._names:
             if name == "command":
                 for moved, command, _ in self._motors:
-                    table.put(command, does[row, :n][moved])
-                    row += 1
-                continue
-            self._apply(table, name, does[row, :n])
-            row += 1
-        return does[row:]
+                    table.put(command, np.broadcast_to(next(does), n)[moved])
+            else:
+                self._apply(table, name, next(does))
+        return stacked(list(does), n)
 
-    def _apply(self, table: StepTable, name: str, x: np.ndarray) -> None:
+    def _apply(self, table: StepTable, name: str, x: Any) -> None:
         if name == "motor":
             self.written.add("share")
             for moved, _, share in self._motors:
-                table.multiply(share, x[moved])
+                table.multiply(share, np.broadcast_to(x, len(self.lane))[moved])
         else:
             self.written.add(_ADDED[name])
             table.add(self._added[name], x)
@@ -104,16 +101,22 @@ def _drives(e: Term, chunk: Chunk, dofs: np.ndarray) -> Drives:
     return drives(chunk.robot, dofs, np.array([chunk.robot.index("actuator", s) for s in e.sites(chunk.robot)]))
 
 
-def _fixed(chunk: Chunk, there: Instances, motors: Drives, lane: np.ndarray, site: np.ndarray) -> SiteFields:
+def _fixed(chunk: Chunk, there: Instances, motors: Drives) -> SiteFields:
     """What does not change at instances."""
-    joint, read = motors.joint[site], chunk.models.read
-    return on_device(
-        SiteFields(
-            there.p,
-            motor_fields(chunk.models, lane, motors.motors[site].T),
-            motors.there[site].T.astype(float),
-            np.asarray(read("jnt_actfrclimited")[lane, joint], bool) & motors.whole,
-            np.asarray(read("jnt_actfrcrange")[lane, joint]),
-            motors.limit()[site],
-        )
+    joint, read, (site, lane, p) = motors.joint[there.site], chunk.models.read, there
+    return SiteFields(
+        p,
+        motor_fields(chunk.models, lane, motors.motors[site].T),
+        motors.there[site].T.astype(float),
+        read("jnt_actfrclimited")[lane, joint].astype(bool) & motors.whole,
+        read("jnt_actfrcrange")[lane, joint],
+        motors.limit()[site],
     )
+
+
+def stacked(rows: Sequence[Any], n: int) -> np.ndarray:
+    """Rows, arrays or numbers, as an array (rows, n)."""
+    found = np.empty((len(rows), n))
+    for k, row in enumerate(rows):
+        found[k] = row
+    return found

@@ -14,8 +14,8 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.changes import Values
-from estexp_jax.physics.engines.mjx.model import with_motors_switched, with_timestep
 from estexp_jax.physics.engines.mjx.edited_open_loop import EditedOpenLoop
+from estexp_jax.physics.engines.mjx.model import with_motors_switched, with_timestep
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
