@@ -48,7 +48,7 @@ class ActingEffects:
                 self.terms.append(ActingTerm(e, self._chunk, there))
             elif isinstance(e, BodyForce):
                 self.body_forces.append(ActingBodyForce(e, robot, there))
-        self._armature = models.read("dof_armature")
+        self._armature = np.array(models.read("dof_armature"))  # a copy: terms change the field itself
         self._disabled = _disabled(robot)
 
     @property
