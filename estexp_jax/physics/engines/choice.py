@@ -13,6 +13,8 @@ from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.agreement import Agreement, closed_loop_agreement, open_loop_agreement, sample_states
 from estexp_jax.physics.engines.batching import EngineChoice
+from estexp_jax.physics.engines.c.lane_models import recorded_fields
+from estexp_jax.physics.engines.c.open_loop import C_REPLAY, COpenLoop
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.engines.lanes.closed_loop import LanesClosedLoop, lanes_width
@@ -26,8 +28,8 @@ from estexp_jax.physics.engines.per_recording_model import per_recording_model
 from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
 
-Engine = Literal["auto", "lanes", "mjx"]
-ENGINES: Sequence[Engine] = ("auto", "lanes", "mjx")
+Engine = Literal["auto", "lanes", "c", "mjx"]
+ENGINES: Sequence[Engine] = ("auto", "lanes", "c", "mjx")
 _STATES = 32
 """States from which lanes are tried against the C engine before they are believed."""
 
@@ -119,16 +121,32 @@ def open_loop_simulator(
     Raises:
         InputError: no engine can simulate the model, or a recording's settings change the model's structure.
     """
+    if engine == "c":
+        return _on_c(robot, catalogue, per_recording, width, block, EngineChoice("c", "as asked for"))
     nominal = mjx_model(robot, catalogue)
     differs = per_recording_model(nominal, per_recording)
     choice = choose_engine(engine, nominal, differs.fields)
     if choice.engine == "lanes":
-        fast = LanesOpenLoop(nominal, differs, width or LANES_REPLAY[0], block or LANES_REPLAY[1], choice)
+        width_there, block_there = width or LANES_REPLAY[0], block or LANES_REPLAY[1]
+        fast = LanesOpenLoop(robot, catalogue, width_there, block_there, choice, nominal, differs)
         found = open_loop_agreement(fast, per_recording[0], _STATES)
         if found.agrees:
             return fast
         choice = _distrusted(engine, found, robot)
-    return MjxOpenLoop(nominal, differs, width or MJX_REPLAY[0], block or MJX_REPLAY[1], choice)
+    width, block = width or MJX_REPLAY[0], block or MJX_REPLAY[1]
+    return MjxOpenLoop(robot, catalogue, width, block, choice, nominal, differs)
+
+
+def _on_c(
+    robot: Robot,
+    catalogue: Catalogue,
+    per_recording: Sequence[Robot],
+    width: int | None,
+    block: int | None,
+    choice: EngineChoice,
+) -> OpenLoopSimulator:
+    recorded = recorded_fields(robot, per_recording)
+    return COpenLoop(robot, catalogue, width or C_REPLAY[0], block or C_REPLAY[1], choice, recorded)
 
 
 def _distrusted(engine: str, found: Agreement, robot: Robot) -> EngineChoice:

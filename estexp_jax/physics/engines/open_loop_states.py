@@ -41,7 +41,7 @@ def at_rows(x: np.ndarray, windows: Sequence[Window], rows: int) -> np.ndarray:
 
     NaN beyond a window's last row.
     """
-    found = np.full((len(windows), rows, x.shape[1]), np.nan, np.float32)
+    found = np.full((len(windows), rows, x.shape[1]), np.nan, x.dtype)
     for i, there in equal_commands(windows, np.ones(len(windows), bool)):
         sample = windows[i].steps.sample
         found[there, : len(sample)] = np.moveaxis(x[sample, :, there], -1, 0)

@@ -62,7 +62,7 @@ def robots(integrator: str) -> tuple[Robot, ...]:
 NOW = {"engine": "mjx"}
 
 
-@pytest.fixture(autouse=True, params=["mjx", "lanes"])
+@pytest.fixture(autouse=True, params=["mjx", "lanes", "c"])
 def engine(request: pytest.FixtureRequest) -> str:
     """Every test is run with each engine."""
     NOW["engine"] = request.param
