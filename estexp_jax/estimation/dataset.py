@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
@@ -57,7 +57,12 @@ class Dataset:
 
 
 def dataset_of(
-    robots: Sequence[Robot], recordings: Sequence[Recording], channels: Channels, length: float, roles: str = "train"
+    robots: Sequence[Robot],
+    recordings: Sequence[Recording],
+    channels: Channels,
+    length: float,
+    roles: str = "train",
+    memory: float = np.inf,
 ) -> Dataset:
     """All windows of one length of the recordings of a role.
 
@@ -67,9 +72,14 @@ def dataset_of(
         channels: the readings compared.
         length: of a window, s.
         roles: `train` or `test`.
+        memory: time before a window's start that hidden variables are rolled along, s.
     """
     every = windows_of(robots, recordings, length)
-    wanted = tuple(w for w in every if recordings[w.recording].role == roles and w.rows > 1)
+    wanted = tuple(
+        w if np.isinf(memory) else replace(w, memory=round(memory * recordings[w.recording].rate))
+        for w in every
+        if recordings[w.recording].role == roles and w.rows > 1
+    )
     whole = max((w.rows for w in wanted), default=0)
     return Dataset(tuple(recordings), channels, tuple(w for w in wanted if 2 * w.rows > whole))
 

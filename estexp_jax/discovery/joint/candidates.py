@@ -11,6 +11,7 @@ import numpy as np
 
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.estimation.parameters import ParameterSpace, Place, with_values
+from estexp_jax.physics.effects.effect import NEVER
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
@@ -25,14 +26,19 @@ class Candidate(NamedTuple):
     Attributes:
         place: effect and site.
         direction: (n,) difference from neutral.
-        most: so many times the direction stays within bounds.
+        least, most: multiples of the direction that may be taken.
         numbers: how many parameters it fixes.
     """
 
     place: Place
     direction: np.ndarray
+    least: float
     most: float
     numbers: int
+
+    def at(self, times: float) -> np.ndarray:
+        """Difference (n,) from neutral at a multiple; where the effect is far from linear, only the guess itself."""
+        return self.direction if self.least > 0.0 else times * self.direction
 
 
 def candidates(
@@ -40,18 +46,26 @@ def candidates(
 ) -> list[Candidate]:
     """All first guesses of the effects at some places whose side (plant, command, sensor) is among `sides`.
 
-    Values that stand for all elements alike are left out: each element has its own.
+    Values that stand for all elements alike are left out: each element has its own. So is what grows in time, which no
+    short window shows.
     """
     found: list[Candidate] = []
     for place in space.of_place:
         e = effect(place[0])
-        if place not in places or e.side not in sides or place[1] == ALL_ALIKE:
+        if place not in places or e.side not in sides or place[1] == ALL_ALIKE or e.grows_in_time:
             continue
-        for values in e.initial_guesses(space.robot, place[1], observed):
-            direction = with_values(space, space.neutral, place, values) - space.neutral
-            if direction.any():
-                found.append(Candidate(place, direction, _most(space, direction), len(e.parameters)))
+        guesses = e.initial_guesses(space.robot, place[1], observed)
+        directions = [with_values(space, space.neutral, place, values) - space.neutral for values in guesses]
+        own = [Candidate(place, d, *_multiples(space, d), len(e.parameters)) for d in directions if d.any()]
+        found += _alone(own) if len(e.parameters) == 1 and all(c.least == 0.0 for c in own) else own
     return found
+
+
+def _alone(guesses: list[Candidate]) -> list[Candidate]:
+    """Of guesses of a single number, a small and a moderate one to each side: multiples of these are all others."""
+    sides = [[c for c in guesses if (c.direction.sum() > 0.0) == up] for up in (True, False)]
+    ranked = [sorted(side, key=lambda c: float(np.abs(c.direction).sum())) for side in sides]
+    return [c for side in ranked for c in side[:2]]
 
 
 def log_odds(names: Sequence[Place], criteria: SelectionCriteria) -> np.ndarray:
@@ -62,19 +76,23 @@ def log_odds(names: Sequence[Place], criteria: SelectionCriteria) -> np.ndarray:
     return np.array([odds + native[p] - np.log(counts[p]) for p in names])
 
 
-def _most(space: ParameterSpace, direction: np.ndarray) -> float:
-    """How often a direction fits into the bounds of ratios; amounts with a unit may be any multiple.
+def _multiples(space: ParameterSpace, direction: np.ndarray) -> tuple[float, float]:
+    """Least and largest multiple of a direction that may be taken.
 
-    Bounds of torques and the like come from what motors could do, which says little of what a robot does.
+    It must fit into the bounds of ratios; amounts with a unit may be any multiple, since their bounds come from what
+    motors could do, which says little of what a robot does. Limits, which are far away where there is none, and
+    what refers to an element are not linear: of these only about the guess itself.
     """
     times = np.inf
     for i in np.flatnonzero(direction):
         p = space.parameters[i]
+        if abs(p.neutral) >= NEVER or p.categorical:
+            return 0.5, 2.0
         unit = next(q.unit for q in effect(p.effect).parameters if q.name == p.name)
         if not unit:
             end = space.bounds[i, 1] if direction[i] > 0.0 else space.bounds[i, 0]
             times = min(times, (end - p.neutral) / direction[i])
-    return float(times)
+    return 0.0, float(times)
 
 
 @final

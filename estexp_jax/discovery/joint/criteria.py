@@ -21,6 +21,8 @@ class SelectionCriteria:
             as `torque_floor`, which it cannot be told from.
         short_window: length of the windows of the torque balance, s. Measured: shorter ones are noise at 50 rows a
             second, longer ones no longer linear where gravity is not held.
+        memory: time before a window along which hidden variables of effects are rolled, s. Convention: gears, belts and
+            controllers forget sooner; what does not, like heat, is left to other strategies.
         independent: independent data in a window and channel, where a model error lasts as long as motions do.
             Measured: two of half-second windows on the machines' board.
         native_odds: prior odds of an effect that changes a value MJCF has, before one that repeats it under another
@@ -33,6 +35,7 @@ class SelectionCriteria:
     torque_floor: float = 0.03
     least_share: float = 0.03
     short_window: float = 0.05
+    memory: float = 0.3
     independent: float = 2.0
     native_odds: float = 1.0
     clip: float = 3.0

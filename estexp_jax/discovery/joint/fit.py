@@ -71,7 +71,7 @@ def joint_fit(
     small = nuisances(space, problem.known)
     yield Progress("torque balance", 0, 1)
     tried = candidates(space, problem.observed, problem.places, ("plant", "command"))
-    data = dataset_of(problem.robots, problem.recordings, problem.channels, criteria.short_window)
+    data = _dataset(problem, criteria.short_window, criteria)
     data = evenly(data, _affordable(data, len(tried)))
     objective = Objective(problem.simulator, space, data, states=True)
     first = torque_choice(objective, tried, small, list(problem.robots), criteria)
@@ -79,7 +79,7 @@ def joint_fit(
     for round_ in range(_ROUNDS):
         yield Progress("joint fit", round_, _ROUNDS)
         fresh = _also(space, problem, tried, places) if round_ else []
-        data = _windows(problem, space, point, len(fresh) + 3 * len(places))
+        data = _windows(problem, space, point, len(fresh) + 3 * len(places), criteria)
         fit = gauss_newton(
             objective.with_dataset(data), point, places, fresh, small, _least_noise(problem), criteria
         )
@@ -103,10 +103,16 @@ def _affordable(data: Dataset, directions: int) -> int:
     return int(np.clip(_STEPS / (steps * (directions + dofs + 1)), _FEWEST, _MOST))
 
 
-def _windows(problem: JointProblem, space: ParameterSpace, point: np.ndarray, directions: int) -> Dataset:
+def _dataset(problem: JointProblem, length: float, criteria: SelectionCriteria) -> Dataset:
+    return dataset_of(problem.robots, problem.recordings, problem.channels, length, memory=criteria.memory)
+
+
+def _windows(
+    problem: JointProblem, space: ParameterSpace, point: np.ndarray, directions: int, criteria: SelectionCriteria
+) -> Dataset:
     """Windows as long as the simulator stays near the readings."""
     for length in _LENGTHS:
-        data = dataset_of(problem.robots, problem.recordings, problem.channels, length)
+        data = _dataset(problem, length, criteria)
         data = evenly(data, min(_affordable(data, directions), 64))
         simulated = Objective(problem.simulator, space, data).simulate(point[None])[0]
         ranges = np.array([channel_ranges(problem.channels, problem.recordings[r]) for r in data.owner])

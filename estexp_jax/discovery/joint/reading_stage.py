@@ -110,7 +110,7 @@ def _regression(
             if p.neutral <= space.bounds[own[k], 0]:
                 low[k], high[k] = (0.0, np.inf) if steps[k] > 0.0 else (-np.inf, 0.0)
     groups += [np.array([n_free + g]) for g in range(len(fresh))]
-    low[n_free:], high[n_free:] = 0.0, [c.most for c in fresh]
+    low[n_free:], high[n_free:] = [c.least for c in fresh], [c.most for c in fresh]
     slots = {place: i for i, place in enumerate(dict.fromkeys([*places, *(c.place for c in fresh)]))}
     names = [*places, *(c.place for c in fresh)]
     numbers = np.array([len(effect(name).parameters) for name, _ in names], dtype=float)
@@ -153,7 +153,7 @@ def _step(
             ]
     for g, c in enumerate(fresh):
         if g + len(places) in chosen.groups:
-            goal += times[len(own) + len(nuisances) + g] * c.direction
+            goal += c.at(times[len(own) + len(nuisances) + g])
     return _inside(space, goal) - point
 
 

@@ -70,7 +70,7 @@ def torque_choice(
     times = chosen.coefficients(len(columns))
     point, shares = space.neutral.copy(), dict[Place, float]()
     for g in sorted(chosen.groups):
-        point += times[g] * own[g].direction
+        point += own[g].at(times[g])
         shares[own[g].place] = _share(times[g] * columns[g], balance)
     return TorqueChoice(point, tuple(shares), shares, std / balance.scale)
 
@@ -108,7 +108,7 @@ def _regression(
         np.concatenate([np.zeros(len(own)), np.ones(rest)]),
         [np.array([g]) for g in range(len(own))],
         [slots[c.place] for c in own],
-        np.concatenate([np.zeros(len(own)), np.full(rest, -np.inf)]),
+        np.concatenate([[c.least for c in own], np.full(rest, -np.inf)]),
         np.concatenate([[c.most for c in own], np.full(rest, np.inf)]),
         np.array([c.numbers for c in own]),
         log_odds([c.place for c in own], criteria),

@@ -200,7 +200,7 @@ class OpenLoopSimulator(abc.ABC):
 
     def _hidden(self, prepared: Any, values: Values, windows: list[Window], *, remembers: bool) -> Hidden:
         """Hidden variables at the lanes' starts: rolled along each recording's rows before them."""
-        n_rows = max(s.first if s.path is not None else 0 for s in windows) if remembers else 0
+        n_rows = max(s.rolled for s in windows) if remembers else 0
         blocks = -(-n_rows // _ROLL)
         before = rolled_rows(self.robot, self.catalogue, values, windows, blocks * _ROLL, self.dtype)
         hidden = self._rested(prepared, RolledRows(*(x[0] for x in before)))
