@@ -192,7 +192,7 @@ def _told(
         + tell.advice(judged, found.claimed, case.recordings, shares)
         + tell.noise_advice(found.problem)
         + tell.step_advice(selection, timestep)
-        + tell.engine_advice(found.shown.replayer.robot)
+        + tell.engine_advice(found.shown.replayer)
         + tell.black_box_advice(judged, errors)
         + law_advice(what),
     }

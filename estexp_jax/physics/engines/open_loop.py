@@ -94,6 +94,11 @@ class OpenLoopSimulator(abc.ABC):
     ) -> tuple[LaneBatchState, StepReadings]:
         """Whole blocks of steps: the state after them, and what was seen at the beginning of each."""
 
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What of the robot is not simulated; each follows "simulated without"."""
+        return ()
+
     def _chunk_size(self, n: int, n_steps: int) -> int:
         """Lanes that are replayed together, of `n` in all with windows of at most so many steps."""
         return self.width

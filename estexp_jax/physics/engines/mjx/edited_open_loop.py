@@ -10,6 +10,7 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.engines.mjx.model import MjxModel
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.per_recording_model import PerRecordingModel
@@ -26,6 +27,11 @@ class EditedOpenLoop(OpenLoopSimulator):
 
     on_mjx: MjxModel
     differing: PerRecordingModel
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """See `OpenLoopSimulator`."""
+        return reduced_to_mjx(self.robot).left_out
 
     def model(self, values: Values, overrides: tuple) -> mjx.Model:
         """One lane's model: with its recording's settings, and its edits."""
