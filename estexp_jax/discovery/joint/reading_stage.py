@@ -18,7 +18,6 @@ from estexp_jax.search.evidence import Posterior, SparseRegression
 
 _SHARES = (1.0, 0.5, 0.25, 0.1)
 """Shares of a step that are tried, all at once."""
-_WORSE = 1.0 + 1e-9
 
 
 @final
@@ -68,14 +67,14 @@ def gauss_newton(
     own = [int(i) for place in places for i in space.of_place[place] if not space.parameters[i].categorical]
     free = derivatives(space, point, [*own, *nuisances])
     fresh = [c for c in tried if c.place not in places]
-    directions = np.concatenate([free.directions, *[c.direction[None] for c in fresh]])
+    directions = np.concatenate([free.directions, *(c.direction[None] for c in fresh)])
     found = objective.responses(point, directions)
     noise = reading_noise_of(objective.dataset, found.point, least_noise, criteria.clip)
     linear = linearised(objective.dataset, found, noise, criteria.independent, criteria.clip)
     regression = _regression(space, linear, point, places, own, nuisances, free.steps, fresh, criteria)
     chosen = regression.search(range(len(places)))
-    step = _step(space, point, places, own, nuisances, free.steps, fresh, chosen, len(directions))
-    new, cost = _line_search(objective, point, step, noise, criteria)
+    goal = _goal(space, point, places, own, nuisances, free.steps, fresh, chosen, len(directions))
+    new, cost = _line_search(objective, point, goal, noise, criteria)
     kept = [places[g] if g < len(places) else fresh[g - len(places)].place for g in sorted(chosen.groups)]
     odds = {place: regression.odds_of(chosen)[g] for place, g in zip(kept, sorted(chosen.groups), strict=True)}
     indices, covariance = _covariance(chosen, free.indices, free.steps)
@@ -128,7 +127,7 @@ def _regression(
     )
 
 
-def _step(
+def _goal(
     space: ParameterSpace,
     point: np.ndarray,
     places: Sequence[Place],
@@ -154,7 +153,7 @@ def _step(
     for g, c in enumerate(fresh):
         if g + len(places) in chosen.groups:
             goal += c.at(times[len(own) + len(nuisances) + g])
-    return _inside(space, goal) - point
+    return _inside(space, goal)
 
 
 def _inside(space: ParameterSpace, point: np.ndarray) -> np.ndarray:
@@ -168,16 +167,19 @@ def _inside(space: ParameterSpace, point: np.ndarray) -> np.ndarray:
 
 
 def _line_search(
-    objective: Objective, point: np.ndarray, step: np.ndarray, noise: np.ndarray, criteria: SelectionCriteria
+    objective: Objective, point: np.ndarray, goal: np.ndarray, noise: np.ndarray, criteria: SelectionCriteria
 ) -> tuple[np.ndarray, float]:
-    """The best point along a step, with its cost."""
-    tried = np.array([point + share * step for share in _SHARES] + [point])
+    """The best point on the way to a goal, with its cost; what comes or goes does so at once."""
+    space = objective.space
+    at_once = (point == space.neutral) | (goal == space.neutral) | [p.categorical for p in space.parameters]
+    begin = np.where(at_once, goal, point)
+    tried = np.array([begin + share * (goal - begin) for share in _SHARES])
     simulated = objective.simulate(tried)
     left = (objective.dataset.measurements - simulated) / noise
     bounded = np.clip(left, -10.0 * criteria.clip, 10.0 * criteria.clip)
     bounded = np.where(np.isnan(simulated) & np.isfinite(objective.dataset.measurements), 10.0 * criteria.clip, bounded)
     costs = np.nanmean(bounded**2, axis=(1, 2, 3))
-    best = int(np.argmin(costs[:-1]))
+    best = int(np.argmin(costs))
     return tried[best], float(costs[best])
 
 
