@@ -36,7 +36,7 @@ class TermProgram(NamedTuple):
 
     Attributes:
         law: (site and robot, rows, rows of the robot) -> what it does, a row for each of `names`, then its hidden
-            variables; rows as `TermInputs` and `RobotInputs` take them, those of the robot only where it couples joints.
+            variables. Rows are as `TermInputs` and `RobotInputs` take them; the robot's only where it couples joints.
         names: of `JointForce`'s fields that it sets; `command` has a row for each motor.
     """
 
