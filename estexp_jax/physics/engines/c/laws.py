@@ -110,7 +110,8 @@ def couples_joints(e: Term) -> bool:
         return jnp.zeros_like(number)
 
     def probe(x: Any) -> Any:
-        joint = JointState(*(x,) * 7, lambda q, w: x, other, lambda number: (other(number), x), lambda: (x, x))
+        of_joint = (lambda q, w: x), other, (lambda number: (other(number), x)), (lambda: (x, x))
+        joint = JointState._make([*[x] * 7, *of_joint])
         return jax.tree.leaves(e.act((x,) * len(e.parameters), joint, (x,) * e.n_states))
 
     jax.eval_shape(probe, jax.ShapeDtypeStruct((1,), float))
