@@ -118,6 +118,8 @@ class _Lines:
         if name == "split":
             self._split(equation, operands[0], values)
             return
+        if len(equation.outvars) != 1:
+            raise UnknownOperation(name)
         [result] = equation.outvars
         shape = result.aval.shape
         if name in SHAPING:
