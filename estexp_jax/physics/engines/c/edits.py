@@ -20,6 +20,8 @@ from estexp_jax.physics.model.robot import Robot
 
 _PROGRAMS = 512
 """Programs of edits that are kept."""
+_QUICKLY = {"xla_backend_optimization_level": 0}
+"""Edits are done once a chunk: compiling them takes longer than they do."""
 _LANES = 64
 """Lanes in a call, so that programs of one width serve all."""
 
@@ -76,7 +78,7 @@ def _program(robot: Robot, e: Edit) -> tuple[tuple[str, ...], Callable[..., dict
     with jax.enable_x64(True):
         shape = jax.ShapeDtypeStruct((len(e.sites(robot)), len(e.parameters)), float)
         jax.eval_shape(lambda values: edited(nominal, values), shape)
-    return tuple(reads), jax.jit(jax.vmap(one))
+    return tuple(reads), jax.jit(jax.vmap(one), compiler_options=_QUICKLY)
 
 
 @final
