@@ -106,9 +106,8 @@ def closed_loop_simulator(
         InputError: no engine can simulate the robot, or not the one that is wanted; C is none for closed loops.
     """
     if engine == "c":
-        raise InputError(
-            "the C engine simulates recordings, no robots with controllers", where="--engine", right="auto, lanes or mjx"
-        )
+        what = "the C engine replays recordings, but drives no controllers"
+        raise InputError(what, where="--engine", right="auto, lanes or mjx")
     timed = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift | ReadingDrift)]
     if timed:
         raise ValueError(f"not simulated in closed loop: {', '.join(timed)}")

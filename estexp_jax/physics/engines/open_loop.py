@@ -19,7 +19,7 @@ from estexp_jax.physics.effects.base import CommandLaw, Term
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.batching import EngineChoice, cores
-from estexp_jax.physics.engines.mjx.terms import Hidden, stateful
+from estexp_jax.physics.engines.mjx.terms import stateful
 from estexp_jax.physics.engines.open_loop_inputs import (
     CommandSteps,
     RolledRows,
@@ -81,11 +81,11 @@ class OpenLoopSimulator(abc.ABC):
         """Constants of all blocks; `recording` is the index of each lane's."""
 
     @abc.abstractmethod
-    def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
+    def _rested(self, prepared: Any, roll: RolledRows) -> Any:
         """Hidden variables of robots that have been where they are, a row of a roll, for long."""
 
     @abc.abstractmethod
-    def _rolled(self, prepared: Any, hidden: Hidden, roll: RolledRows) -> Hidden:
+    def _rolled(self, prepared: Any, hidden: Any, roll: RolledRows) -> Any:
         """Hidden variables after the rows of a roll, along which robots moved as recorded."""
 
     @abc.abstractmethod
@@ -187,11 +187,9 @@ class OpenLoopSimulator(abc.ABC):
         """Constants of all blocks, and the initial state of lanes."""
         model, n = self.robot.model, len(windows)
         prepared = self._prepared(values, [s.recording for s in windows])
-        state = LaneBatchState(
-            *initial_states(self.robot, self.catalogue, values, windows, self.dtype),
-            *(np.zeros((n, size), self.dtype) for size in (model.na, model.nv, model.nsensordata)),
-            {},
-        )
+        qpos, qvel = initial_states(self.robot, self.catalogue, values, windows, self.dtype)
+        act, warmstart, sensordata = (np.zeros((n, k), self.dtype) for k in (model.na, model.nv, model.nsensordata))
+        state = LaneBatchState(qpos, qvel, act, warmstart, sensordata, {})
         if stateful(self.catalogue):
             state = state._replace(hidden=self._hidden(prepared, values, windows, remembers=remembers))
         return prepared, state
@@ -203,7 +201,7 @@ class OpenLoopSimulator(abc.ABC):
         rows = max(s.rows for s in windows[:n])
         return OpenLoopRollout(*(at_rows(x, windows[:n], rows) for x in outputs))
 
-    def _hidden(self, prepared: Any, values: Values, windows: list[Window], *, remembers: bool) -> Hidden:
+    def _hidden(self, prepared: Any, values: Values, windows: list[Window], *, remembers: bool) -> Any:
         """Hidden variables at the lanes' starts: rolled along each recording's rows before them."""
         n_rows = max(s.rolled for s in windows) if remembers else 0
         blocks = -(-n_rows // _ROLL)

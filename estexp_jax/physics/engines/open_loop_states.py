@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.engines.open_loop_inputs import equal_commands
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
@@ -25,7 +24,7 @@ class LaneBatchState(NamedTuple):
     act: _Array
     warmstart: _Array
     sensordata: _Array  # of the step before
-    hidden: Hidden
+    hidden: Any  # as the engine keeps it
 
 
 class StepReadings(NamedTuple):

@@ -19,7 +19,9 @@ EFFECTS = catalogue(
     ["hysteresis", "motor_fade", "joint_compliance", "backlash", "actuator_lag", "tied_outputs"]
     + ["sensor_delay", "sensor_stuck", "law_drift"]
 )
-REPLAYER = open_loop_simulator(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
+REPLAYERS = {
+    engine: open_loop_simulator(ROBOT, EFFECTS, [ROBOT], width=4, block=200, engine=engine) for engine in ("lanes", "c")
+}
 PERIOD, ROWS, MIDDLE = 0.005, 160, 100
 
 
@@ -35,9 +37,19 @@ def part(first: int = 0, start: InitialState | None = None, recording: Recording
     return window_of([recording or log()], 0, (first, ROWS - 1), 0.0025, start)
 
 
+NOW = {"engine": "lanes"}
+
+
+@pytest.fixture(autouse=True, params=REPLAYERS)
+def engine(request: pytest.FixtureRequest) -> str:
+    """Every test is run with each engine."""
+    NOW["engine"] = request.param
+    return request.param
+
+
 def run(text: str, segment: Window) -> OpenLoopRollout:
     changes = [parse_change(t, ROBOT) for t in text.split(" + ")] if text else []
-    return REPLAYER.replay(stack([encode(ROBOT, EFFECTS, changes)]), [segment], np.zeros(1, int))
+    return REPLAYERS[NOW["engine"]].replay(stack([encode(ROBOT, EFFECTS, changes)]), [segment], np.zeros(1, int))
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""All that acts during a step in a chunk's lanes: command laws, then terms, in the catalogue's order, and body forces."""
+"""All that acts in a step of a chunk's lanes: command laws, then terms, in the catalogue's order, and body forces."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any, final
@@ -20,6 +21,10 @@ from estexp_jax.physics.model.robot import Robot
 
 _PROGRAMS = 512
 """Programs of edits that are kept."""
+_ONE_AT_A_TIME = threading.Lock()
+"""Chunks would else compile the same edit side by side."""
+_QUICKLY = {"xla_backend_optimization_level": 0}
+"""Edits are done once a chunk: compiling them takes longer than they do."""
 _LANES = 64
 """Lanes in a call, so that programs of one width serve all."""
 
@@ -34,7 +39,8 @@ def edit_models(robot: Robot, catalogue: Catalogue, models: LaneModels, values: 
             models.arm(set(e.arms), lanes)
     for e, lanes in acting.items():
         if lanes.size:
-            written = _edit(robot, e, models, np.asarray(values[e.name], float)[lanes], lanes)
+            with _ONE_AT_A_TIME:
+                written = _edit(robot, e, models, np.asarray(values[e.name], float)[lanes], lanes)
             stale[lanes] |= not written.isdisjoint(mujoco.MjModel._setconst_inputs)
     if stale.any():
         models.batch.set_const(np.flatnonzero(stale))
@@ -76,7 +82,7 @@ def _program(robot: Robot, e: Edit) -> tuple[tuple[str, ...], Callable[..., dict
     with jax.enable_x64(True):
         shape = jax.ShapeDtypeStruct((len(e.sites(robot)), len(e.parameters)), float)
         jax.eval_shape(lambda values: edited(nominal, values), shape)
-    return tuple(reads), jax.jit(jax.vmap(one))
+    return tuple(reads), jax.jit(jax.vmap(one), compiler_options=_QUICKLY)
 
 
 @final

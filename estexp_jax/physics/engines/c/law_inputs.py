@@ -84,7 +84,8 @@ class TermInputs(NamedTuple):
         """From rows (rows, n): q, w, dt, armature; commands, switches and shares of the motors; hidden variables."""
         ctrl, on, share = (x[4 + i * motors : 4 + (i + 1) * motors] for i in range(3))
         switched = jnp.max(on * there, axis=0) if motors else jnp.zeros_like(x[0])
-        return cls(*x[:4], switched, MotorState(ctrl, on * share), tuple(x[4 + 3 * motors :]))
+        state = tuple(x[4 + 3 * motors :])
+        return cls(x[0], x[1], x[2], x[3], switched, MotorState(ctrl, on * share), state)
 
 
 class RobotInputs(NamedTuple):
@@ -107,6 +108,12 @@ def _torque(motors: MotorFields, state: MotorState, q: Any, w: Any) -> Any:
     return state.scale * motor_torque(motors, ..., q, w, limited_commands(motors, state.ctrl))  # pyright: ignore[reportArgumentType]
 
 
+def _picked(which: Any, x: Any) -> Any:
+    """Of values (joints, n), those of one joint, (n,)."""
+    chosen: Any = jnp.where(which, x, 0.0)
+    return jnp.sum(chosen, axis=0)
+
+
 def _clipped(limited: Any, limits: Any, torque: Any) -> Any:
     return jnp.where(limited, jnp.clip(torque, limits[..., 0], limits[..., 1]), torque)
 
@@ -117,7 +124,7 @@ def joint_state(site: SiteFields, now: TermInputs, robot: RobotFields | None, mo
     def torque_at(q: Any, w: Any) -> Any:
         if not len(site.there):
             return jnp.zeros_like(q)
-        each = _torque(site.motors, now.motors, q, w)
+        each: Any = _torque(site.motors, now.motors, q, w)
         return _clipped(site.limited, site.limits, jnp.sum(each * site.there, axis=0))
 
     def asked() -> tuple[Any, Any]:
@@ -132,13 +139,13 @@ def joint_state(site: SiteFields, now: TermInputs, robot: RobotFields | None, mo
         assert robot is not None and moving is not None
         q, w = (robot.drives.T @ x for x in (moving.q, moving.w))
         each = _torque(robot.motors, moving.motors, q, w)
-        torque = _clipped(robot.limited, robot.limits, robot.drives @ each)
-        return jnp.sum(jnp.where(jnp.round(number) == robot.joint[:, None], torque, 0.0), axis=0)
+        torque: Any = _clipped(robot.limited, robot.limits, robot.drives @ each)
+        return _picked(jnp.round(number) == robot.joint[:, None], torque)
 
     def motion_of(number: Any) -> tuple[Any, Any]:
         assert robot is not None and moving is not None
         mine = jnp.round(number) == robot.joint[:, None]
-        q, w = (jnp.sum(jnp.where(mine, x, 0.0), axis=0) for x in (moving.q, moving.w))
+        q, w = (_picked(mine, x) for x in (moving.q, moving.w))
         return q, w
 
     return JointState(

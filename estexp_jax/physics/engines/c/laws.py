@@ -36,7 +36,7 @@ class TermProgram(NamedTuple):
 
     Attributes:
         law: (site and robot, rows, rows of the robot) -> what it does, a row for each of `names`, then its hidden
-            variables; rows as `TermInputs` and `RobotInputs` take them, those of the robot only where it couples joints.
+            variables. Rows are as `TermInputs` and `RobotInputs` take them; the robot's only where it couples joints.
         names: of `JointForce`'s fields that it sets; `command` has a row for each motor.
     """
 
@@ -110,7 +110,8 @@ def couples_joints(e: Term) -> bool:
         return jnp.zeros_like(number)
 
     def probe(x: Any) -> Any:
-        joint = JointState(*(x,) * 7, lambda q, w: x, other, lambda number: (other(number), x), lambda: (x, x))
+        of_joint = (lambda q, w: x), other, (lambda number: (other(number), x)), (lambda: (x, x))
+        joint = JointState._make([*[x] * 7, *of_joint])
         return jax.tree.leaves(e.act((x,) * len(e.parameters), joint, (x,) * e.n_states))
 
     jax.eval_shape(probe, jax.ShapeDtypeStruct((1,), float))

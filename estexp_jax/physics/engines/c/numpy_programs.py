@@ -1,8 +1,8 @@
 """JAX functions over instances turned into NumPy: laws are written once, and cost nothing to compile here.
 
-A function is traced once, for a length of the axis of instances that stands for any. Its operations become lines of NumPy; equal
-ones are done once, and those that depend on constants alone are done before the first step. A function with an
-operation that has no such line is compiled instead.
+A function is traced once, for a length of the axis of instances that stands for any. Its operations become lines of
+NumPy; equal ones are done once, and those that depend on constants alone are done before the first step. A function
+with an operation that has no such line is compiled instead.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class NumpyProgram:
 
         Args:
             function: elementwise along the axis of instances.
-            constants, inputs: shapes, as `instances_shape` gives them for arrays with such an axis.
+            constants: a pytree of shapes, as `instances_shape` gives them for arrays with such an axis.
+            *inputs: shapes.
         """
         self._compiled: Callable[..., Sequence[Any]] | None = None
         with jax.enable_x64(True):
@@ -117,6 +118,8 @@ class _Lines:
         if name == "split":
             self._split(equation, operands[0], values)
             return
+        if len(equation.outvars) != 1:
+            raise UnknownOperation(name)
         [result] = equation.outvars
         shape = result.aval.shape
         if name in SHAPING:

@@ -28,7 +28,7 @@ from estexp_jax.physics.window import Window
 
 C_REPLAY = 512, 1
 """Most lanes in a chunk, and physics steps that its length is a multiple of."""
-_FEWEST = 8
+_FEWEST = 32
 """Lanes that are not split over cores."""
 _NUMBERS = 2**24
 """Most numbers that the commands and readings of a chunk hold, which bounds its lanes."""
@@ -74,8 +74,9 @@ class COpenLoop(OpenLoopSimulator):
 
     def _prepared(self, values: Values, recording: Sequence[int]) -> _Prepared:
         models = LaneModels(self.robot, self.recorded, recording)
-        edit_models(self.robot, self.catalogue, models, values)
-        acting = ActingEffects(self.robot, self.catalogue, models, values)
+        with np.errstate(all="ignore"):  # what a hypothesis blows up is NaN, and no warning
+            edit_models(self.robot, self.catalogue, models, values)
+            acting = ActingEffects(self.robot, self.catalogue, models, values)
         return _Prepared(values, LaneSteps(models, acting), self._shown(acting))
 
     def _shown(self, acting: ActingEffects) -> list[ShownVariable]:
@@ -89,19 +90,22 @@ class COpenLoop(OpenLoopSimulator):
     def _rested(self, prepared: _Prepared, roll: RolledRows) -> LaneHidden:
         acting, rows = prepared.steps.acting, [np.asarray(x).T for x in roll]
         acting.begin(*rows)
-        return acting.rest()
+        with np.errstate(all="ignore"):
+            return acting.rest()
 
     def _rolled(self, prepared: _Prepared, hidden: LaneHidden, roll: RolledRows) -> LaneHidden:
         acting = prepared.steps.acting
         for k in np.flatnonzero((roll.length > 0.0).any(axis=1)):
             acting.begin(*(np.asarray(x[k]).T for x in roll))
-            hidden = acting.kept(roll.length[k] > 0.0, hidden, acting.act(hidden))
+            with np.errstate(all="ignore"):
+                hidden = acting.kept(roll.length[k] > 0.0, hidden, acting.act(hidden))
         return hidden
 
     def _advanced(
         self, prepared: _Prepared, state: LaneBatchState, drive: CommandSteps
     ) -> tuple[LaneBatchState, StepReadings]:
         before = is_acceleration(self.robot)
-        after, found = prepared.steps.advance(state, drive, before, prepared.shown)
+        with np.errstate(all="ignore"):
+            after, found = prepared.steps.advance(state, drive, before, prepared.shown)
         distort_readings(self.robot, self.catalogue, prepared.values, found.sensors)
         return after, found

@@ -79,8 +79,8 @@ class LaneSteps:
             found.sensors[k], moved = np.where(before, felt, sensed).T, moves
             for x in found:
                 x[k][:, broken] = np.nan
-        state = LaneBatchState(*(np.array(self._data[name]) for name in _STATE), sensed, hidden)
-        return state, found
+        qpos, qvel, act, warmstart = (np.array(self._data[name]) for name in _STATE)
+        return LaneBatchState(qpos, qvel, act, warmstart, sensed, hidden), found
 
     def _step(self, now: CommandSteps, moves: np.ndarray, reads: np.ndarray, hidden: LaneHidden) -> LaneHidden:
         """Step lanes that move, compute readings of others that `reads`; hidden variables after the step."""

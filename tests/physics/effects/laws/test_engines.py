@@ -1,4 +1,4 @@
-"""Law terms in simulations: both engines agree, and terms of a command do what the named effects do."""
+"""Law terms in simulations: all engines agree, and terms of a command do what the named effects do."""
 
 import numpy as np
 import pytest
@@ -42,12 +42,12 @@ def test_laws_of_a_servos_command_do_what_its_named_effects_do(law: dict, same: 
         [(name, parameters)] = acts.items()
         effects, changes = catalogue([name]), [Change(name, site, parameters)] if parameters else []
         values = stack([encode(subject, effects, changes)])
-        for engine in ("lanes", "mjx"):
+        for engine in ("lanes", "mjx", "c"):
             replay = open_loop_simulator(subject, effects, [subject], engine=engine, width=1).replay
             ways.append(replay(values, [stretch], np.zeros(1, int)).qpos[0, :, 0])
-    for way in ways[1:4]:
+    for way in ways[1:6]:
         np.testing.assert_allclose(way, ways[0], atol=3e-3)
-    assert np.abs(ways[4] - ways[0]).max() > 0.05
+    assert np.abs(ways[6] - ways[0]).max() > 0.05
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,8 @@ def test_engines_agree_on_laws(name: str, p: tuple[float, ...]) -> None:
         open_loop_simulator(subject, effects, [subject], engine=engine, width=2).replay(
             values, [stretch], np.zeros(2, int)
         )
-        for engine in ("lanes", "mjx")
+        for engine in ("lanes", "mjx", "c")
     ]
     np.testing.assert_allclose(found[0].qpos, found[1].qpos, atol=2e-5)
+    np.testing.assert_allclose(found[2].qpos, found[1].qpos, atol=2e-5)
     assert np.abs(found[0].qpos[0] - found[0].qpos[1]).max() > 5e-3
