@@ -42,9 +42,9 @@ class Candidate(NamedTuple):
 
 
 def candidates(
-    space: ParameterSpace, observed: Observed, places: Collection[Place], sides: Sequence[str]
+    space: ParameterSpace, observed: Observed, places: Collection[Place], *, additive: bool
 ) -> list[Candidate]:
-    """All first guesses of the effects at some places whose side (plant, command, sensor) is among `sides`.
+    """All first guesses of the effects at some places that are additive, or that are not.
 
     Values that stand for all elements alike are left out: each element has its own. So is what grows in time, which no
     short window shows.
@@ -52,7 +52,7 @@ def candidates(
     found: list[Candidate] = []
     for place in space.of_place:
         e = effect(place[0])
-        if place not in places or e.side not in sides or place[1] == ALL_ALIKE or e.grows_in_time:
+        if place not in places or e.additive != additive or place[1] == ALL_ALIKE or e.grows_in_time:
             continue
         guesses = e.initial_guesses(space.robot, place[1], observed)
         directions = [with_values(space, space.neutral, place, values) - space.neutral for values in guesses]

@@ -70,7 +70,7 @@ def joint_fit(
     space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
     small = nuisances(space, problem.known)
     yield Progress("torque balance", 0, 1)
-    tried = candidates(space, problem.observed, problem.places, ("plant", "command"))
+    tried = candidates(space, problem.observed, problem.places, additive=True)
     data = _dataset(problem, criteria.short_window, criteria)
     data = evenly(data, _affordable(data, len(tried)))
     objective = Objective(problem.simulator, space, data, states=True)
@@ -78,7 +78,7 @@ def joint_fit(
     point, places, fit = first.point, first.places, None
     for round_ in range(_ROUNDS):
         yield Progress("joint fit", round_, _ROUNDS)
-        fresh = _also(space, problem, tried, places) if round_ else []
+        fresh = [c for c in tried if c.place not in places] if round_ else []
         data = _windows(problem, space, point, len(fresh) + 3 * len(places), criteria)
         fit = gauss_newton(
             objective.with_dataset(data), point, places, fresh, small, _least_noise(problem), criteria
@@ -86,14 +86,6 @@ def joint_fit(
         point, places = fit.point, fit.places
     assert fit is not None
     return first, fit
-
-
-def _also(
-    space: ParameterSpace, problem: JointProblem, tried: Sequence[Candidate], places: Collection[Place]
-) -> list[Candidate]:
-    """What may be added once most is explained: the same candidates, and faults of sensors."""
-    sensors = candidates(space, problem.observed, problem.places, ("sensor",))
-    return [c for c in (*tried, *sensors) if c.place not in places]
 
 
 def _affordable(data: Dataset, directions: int) -> int:

@@ -61,7 +61,7 @@ def torque_choice(
     kept = [c for c in range(len(tried)) if _is_felt(balance, c, criteria)]
     columns = np.concatenate([balance.columns[kept], balance.columns[len(tried) :]])
     own = [tried[c] for c in kept]
-    std = 0.5 * np.sqrt(np.mean(balance.lacking**2, axis=0))
+    std = _noise(_densely_explained(balance, columns), balance, objective.dataset.owner, criteria)
     for _ in range(_ROUNDS):
         regression = _regression(balance, columns, std, own, criteria)
         chosen = _without_trifles(regression, regression.search(), balance, columns, criteria)
@@ -127,6 +127,16 @@ def _without_trifles(
             break
         chosen = regression.posterior(chosen.groups - {least})
     return chosen
+
+
+def _densely_explained(balance: TorqueBalance, columns: np.ndarray) -> np.ndarray:
+    """What remains of lacking torques (windows, nv) once all columns are fitted together, by ridge regression."""
+    weight = 1.0 / np.sqrt((0.3 * balance.scale) ** 2 + balance.noise**2)
+    j = (columns * weight).reshape(len(columns), -1).T
+    size = np.sqrt(np.mean(j**2, axis=0)) + 1e-300
+    normal = (j / size).T @ (j / size) + np.eye(j.shape[1])
+    times = np.linalg.solve(normal, (j / size).T @ (balance.lacking * weight).ravel()) / size
+    return balance.lacking - np.einsum("k,kwi->wi", times, columns)
 
 
 def _noise(left: np.ndarray, balance: TorqueBalance, owner: np.ndarray, criteria: SelectionCriteria) -> np.ndarray:

@@ -96,6 +96,9 @@ class Effect(abc.ABC):
     #: Whether it is a force A sin(n q + phase) with these parameters, so that a periodogram shows where to start.
     sinusoidal: ClassVar[bool] = False
 
+    #: Whether it adds a force in proportion to its first parameter, however small, so that a regression can size it.
+    additive: ClassVar[bool] = False
+
     #: Element and attribute of MJCF to whose value its first parameter is added; "*" for several attributes. Such
     #: values are usually a little off, so they are fitted beside whatever is claimed.
     model_attribute: ClassVar[tuple[str, str] | None] = None
