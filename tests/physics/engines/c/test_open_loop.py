@@ -225,6 +225,19 @@ def test_the_centre_of_mass_of_a_body_that_mujoco_compiles_as_simple_can_move() 
     assert np.abs(places - replay.qpos[0]).max() > 0.01
 
 
+def test_inertia_of_a_term_does_not_depend_on_edits_of_other_lanes() -> None:
+    robot = Robot.from_string(SMALL, "small.xml")
+    effects, parts = catalogue(["armature", "law_inertia"]), [window(robot, [recorded(robot)])]
+    law, edit = Change("law_inertia", "shoulder", {"I": 0.01}), Change("armature", "shoulder", {"I": 0.01})
+    simulator = open_loop_simulator(robot, effects, [robot], engine="c")
+    alone, beside = (
+        simulator.replay(stack([encode(robot, effects, own) for own in sets]), parts, np.zeros(len(sets), int)).qpos
+        for sets in ([[law]], [[law], [edit], []])
+    )
+    np.testing.assert_array_equal(alone[0], beside[0])
+    assert np.abs(beside[0] - beside[2]).max() > 0.01
+
+
 def test_closed_loops_on_c_are_refused() -> None:
     robot = Robot.from_string(SMALL, "small.xml")
     with pytest.raises(InputError, match="drives no controllers"):
