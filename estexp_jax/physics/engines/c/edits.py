@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, final
 
@@ -29,8 +29,27 @@ _LANES = 64
 """Lanes in a call, so that programs of one width serve all."""
 
 
-def edit_models(robot: Robot, catalogue: Catalogue, models: LaneModels, values: Values) -> None:
-    """Edit the models of lanes, with values (lanes, n_sites, n_parameters) for each effect."""
+def edited_models(
+    robot: Robot, catalogue: Catalogue, recorded: dict[str, np.ndarray], recording: Sequence[int], values: Values
+) -> LaneModels:
+    """Models of lanes with their recordings' settings and their edits.
+
+    Args:
+        robot: the nominal robot.
+        catalogue: effects.
+        recorded: `recorded_fields` of the robot.
+        recording: index of each lane's recording.
+        values: (lanes, n_sites, n_parameters) for each effect.
+    """
+    models = LaneModels(robot, recorded, recording)
+    if not _edit_all(robot, catalogue, models, values):
+        models = LaneModels(robot, recorded, recording, simple=False)
+        _edit_all(robot, catalogue, models, values)
+    return models
+
+
+def _edit_all(robot: Robot, catalogue: Catalogue, models: LaneModels, values: Values) -> bool:
+    """Edit the models of lanes; whether MuJoCo takes them all."""
     edits = [e for e in catalogue if isinstance(e, Edit)]
     acting = {e: np.flatnonzero(at_work(e, np.asarray(values[e.name])).any(axis=1)) for e in edits}
     stale = np.zeros(models.lanes, bool)
@@ -42,8 +61,7 @@ def edit_models(robot: Robot, catalogue: Catalogue, models: LaneModels, values: 
             with _ONE_AT_A_TIME:
                 written = _edit(robot, e, models, np.asarray(values[e.name], float)[lanes], lanes)
             stale[lanes] |= not written.isdisjoint(mujoco.MjModel._setconst_inputs)
-    if stale.any():
-        models.batch.set_const(np.flatnonzero(stale))
+    return models.derive(np.flatnonzero(stale)) if stale.any() else True
 
 
 def _edit(robot: Robot, e: Edit, models: LaneModels, values: np.ndarray, lanes: np.ndarray) -> set[str]:

@@ -19,6 +19,10 @@ _KEPT_PER_SIMULATION = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mj
 """Flags with which MuJoCo's batch needs an `MjData` for each simulation."""
 
 
+_OF_SIMPLE = ("body_simple", "dof_simplenum", "dof_M0")
+"""Fields that depend on which bodies are simple."""
+
+
 def field_of(model: mujoco.MjModel, name: str) -> Any:
     """A field of a model, or with `opt.` before it of its options."""
     return getattr(model.opt, name.removeprefix("opt.")) if name.startswith("opt.") else getattr(model, name, None)
@@ -48,6 +52,13 @@ def recorded_fields(robot: Robot, per_recording: Sequence[Robot]) -> dict[str, n
     return found
 
 
+def _without_simple_bodies(robot: Robot) -> mujoco.MjModel:
+    spec = robot.spec.copy()
+    for body in spec.bodies:
+        body.simple = 0
+    return spec.compile()
+
+
 @final
 class LaneModels:
     """The models of some lanes.
@@ -55,22 +66,28 @@ class LaneModels:
     Attributes:
         batch: MuJoCo's, on one thread: chunks run beside each other.
         lanes: how many.
+        failed: (lanes,) those whose edited models MuJoCo refuses.
     """
 
-    def __init__(self, robot: Robot, recorded: dict[str, np.ndarray], recording: Sequence[int]) -> None:
+    def __init__(
+        self, robot: Robot, recorded: dict[str, np.ndarray], recording: Sequence[int], *, simple: bool = True
+    ) -> None:
         """Nominal models with their recordings' settings.
 
         Args:
             robot: the nominal robot.
             recorded: its `recorded_fields`.
             recording: index of each lane's recording.
+            simple: whether bodies may be *simple* as MuJoCo compiles them: those have to keep their centres of mass.
         """
-        model = copy.copy(robot.model)
+        model = copy.copy(robot.model) if simple else _without_simple_bodies(robot)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lane that blows up must not start again
         persistent = bool(int(model.opt.enableflags) & int(_KEPT_PER_SIMULATION))
-        self._robot, self.lanes = robot, len(recording)
+        self._robot, self.lanes, self.failed = robot, len(recording), np.zeros(len(recording), bool)
         self.batch = mujoco.batch.Batch(model, self.lanes, nthread=1, persistent=persistent)
         for name, values in recorded.items():
+            if not simple and name in _OF_SIMPLE:
+                continue
             own, each = self.batch.expand(name), values[list(recording)]
             own[...] = each[:, : own.shape[1]] if own.ndim > 1 else each  # of `bvh_aabb`, the bodies' part alone
         if "opt.disableflags" in recorded:
@@ -87,6 +104,14 @@ class LaneModels:
             return own
         nominal = np.asarray(field_of(self.batch.model, name))
         return np.broadcast_to(nominal, (self.lanes, *nominal.shape))
+
+    def derive(self, lanes: np.ndarray) -> bool:
+        """Derive lanes' constants anew; whether MuJoCo could, for all of them."""
+        try:
+            self.batch.set_const(lanes)
+        except mujoco.batch.SimulationError as error:
+            self.failed[error.ids] = True
+        return not self.failed.any()
 
     def arm(self, parts: set[str], lanes: np.ndarray) -> None:
         """Give lanes limits without effect where the model has none, as far as effects' `arms` name them."""

@@ -16,8 +16,7 @@ from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.batching import cores
 from estexp_jax.physics.engines.c.acting import ActingEffects, LaneHidden
 from estexp_jax.physics.engines.c.distortions import distort_readings
-from estexp_jax.physics.engines.c.edits import edit_models
-from estexp_jax.physics.engines.c.lane_models import LaneModels
+from estexp_jax.physics.engines.c.edits import edited_models
 from estexp_jax.physics.engines.c.stepping import LaneSteps, ShownVariable
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator, RowController
@@ -73,9 +72,8 @@ class COpenLoop(OpenLoopSimulator):
         return lanes
 
     def _prepared(self, values: Values, recording: Sequence[int]) -> _Prepared:
-        models = LaneModels(self.robot, self.recorded, recording)
         with np.errstate(all="ignore"):  # what a hypothesis blows up is NaN, and no warning
-            edit_models(self.robot, self.catalogue, models, values)
+            models = edited_models(self.robot, self.catalogue, self.recorded, recording, values)
             acting = ActingEffects(self.robot, self.catalogue, models, values)
         return _Prepared(values, LaneSteps(models, acting), self._shown(acting))
 

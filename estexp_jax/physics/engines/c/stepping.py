@@ -47,7 +47,7 @@ class LaneSteps:
         self._motors = MotorScales(models)
         fields = (*_PER_STEP.values(), "dof_armature", "dof_M0")
         self._own = {name: np.array(models.read(name)) for name in fields}
-        self._alive, self._varies = np.ones(models.lanes, bool), models.batch.expanded("opt.timestep") is not None
+        self._alive, self._varies = ~models.failed, models.batch.expanded("opt.timestep") is not None
 
     def advance(
         self, state: LaneBatchState, drive: CommandSteps, before: np.ndarray, shown: Sequence[ShownVariable]

@@ -85,6 +85,12 @@ SMALL = """
   </sensor>
 </mujoco>
 """
+BOX = """
+<mujoco><worldbody>
+  <geom type="plane" size="1 1 1"/>
+  <body name="box" pos="0 0 0.12"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body>
+</worldbody></mujoco>
+"""
 ROWS = 41
 ZEROED = catalogue(["viscous_friction"])
 
@@ -201,6 +207,35 @@ def test_terms_that_are_only_available_compile_nothing() -> None:
         replay = simulator.replay(stack([encode(robot, acting, c) for c in lanes]), parts, np.zeros(3, int))
     assert compiled.count == 0
     assert np.abs(replay.qpos[1:] - replay.qpos[0]).max(axis=(1, 2)).min() > 0.01
+
+
+def test_the_centre_of_mass_of_a_body_that_mujoco_compiles_as_simple_can_move() -> None:
+    robot = Robot.from_string(BOX, "box.xml")
+    effects, (e,) = catalogue(["com_shift"]), catalogue(["com_shift"])
+    shift = {"x": 0.15, "y": 0.0, "z": 0.0}
+    time, nothing = 0.01 * np.arange(ROWS), np.zeros((ROWS, 0))
+    unknown = np.full((ROWS, 7), np.nan)
+    part = window(robot, [Recording("r.csv", time, nothing, nothing, nothing, unknown, unknown[:, :6])])
+    values = stack([encode(robot, effects, own) for own in ([], [Change("com_shift", "box", shift)])])
+    replay = open_loop_simulator(robot, effects, [robot], engine="c").replay(values, [part], np.zeros(2, int))
+    spec = robot.spec.copy()
+    e.write_mjcf(robot, spec, "box", shift)
+    _, places = plain(spec.compile(), robot.home(), part)
+    np.testing.assert_allclose(replay.qpos[1], places, rtol=0, atol=1e-5)
+    assert np.abs(places - replay.qpos[0]).max() > 0.01
+
+
+def test_inertia_of_a_term_does_not_depend_on_edits_of_other_lanes() -> None:
+    robot = Robot.from_string(SMALL, "small.xml")
+    effects, parts = catalogue(["armature", "law_inertia"]), [window(robot, [recorded(robot)])]
+    law, edit = Change("law_inertia", "shoulder", {"I": 0.01}), Change("armature", "shoulder", {"I": 0.01})
+    simulator = open_loop_simulator(robot, effects, [robot], engine="c")
+    alone, beside = (
+        simulator.replay(stack([encode(robot, effects, own) for own in sets]), parts, np.zeros(len(sets), int)).qpos
+        for sets in ([[law]], [[law], [edit], []])
+    )
+    np.testing.assert_array_equal(alone[0], beside[0])
+    assert np.abs(beside[0] - beside[2]).max() > 0.01
 
 
 def test_closed_loops_on_c_are_refused() -> None:
