@@ -59,31 +59,44 @@ class Objective:
         """The same simulator compared with other windows."""
         return replace(self, dataset=dataset, states=states)
 
-    def simulate(self, points: np.ndarray) -> np.ndarray:
-        """Outputs (points, windows, rows, outputs) at points (points, n), NaN beyond a window's end."""
+    def simulate(self, points: np.ndarray, of_window: np.ndarray | float = 0.0) -> np.ndarray:
+        """Outputs (points, windows, rows, outputs) at points (points, n), NaN beyond a window's end.
+
+        Args:
+            points: of the parameter space.
+            of_window: (windows, n) added to every point in each window.
+        """
         n = len(self.dataset.windows)
-        found = [
-            self._outputs(np.repeat(part, n, axis=0), self.dataset.windows, np.tile(np.arange(n), len(part)))
-            for part in _parts(points, n)
-        ]
+        found = []
+        for part in _parts(points, n):
+            every = (part[:, None, :] + of_window) + np.zeros((1, n, 1))
+            found.append(self._outputs(every.reshape(len(part) * n, -1), self.dataset.windows, _each(len(part), n)))
         whole = np.concatenate(found)
         return whole.reshape(len(points), n, *whole.shape[1:])
 
-    def responses(self, point: np.ndarray, directions: np.ndarray, *, initial_states: bool = True) -> Responses:
-        """Outputs at a point (n,) and at its sum with each of directions (directions, n)."""
-        whole = self.simulate(np.concatenate([point[None], point + directions]))
+    def responses(
+        self,
+        point: np.ndarray,
+        directions: np.ndarray,
+        of_window: np.ndarray | float = 0.0,
+        *,
+        initial_states: bool = True,
+    ) -> Responses:
+        """Outputs at a point (n,) and at its sum with each of directions (directions, n); `of_window` as above."""
+        whole = self.simulate(np.concatenate([point[None], point + directions]), of_window)
         whole = np.where(np.abs(whole) < _DIVERGED, whole, np.where(np.isnan(whole), np.nan, _DIVERGED))
-        shaken = self._shaken(point) if initial_states else np.zeros((0, *whole.shape[1:]))
+        shaken = self._shaken(point, of_window) if initial_states else np.zeros((0, *whole.shape[1:]))
         return Responses(whole[0], whole[1:] - whole[0], shaken - whole[0])
 
-    def _shaken(self, point: np.ndarray) -> np.ndarray:
+    def _shaken(self, point: np.ndarray, of_window: np.ndarray | float) -> np.ndarray:
         """Outputs (2 nv, windows, rows, outputs) from initial states one standard deviation off in each way."""
         windows = other_initial_states(self.space.robot.model, self.dataset.windows)
         flat = [w for copies in windows for w in copies]
         found, n = [], len(self.dataset.windows)
+        points = np.tile(point + of_window + np.zeros((n, 1)), (len(windows), 1))
         for begin in range(0, len(flat), _MOST_LANES):
             part = flat[begin : begin + _MOST_LANES]
-            found.append(self._outputs(np.tile(point, (len(part), 1)), part, np.arange(len(part))))
+            found.append(self._outputs(points[begin : begin + len(part)], part, np.arange(len(part))))
         whole = np.concatenate(found)
         return whole.reshape(len(windows), n, *whole.shape[1:])
 
@@ -117,6 +130,11 @@ def _moved(model: mujoco.MjModel, window: Window, dof: int, k: int) -> Window:
 
 def _states(rollout: OpenLoopRollout) -> np.ndarray:
     return np.concatenate([rollout.qpos, rollout.qvel], axis=2)
+
+
+def _each(points: int, windows: int) -> np.ndarray:
+    """Index of each lane's window, all windows of one point after the other."""
+    return np.tile(np.arange(windows), points)
 
 
 def _parts(points: np.ndarray, windows: int) -> list[np.ndarray]:

@@ -2,9 +2,9 @@
 
 A window starts from an estimated state and is simulated to its end. The mass matrix times what the estimated speed at
 its end exceeds the simulated one, divided by the window's length, is the mean torque that the simulator lacks there.
-It is linear in most of what may be missing, however large that is, since no error has time to grow. Unlike a
-regression of torques on inverse dynamics it has the noise of accelerations on one side only, so that gains and masses
-have no common scale that makes both sides vanish.
+What each effect would add is found about the same simulation under that very torque, so that it accelerates as the
+robot did: otherwise any inertia would seem to make up for a missing friction. It is linear in most of what may be
+missing, however large that is, since no error has time to grow.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 
 from estexp_jax.estimation.dataset import Dataset
 from estexp_jax.estimation.objective import Objective
+from estexp_jax.estimation.parameters import ParameterSpace
 from estexp_jax.estimation.windows import motion_of
 from estexp_jax.physics.model.robot import Robot
 
@@ -46,21 +47,32 @@ def torque_balance(objective: Objective, point: np.ndarray, directions: np.ndarr
         robots: the nominal robot with each recording's settings.
     """
     data, model = objective.dataset, objective.space.robot.model
-    found = objective.responses(point, directions)
     last = np.array([w.rows - 1 for w in data.windows])
     at = np.arange(len(last)), last
-    speed, change = found.point[at][:, model.nq :], found.change[:, at[0], at[1], model.nq :]
-    shaken = found.initial_state[:, at[0], at[1], model.nq :]
     ends, variance = _end_speeds(data, robots)
     length = np.array([w.steps.length.sum() for w in data.windows])
-    mass, passive = _mass_matrices(data, robots)
+    mass, acting = _mass_matrices(data, robots)
     to_torque = mass / length[:, None, None]
+    speed = objective.simulate(point[None])[0][at][:, model.nq :]
     lacking = np.einsum("wij,wj->wi", to_torque, ends - speed)
+    found = objective.responses(point, directions, _balanced(objective.space, lacking))
+    change = found.change[:, at[0], at[1], model.nq :]
+    shaken = found.initial_state[:, at[0], at[1], model.nq :]
     noise = np.einsum("wij,kwj->kwi", to_torque, shaken)
     noise = np.sqrt(np.sum(noise**2, axis=0) + np.einsum("wij,wj->wi", to_torque**2, variance))
     motion = np.einsum("wij,wj->wi", to_torque, ends - np.array([w.start.qvel for w in data.windows]))
-    scale = np.sqrt(np.mean(motion**2 + passive**2, axis=0))
+    scale = np.sqrt(np.mean(motion**2 + acting**2, axis=0))
     return TorqueBalance(lacking, np.einsum("wij,kwj->kwi", to_torque, change), noise, scale)
+
+
+def _balanced(space: ParameterSpace, lacking: np.ndarray) -> np.ndarray:
+    """Differences (windows, n) of the points under which each window's lacking torques act on its joints."""
+    found, model = np.zeros((len(lacking), len(space.parameters))), space.robot.model
+    offset = next(e for e in space.catalogue if e.is_constant_torque)
+    for site in offset.sites(space.robot):
+        [index] = space.of_place[offset.name, site]
+        found[:, index] = lacking[:, model.jnt_dofadr[space.robot.index("joint", site)]]
+    return found
 
 
 def _end_speeds(data: Dataset, robots: list[Robot]) -> tuple[np.ndarray, np.ndarray]:
@@ -74,15 +86,16 @@ def _end_speeds(data: Dataset, robots: list[Robot]) -> tuple[np.ndarray, np.ndar
 
 
 def _mass_matrices(data: Dataset, robots: list[Robot]) -> tuple[np.ndarray, np.ndarray]:
-    """Mass matrices (windows, nv, nv) at the windows' starts, and torques (windows, nv) of gravity and motion there."""
-    masses, passive = [], []
+    """Mass matrices (windows, nv, nv) at the windows' starts, and torques (windows, nv) of gravity, motion and
+    motors there."""
+    masses, acting = [], []
     holders = {id(r): mujoco.MjData(r.model) for r in robots}
     for w in data.windows:
         model, at = robots[w.recording].model, holders[id(robots[w.recording])]
-        at.qpos[:], at.qvel[:] = w.start.qpos, w.start.qvel
+        at.qpos[:], at.qvel[:], at.ctrl[:] = w.start.qpos, w.start.qvel, w.logged[1]
         mujoco.mj_forward(model, at)
         full = np.zeros((model.nv, model.nv))
         mujoco.mj_fullM(model, at, full)
         masses.append(full)
-        passive.append(at.qfrc_bias.copy())
-    return np.array(masses), np.array(passive)
+        acting.append(np.hypot(at.qfrc_bias, at.qfrc_actuator))
+    return np.array(masses), np.array(acting)

@@ -125,24 +125,33 @@ class SparseRegression:
         open_ = np.array([slot not in taken for slot in self.slots], dtype=bool)
         return np.where(inside & open_ & (self._single >= 0), gain, -np.inf)
 
-    def search(self, start: Collection[int] = (), most: int = 40) -> Posterior:
+    def search(
+        self, start: Collection[int] = (), allowed: Collection[int] | None = None, *, exchange: bool = True
+    ) -> Posterior:
         """The choice at which no addition, removal or exchange of one group raises the evidence.
 
         Args:
             start: groups to begin with.
-            most: largest number of groups.
+            allowed: groups that may be added; None: all.
+            exchange: whether groups are exchanged, too.
         """
-        at = self._pruned(self.posterior(start), force=True)
+        shut = np.ones(len(self.groups), dtype=bool)
+        shut[list(range(len(self.groups)) if allowed is None else allowed)] = False
+        at = self.pruned(start)
         while True:
-            better = self._added(at) if len(at.groups) < most else None
-            if better is None:
-                better = self._exchanged(at)
+            better = self._added(at, shut)
+            if better is None and exchange:
+                better = self._exchanged(at, shut)
             if better is None:
                 return at
             at = self._pruned(better)
 
-    def _added(self, at: Posterior) -> Posterior | None:
-        gains = self.gains(at)
+    def pruned(self, groups: Collection[int]) -> Posterior:
+        """The choice of some of these groups at which no removal raises the evidence, all within their bounds."""
+        return self._pruned(self.posterior(groups), force=True)
+
+    def _added(self, at: Posterior, shut: np.ndarray) -> Posterior | None:
+        gains = np.where(shut, -np.inf, self.gains(at))
         for g in np.argsort(-gains)[:8].tolist():
             if not gains[g] > 0.0:
                 return None
@@ -151,11 +160,11 @@ class SparseRegression:
                 return found
         return None
 
-    def _exchanged(self, at: Posterior) -> Posterior | None:
+    def _exchanged(self, at: Posterior, shut: np.ndarray) -> Posterior | None:
         best = None
         for g in sorted(at.groups):
             rest = self.posterior(at.groups - {g})
-            gains = self.gains(rest)
+            gains = np.where(shut, -np.inf, self.gains(rest))
             gains[g] = -np.inf
             other = int(np.argmax(gains))
             if not np.isfinite(gains[other]) or rest.log_evidence + gains[other] <= at.log_evidence + 1e-6:

@@ -26,19 +26,21 @@ class Candidate(NamedTuple):
     Attributes:
         place: effect and site.
         direction: (n,) difference from neutral.
+        amounts: (n,) which of its numbers are amounts, which multiples of it scale; others say where or when it acts.
         least, most: multiples of the direction that may be taken.
         numbers: how many parameters it fixes.
     """
 
     place: Place
     direction: np.ndarray
+    amounts: np.ndarray
     least: float
     most: float
     numbers: int
 
     def at(self, times: float) -> np.ndarray:
         """Difference (n,) from neutral at a multiple; where the effect is far from linear, only the guess itself."""
-        return self.direction if self.least > 0.0 else times * self.direction
+        return np.where(self.amounts & (self.least <= 0.0), times * self.direction, self.direction)
 
 
 def candidates(
@@ -56,22 +58,42 @@ def candidates(
             continue
         guesses = e.initial_guesses(space.robot, place[1], observed)
         directions = [with_values(space, space.neutral, place, values) - space.neutral for values in guesses]
-        own = [Candidate(place, d, *_multiples(space, d), len(e.parameters)) for d in directions if d.any()]
-        found += _alone(own) if len(e.parameters) == 1 and all(c.least == 0.0 for c in own) else own
+        amounts = _amounts(space, place)
+        own = [Candidate(place, d, amounts, *_multiples(space, d), len(e.parameters)) for d in directions if d.any()]
+        found += _smallest(space, own) if e.additive else own
     return found
 
 
-def _alone(guesses: list[Candidate]) -> list[Candidate]:
-    """Of guesses of a single number, a small and a moderate one to each side: multiples of these are all others."""
-    sides = [[c for c in guesses if (c.direction.sum() > 0.0) == up] for up in (True, False)]
-    ranked = [sorted(side, key=lambda c: float(np.abs(c.direction).sum())) for side in sides]
-    return [c for side in ranked for c in side[:2]]
+def _amounts(space: ParameterSpace, place: Place) -> np.ndarray:
+    """Which parameters (n,) of a place have the unit of its first one: they grow together."""
+    found = np.zeros(len(space.parameters), dtype=bool)
+    units = [p.unit for p in effect(place[0]).parameters]
+    found[space.of_place[place]] = [unit == units[0] for unit in units]
+    return found
 
 
-def log_odds(names: Sequence[Place], criteria: SelectionCriteria) -> np.ndarray:
-    """Prior log odds of candidates, nats, from the places they stand for: one place's guesses share its odds."""
+def _smallest(space: ParameterSpace, guesses: list[Candidate]) -> list[Candidate]:
+    """Of guesses that differ in the amount alone, the smallest to each side: it is nearest to a derivative."""
+    kept: dict[tuple[float, ...], Candidate] = {}
+    for c in guesses:
+        own = c.direction[space.of_place[c.place]]
+        shape = (np.sign(own[0]), *own[1:]) if len(own) > 1 and own[0] else tuple(np.sign(own))
+        if shape not in kept or abs(own[0]) < abs(kept[shape].direction[space.of_place[c.place][0]]):
+            kept[shape] = c
+    return list(kept.values())
+
+
+def log_odds(names: Sequence[Place], criteria: SelectionCriteria, n: int | None = None) -> np.ndarray:
+    """Prior log odds of candidates, nats, from the places they stand for: one place's guesses share its odds.
+
+    Args:
+        names: the place of each.
+        criteria: how many effects are expected.
+        n: among so many places; None: those that are named.
+    """
     places, counts = list(dict.fromkeys(names)), Counter(names)
-    odds = np.log(criteria.expected_effects / max(len(places) - criteria.expected_effects, 1.0))
+    among = max((n or len(places)) - criteria.expected_effects, 1.0)
+    odds = np.log(criteria.expected_effects / among)
     native = {p: criteria.native_odds * (effect(p[0]).model_attribute is not None) for p in places}
     return np.array([odds + native[p] - np.log(counts[p]) for p in names])
 
@@ -89,7 +111,7 @@ def _multiples(space: ParameterSpace, direction: np.ndarray) -> tuple[float, flo
         if abs(p.neutral) >= NEVER or p.categorical:
             return 0.5, 2.0
         unit = next(q.unit for q in effect(p.effect).parameters if q.name == p.name)
-        if not unit:
+        if not unit or (p.nominal > 0.0 and direction[i] < 0.0):
             end = space.bounds[i, 1] if direction[i] > 0.0 else space.bounds[i, 0]
             times = min(times, (end - p.neutral) / direction[i])
     return 0.0, float(times)

@@ -37,5 +37,5 @@ class SelectionCriteria:
     short_window: float = 0.05
     memory: float = 0.3
     independent: float = 2.0
-    native_odds: float = 1.0
+    native_odds: float = 3.0
     clip: float = 3.0

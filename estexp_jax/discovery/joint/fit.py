@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from estexp_jax.discovery.fitting import Progress
-from estexp_jax.discovery.joint.candidates import Candidate, candidates
+from estexp_jax.discovery.joint.candidates import candidates
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.discovery.joint.reading_stage import JointFit, gauss_newton
 from estexp_jax.discovery.joint.torque_stage import TorqueChoice, torque_choice
@@ -17,6 +17,7 @@ from estexp_jax.estimation.channels import Channels, channel_ranges
 from estexp_jax.estimation.dataset import Dataset, dataset_of, evenly
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import ParameterSpace, Place, nuisances, parameter_space
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
@@ -74,14 +75,15 @@ def joint_fit(
     data = _dataset(problem, criteria.short_window, criteria)
     data = evenly(data, _affordable(data, len(tried)))
     objective = Objective(problem.simulator, space, data, states=True)
-    first = torque_choice(objective, tried, small, list(problem.robots), criteria)
+    added = [i for i in small if effect(space.parameters[i].effect).additive]
+    first = torque_choice(objective, tried, added, list(problem.robots), criteria)
+    errors = [i for i in small if not effect(space.parameters[i].effect).is_loss]  # a gain and masses have one scale
     point, places, fit = first.point, first.places, None
     for round_ in range(_ROUNDS):
         yield Progress("joint fit", round_, _ROUNDS)
-        fresh = [c for c in tried if c.place not in places] if round_ else []
-        data = _windows(problem, space, point, len(fresh) + 3 * len(places), criteria)
+        data = _windows(problem, space, point, len(errors) + 3 * len(places), criteria)
         fit = gauss_newton(
-            objective.with_dataset(data), point, places, fresh, small, _least_noise(problem), criteria
+            objective.with_dataset(data), point, places, errors, _least_noise(problem), criteria
         )
         point, places = fit.point, fit.places
     assert fit is not None

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.joint.candidates import Candidate, derivatives, log_odds
+from estexp_jax.discovery.joint.candidates import derivatives, log_odds
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.estimation.linearised import Linearised, linearised, reading_noise_of
 from estexp_jax.estimation.objective import Objective
@@ -47,7 +47,6 @@ def gauss_newton(
     objective: Objective,
     point: np.ndarray,
     places: Sequence[Place],
-    tried: Sequence[Candidate],
     nuisances: Sequence[int],
     least_noise: np.ndarray,
     criteria: SelectionCriteria,
@@ -58,7 +57,6 @@ def gauss_newton(
         objective: the windows that are fitted.
         point: where to linearise.
         places: effects claimed so far.
-        tried: what may be added to them.
         nuisances: indices of values of the model that may be a little off.
         least_noise: (channels,) noise of the readings.
         criteria: what decides.
@@ -66,19 +64,16 @@ def gauss_newton(
     space = objective.space
     own = [int(i) for place in places for i in space.of_place[place] if not space.parameters[i].categorical]
     free = derivatives(space, point, [*own, *nuisances])
-    fresh = [c for c in tried if c.place not in places]
-    directions = np.concatenate([free.directions, *(c.direction[None] for c in fresh)])
-    found = objective.responses(point, directions)
+    found = objective.responses(point, free.directions)
     noise = reading_noise_of(objective.dataset, found.point, least_noise, criteria.clip)
     linear = linearised(objective.dataset, found, noise, criteria.independent, criteria.clip)
-    regression = _regression(space, linear, point, places, own, nuisances, free.steps, fresh, criteria)
-    chosen = regression.search(range(len(places)))
-    goal = _goal(space, point, places, own, nuisances, free.steps, fresh, chosen, len(directions))
+    regression = _regression(space, linear, point, places, own, nuisances, free.steps, criteria)
+    chosen = regression.pruned(range(len(places)))
+    goal = _goal(space, point, places, own, nuisances, free.steps, chosen)
     new, cost = _line_search(objective, point, goal, noise, criteria)
-    kept = [places[g] if g < len(places) else fresh[g - len(places)].place for g in sorted(chosen.groups)]
-    odds = {place: regression.odds_of(chosen)[g] for place, g in zip(kept, sorted(chosen.groups), strict=True)}
+    odds = {places[g]: value for g, value in regression.odds_of(chosen).items()}
     indices, covariance = _covariance(chosen, free.indices, free.steps)
-    return JointFit(new, tuple(kept), indices, covariance, odds, cost, noise)
+    return JointFit(new, tuple(odds), indices, covariance, odds, cost, noise)
 
 
 def _regression(
@@ -89,7 +84,6 @@ def _regression(
     own: Sequence[int],
     nuisances: Sequence[int],
     steps: np.ndarray,
-    fresh: Sequence[Candidate],
     criteria: SelectionCriteria,
 ) -> SparseRegression:
     """Unknowns are whole differences from neutral, in units of steps or directions, so that each can go to nothing."""
@@ -108,22 +102,18 @@ def _regression(
             p = space.parameters[own[k]]
             if p.neutral <= space.bounds[own[k], 0]:
                 low[k], high[k] = (0.0, np.inf) if steps[k] > 0.0 else (-np.inf, 0.0)
-    groups += [np.array([n_free + g]) for g in range(len(fresh))]
-    low[n_free:], high[n_free:] = [c.least for c in fresh], [c.most for c in fresh]
-    slots = {place: i for i, place in enumerate(dict.fromkeys([*places, *(c.place for c in fresh)]))}
-    names = [*places, *(c.place for c in fresh)]
-    numbers = np.array([len(effect(name).parameters) for name, _ in names], dtype=float)
+    numbers = np.array([len(effect(name).parameters) for name, _ in places], dtype=float)
     return SparseRegression(
         linear.columns.T @ linear.columns,
         linear.columns.T @ r,
         linear.observations,
         precision,
         groups,
-        [slots[name] for name in names],
+        range(len(places)),
         low,
         high,
         numbers,
-        log_odds(names, criteria),
+        log_odds(places, criteria, len(space.of_place)),
     )
 
 
@@ -134,12 +124,10 @@ def _goal(
     own: Sequence[int],
     nuisances: Sequence[int],
     steps: np.ndarray,
-    fresh: Sequence[Candidate],
     chosen: Posterior,
-    n: int,
 ) -> np.ndarray:
     """The point that the regression leads to."""
-    times = chosen.coefficients(n)
+    times = chosen.coefficients(len(steps))
     goal = space.neutral.copy()
     for k, i in enumerate([*own, *nuisances]):
         goal[i] += times[k] * steps[k]
@@ -150,9 +138,6 @@ def _goal(
             goal[[i for i in space.of_place[place] if i not in nuisances]] = space.neutral[
                 [i for i in space.of_place[place] if i not in nuisances]
             ]
-    for g, c in enumerate(fresh):
-        if g + len(places) in chosen.groups:
-            goal += c.at(times[len(own) + len(nuisances) + g])
     return _inside(space, goal)
 
 

@@ -12,12 +12,13 @@ from estexp_jax.discovery.joint.candidates import Candidate, log_odds
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import ParameterSpace, Place
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.estimation.torque_balance import TorqueBalance, torque_balance
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.search.evidence import Posterior, SparseRegression
 
-_ROUNDS = 5
-"""Noise and choice depend on each other; so often one is found anew from the other."""
+_RIDGE = 1e-3
+"""Of the first, dense fit, as a share of each column's size."""
 
 
 @final
@@ -61,12 +62,12 @@ def torque_choice(
     kept = [c for c in range(len(tried)) if _is_felt(balance, c, criteria)]
     columns = np.concatenate([balance.columns[kept], balance.columns[len(tried) :]])
     own = [tried[c] for c in kept]
-    std = _noise(_densely_explained(balance, columns), balance, objective.dataset.owner, criteria)
-    for _ in range(_ROUNDS):
-        regression = _regression(balance, columns, std, own, criteria)
-        chosen = _without_trifles(regression, regression.search(), balance, columns, criteria)
-        left = balance.lacking - np.einsum("k,kwi->wi", chosen.coefficients(len(columns)), columns)
-        std = _noise(left, balance, objective.dataset.owner, criteria)
+    std = _noise(_densely_explained(balance, columns, own, criteria), balance, objective.dataset.owner, criteria)
+    regression = _regression(balance, columns, std, own, criteria)
+    simple = {g for g, c in enumerate(own) if not effect(c.place[0]).nested_in}
+    first = regression.search(allowed=simple)
+    chosen = regression.search(first.groups, exchange=False)
+    chosen = _without_trifles(regression, chosen, balance, columns, criteria)
     times = chosen.coefficients(len(columns))
     point, shares = space.neutral.copy(), dict[Place, float]()
     for g in sorted(chosen.groups):
@@ -125,18 +126,22 @@ def _without_trifles(
         least = min(shares, key=lambda g: shares[g])
         if shares[least] >= c.least_share:
             break
-        chosen = regression.posterior(chosen.groups - {least})
+        chosen = regression.pruned(chosen.groups - {least})
     return chosen
 
 
-def _densely_explained(balance: TorqueBalance, columns: np.ndarray) -> np.ndarray:
-    """What remains of lacking torques (windows, nv) once all columns are fitted together, by ridge regression."""
-    weight = 1.0 / np.sqrt((0.3 * balance.scale) ** 2 + balance.noise**2)
-    j = (columns * weight).reshape(len(columns), -1).T
+def _densely_explained(
+    balance: TorqueBalance, columns: np.ndarray, own: Sequence[Candidate], criteria: SelectionCriteria
+) -> np.ndarray:
+    """What remains of lacking torques (windows, nv) once one guess of every place is fitted, by ridge regression."""
+    places = [c.place for c in own]
+    first = [places.index(p) for p in dict.fromkeys(places)] + list(range(len(own), len(columns)))
+    weight = 1.0 / np.maximum(criteria.torque_floor * balance.scale, balance.noise)
+    j = (columns[first] * weight).reshape(len(first), -1).T
     size = np.sqrt(np.mean(j**2, axis=0)) + 1e-300
-    normal = (j / size).T @ (j / size) + np.eye(j.shape[1])
+    normal = (j / size).T @ (j / size) + _RIDGE * len(j) * np.eye(j.shape[1])
     times = np.linalg.solve(normal, (j / size).T @ (balance.lacking * weight).ravel()) / size
-    return balance.lacking - np.einsum("k,kwi->wi", times, columns)
+    return balance.lacking - np.einsum("k,kwi->wi", times, columns[first])
 
 
 def _noise(left: np.ndarray, balance: TorqueBalance, owner: np.ndarray, criteria: SelectionCriteria) -> np.ndarray:

@@ -28,7 +28,6 @@ class BodyMass(Edit, Damage, ModelError):
     equation: ClassVar[str] = "m = m_nominal + dm"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
-    additive: ClassVar[bool] = True
     stales_inertia: ClassVar[bool] = True
     model_attribute: ClassVar[tuple[str, str] | None] = ("body", "mass")
     gene: ClassVar[int | None] = 1

@@ -28,7 +28,6 @@ class ComShift(Edit):
     equation: ClassVar[str] = "c = c_nominal + (x, y, z)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: body/inertial/pos"
-    additive: ClassVar[bool] = True
     stales_inertia: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:

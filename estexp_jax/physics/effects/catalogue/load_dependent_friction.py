@@ -23,7 +23,6 @@ class LoadDependentFriction(Term):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("mu", ""),)
     equation: ClassVar[str] = "tau = -mu |motor torque| sign(w)"
     source: ClassVar[str] = "Duclusaud et al., ICRA 2025 (extended friction models for servo actuators)"
-    additive: ClassVar[bool] = True
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
     flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
 

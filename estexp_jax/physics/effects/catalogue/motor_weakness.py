@@ -27,7 +27,6 @@ class MotorWeakness(Edit, Damage, ModelError):
     equation: ClassVar[str] = "tau = (1 - loss) tau_nominal"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2"
-    additive: ClassVar[bool] = True
     model_attribute: ClassVar[tuple[str, str] | None] = ("actuator", "*")
     is_loss: ClassVar[bool] = True
     gene: ClassVar[int | None] = 2

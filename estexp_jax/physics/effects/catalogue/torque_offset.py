@@ -21,6 +21,7 @@ class TorqueOffset(Term):
     equation: ClassVar[str] = "tau = T"
     source: ClassVar[str] = "constant generalised force"
     additive: ClassVar[bool] = True
+    is_constant_torque: ClassVar[bool] = True
     beside_laws: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
