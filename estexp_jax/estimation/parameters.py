@@ -25,7 +25,7 @@ _MOST_LOST = 0.9
 
 @final
 @dataclass(frozen=True)
-class Parameter:
+class SiteParameter:
     """One parameter of one effect at one site.
 
     Attributes:
@@ -74,7 +74,7 @@ class ParameterSpace:
 
     robot: Robot
     catalogue: Catalogue
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[SiteParameter, ...]
 
     @cached_property
     def neutral(self) -> np.ndarray:
@@ -116,7 +116,7 @@ class ParameterSpace:
 
 def parameter_space(robot: Robot, catalogue: Catalogue) -> ParameterSpace:
     """All parameters of a catalogue on a robot."""
-    found: list[Parameter] = []
+    found: list[SiteParameter] = []
     for e in catalogue:
         for row, site in enumerate(e.sites(robot)):
             bounds = e.searched_bounds(robot, site)
@@ -124,7 +124,7 @@ def parameter_space(robot: Robot, catalogue: Catalogue) -> ParameterSpace:
             for column, (p, (low, high)) in enumerate(zip(e.parameters, bounds, strict=True)):
                 fixed = bool(p.refers) or low == high
                 own = nominal if column == 0 else 0.0
-                found.append(Parameter(e.name, site, p.name, row, column, low, high, p.neutral, own, fixed))
+                found.append(SiteParameter(e.name, site, p.name, row, column, low, high, p.neutral, own, fixed))
     return ParameterSpace(robot, tuple(catalogue), tuple(found))
 
 

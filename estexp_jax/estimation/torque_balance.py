@@ -9,6 +9,7 @@ missing, however large that is, since no error has time to grow.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import mujoco
@@ -37,7 +38,9 @@ class TorqueBalance(NamedTuple):
     scale: np.ndarray
 
 
-def torque_balance(objective: Objective, point: np.ndarray, directions: np.ndarray, robots: list[Robot]) -> TorqueBalance:
+def torque_balance(
+    objective: Objective, point: np.ndarray, directions: np.ndarray, robots: Sequence[Robot]
+) -> TorqueBalance:
     """Lacking torques at a point (n,), and by directions (directions, n) from it.
 
     Args:
@@ -75,7 +78,7 @@ def _balanced(space: ParameterSpace, lacking: np.ndarray) -> np.ndarray:
     return found
 
 
-def _end_speeds(data: Dataset, robots: list[Robot]) -> tuple[np.ndarray, np.ndarray]:
+def _end_speeds(data: Dataset, robots: Sequence[Robot]) -> tuple[np.ndarray, np.ndarray]:
     """Estimated speeds (windows, nv) at the windows' last rows, and their variances."""
     speeds, variances = [], []
     for w in data.windows:
@@ -85,9 +88,8 @@ def _end_speeds(data: Dataset, robots: list[Robot]) -> tuple[np.ndarray, np.ndar
     return np.array(speeds), np.array(variances)
 
 
-def _mass_matrices(data: Dataset, robots: list[Robot]) -> tuple[np.ndarray, np.ndarray]:
-    """Mass matrices (windows, nv, nv) at the windows' starts, and torques (windows, nv) of gravity, motion and
-    motors there."""
+def _mass_matrices(data: Dataset, robots: Sequence[Robot]) -> tuple[np.ndarray, np.ndarray]:
+    """Mass matrices (windows, nv, nv) at the windows' starts, and sizes (windows, nv) of the torques there."""
     masses, acting = [], []
     holders = {id(r): mujoco.MjData(r.model) for r in robots}
     for w in data.windows:

@@ -17,8 +17,8 @@ from estexp_jax.estimation.channels import Channels, channel_ranges
 from estexp_jax.estimation.dataset import Dataset, dataset_of, evenly
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import ParameterSpace, Place, nuisances, parameter_space
-from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.reading_noise import noise_std_of
@@ -76,15 +76,13 @@ def joint_fit(
     data = evenly(data, _affordable(data, len(tried)))
     objective = Objective(problem.simulator, space, data, states=True)
     added = [i for i in small if effect(space.parameters[i].effect).additive]
-    first = torque_choice(objective, tried, added, list(problem.robots), criteria)
-    errors = [i for i in small if not effect(space.parameters[i].effect).is_loss]  # a gain and masses have one scale
+    first = torque_choice(objective, tried, added, problem.robots, criteria)
+    errors = _fitted_values(space, problem.known)
     point, places, fit = first.point, first.places, None
     for round_ in range(_ROUNDS):
         yield Progress("joint fit", round_, _ROUNDS)
         data = _windows(problem, space, point, len(errors) + 3 * len(places), criteria)
-        fit = gauss_newton(
-            objective.with_dataset(data), point, places, errors, _least_noise(problem), criteria
-        )
+        fit = gauss_newton(objective.with_dataset(data), point, places, errors, _least_noise(problem), criteria)
         point, places = fit.point, fit.places
     assert fit is not None
     return first, fit
@@ -97,6 +95,28 @@ def _affordable(data: Dataset, directions: int) -> int:
     return int(np.clip(_STEPS / (steps * (directions + dofs + 1)), _FEWEST, _MOST))
 
 
+def values_only(
+    problem: JointProblem, criteria: SelectionCriteria | None = None
+) -> Generator[Progress, None, JointFit]:
+    """Values of the model refitted within ordinary errors, and no effect.
+
+    Yields:
+        Progress.
+    """
+    criteria = criteria or SelectionCriteria()
+    space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
+    errors = _fitted_values(space, problem.known)
+    yield Progress("values of the model alone", 0, 1)
+    data = _windows(problem, space, space.neutral, len(errors), criteria)
+    objective = Objective(problem.simulator, space, data)
+    return gauss_newton(objective, space.neutral, (), errors, _least_noise(problem), criteria)
+
+
+def _fitted_values(space: ParameterSpace, known: Collection[Place]) -> list[int]:
+    """Indices of the values of the model that are refitted; not of motors' gains, which have one scale with masses."""
+    return [i for i in nuisances(space, known) if not effect(space.parameters[i].effect).is_loss]
+
+
 def _dataset(problem: JointProblem, length: float, criteria: SelectionCriteria) -> Dataset:
     return dataset_of(problem.robots, problem.recordings, problem.channels, length, memory=criteria.memory)
 
@@ -105,6 +125,7 @@ def _windows(
     problem: JointProblem, space: ParameterSpace, point: np.ndarray, directions: int, criteria: SelectionCriteria
 ) -> Dataset:
     """Windows as long as the simulator stays near the readings."""
+    data = _dataset(problem, _LENGTHS[0], criteria)
     for length in _LENGTHS:
         data = _dataset(problem, length, criteria)
         data = evenly(data, min(_affordable(data, directions), 64))

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.joint.candidates import derivatives, log_odds
+from estexp_jax.discovery.joint.candidates import Derivatives, derivatives, log_odds
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.estimation.linearised import Linearised, linearised, reading_noise_of
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import ParameterSpace, Place
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.search.evidence import Posterior, SparseRegression
+from estexp_jax.search.sparse_regression import Posterior, SparseRegression
 
+_STRETCHES = 8
+"""Stretches that the windows are divided into to see how far they disagree."""
 _SHARES = (1.0, 0.5, 0.25, 0.1)
 """Shares of a step that are tried, all at once."""
 
@@ -28,7 +30,8 @@ class JointFit:
     Attributes:
         point: of the parameter space.
         places: effects that are claimed.
-        indices: (k,) parameters that were free, and `covariance` (k, k) of them.
+        indices: (k,) parameters that were free, and `covariance` (k, k) of them, as the noise model has it.
+        std: (k,) standard deviations, where larger those by which stretches of the recordings disagree.
         log_odds: of each place against its absence, nats.
         cost: mean squared residual on the fitted windows, in squares of `noise`.
         noise: (channels,) standard deviation of noise and model error.
@@ -38,6 +41,7 @@ class JointFit:
     places: tuple[Place, ...]
     indices: np.ndarray
     covariance: np.ndarray
+    std: np.ndarray
     log_odds: dict[Place, float]
     cost: float
     noise: np.ndarray
@@ -62,83 +66,65 @@ def gauss_newton(
         criteria: what decides.
     """
     space = objective.space
-    own = [int(i) for place in places for i in space.of_place[place] if not space.parameters[i].categorical]
-    free = derivatives(space, point, [*own, *nuisances])
+    own = [int(i) for place in places for i in space.of_place[place]]
+    errors = [i for i in nuisances if i not in own]  # a claimed value of the model is no nuisance besides
+    free = derivatives(space, point, [*own, *errors])
     found = objective.responses(point, free.directions)
     noise = reading_noise_of(objective.dataset, found.point, least_noise, criteria.clip)
     linear = linearised(objective.dataset, found, noise, criteria.independent, criteria.clip)
-    regression = _regression(space, linear, point, places, own, nuisances, free.steps, criteria)
+    offset = (point - space.neutral)[free.indices] / free.steps
+    regression = _regression(space, linear, offset, places, free, criteria)
     chosen = regression.pruned(range(len(places)))
-    goal = _goal(space, point, places, own, nuisances, free.steps, chosen)
-    new, cost = _line_search(objective, point, goal, noise, criteria)
+    goal = space.neutral.copy()
+    goal[free.indices] += chosen.coefficients(len(free.steps)) * free.steps
+    new, cost = _line_search(objective, point, _inside(space, goal), noise, criteria)
     odds = {places[g]: value for g, value in regression.odds_of(chosen).items()}
-    indices, covariance = _covariance(chosen, free.indices, free.steps)
-    return JointFit(new, tuple(odds), indices, covariance, odds, cost, noise)
+    scale = free.steps[chosen.columns]
+    covariance = chosen.covariance * np.outer(scale, scale)
+    spread = np.abs(scale) * _jackknife(regression, linear, chosen, offset)
+    std = np.maximum(spread, np.sqrt(np.diag(covariance)))
+    return JointFit(new, tuple(odds), free.indices[chosen.columns], covariance, std, odds, cost, noise)
 
 
 def _regression(
     space: ParameterSpace,
     linear: Linearised,
-    point: np.ndarray,
+    offset: np.ndarray,
     places: Sequence[Place],
-    own: Sequence[int],
-    nuisances: Sequence[int],
-    steps: np.ndarray,
+    free: Derivatives,
     criteria: SelectionCriteria,
 ) -> SparseRegression:
-    """Unknowns are whole differences from neutral, in units of steps or directions, so that each can go to nothing."""
-    n_own, n_free = len(own), len(own) + len(nuisances)
-    free = np.array([*own, *nuisances], dtype=int)
-    offset = (point - space.neutral)[free] / steps if n_free else np.zeros(0)
-    errors = np.array([criteria.model_error * space.parameters[i].nominal for i in nuisances])
-    both = np.isin(free[n_own:], free[:n_own])  # a claimed value of the model is no nuisance besides
-    r = linear.residual + linear.columns[:, :n_free] @ np.where(np.r_[np.zeros(n_own, bool), both], 0.0, offset)
-    precision = np.zeros(linear.columns.shape[1])
-    precision[n_own:n_free] = np.where(both, 1e12, (steps[n_own:] / errors) ** 2)
-    low, high = np.full(len(precision), -np.inf), np.full(len(precision), np.inf)
-    groups = [np.flatnonzero(np.isin(own, space.of_place[place])) for place in places]
-    for group in groups:  # the first number of an effect is its amount: of one sign where it cannot have two
-        for k in group[:1]:
-            p = space.parameters[own[k]]
-            if p.neutral <= space.bounds[own[k], 0]:
-                low[k], high[k] = (0.0, np.inf) if steps[k] > 0.0 else (-np.inf, 0.0)
-    numbers = np.array([len(effect(name).parameters) for name, _ in places], dtype=float)
+    """Unknowns are whole differences from neutral, in steps, so that each effect can go to nothing.
+
+    Args:
+        space: of the parameters.
+        linear: about a point, along the steps of `free`.
+        offset: (k,) of the point from neutral, in steps.
+        places: effects claimed.
+        free: the parameters; those of no place are values of the model that may be a little off.
+        criteria: what decides.
+    """
+    groups = [np.flatnonzero(np.isin(free.indices, space.of_place[place])) for place in places]
+    claimed = np.isin(np.arange(len(free.indices)), np.concatenate([np.zeros(0, int), *groups]))
+    nominal = np.array([space.parameters[i].nominal for i in free.indices])
+    error = np.where(claimed, np.inf, criteria.model_error * nominal)
+    low, high = np.full(len(claimed), -np.inf), np.full(len(claimed), np.inf)
+    for k in (int(group[0]) for group in groups):  # an effect's first number is its amount, which may have one sign
+        i = int(free.indices[k])
+        if space.parameters[i].neutral <= space.bounds[i, 0]:
+            low[k], high[k] = (0.0, np.inf) if free.steps[k] > 0.0 else (-np.inf, 0.0)
     return SparseRegression(
         linear.columns.T @ linear.columns,
-        linear.columns.T @ r,
+        linear.columns.T @ (linear.residual + linear.columns @ offset),
         linear.observations,
-        precision,
+        (free.steps / error) ** 2,
         groups,
         range(len(places)),
         low,
         high,
-        numbers,
+        np.array([len(effect(name).parameters) for name, _ in places], dtype=float),
         log_odds(places, criteria, len(space.of_place)),
     )
-
-
-def _goal(
-    space: ParameterSpace,
-    point: np.ndarray,
-    places: Sequence[Place],
-    own: Sequence[int],
-    nuisances: Sequence[int],
-    steps: np.ndarray,
-    chosen: Posterior,
-) -> np.ndarray:
-    """The point that the regression leads to."""
-    times = chosen.coefficients(len(steps))
-    goal = space.neutral.copy()
-    for k, i in enumerate([*own, *nuisances]):
-        goal[i] += times[k] * steps[k]
-    for g, place in enumerate(places):
-        fixed = [i for i in space.of_place[place] if space.parameters[i].categorical]
-        goal[fixed] = point[fixed]
-        if g not in chosen.groups:
-            goal[[i for i in space.of_place[place] if i not in nuisances]] = space.neutral[
-                [i for i in space.of_place[place] if i not in nuisances]
-            ]
-    return _inside(space, goal)
 
 
 def _inside(space: ParameterSpace, point: np.ndarray) -> np.ndarray:
@@ -168,9 +154,21 @@ def _line_search(
     return tried[best], float(costs[best])
 
 
-def _covariance(chosen: Posterior, indices: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Free parameters of the choice and their covariance, in their units."""
-    known = chosen.columns < len(indices)
-    rows = chosen.columns[known]
-    scale = steps[rows]
-    return indices[rows], chosen.covariance[np.ix_(known, known)] * np.outer(scale, scale)
+def _jackknife(regression: SparseRegression, linear: Linearised, chosen: Posterior, offset: np.ndarray) -> np.ndarray:
+    """Standard deviations (k,) of the chosen columns' coefficients, each stretch of the windows left out in turn.
+
+    What the model still lacks differs from stretch to stretch, which no formula for independent noise knows of.
+
+    Source: Efron and Stein, Annals of Statistics 9 (1981), the jackknife estimate of variance.
+    """
+    windows = np.unique(linear.window)
+    n = min(_STRETCHES, len(windows))
+    if n < 2:
+        return np.zeros(len(chosen.columns))
+    r, found = linear.residual + linear.columns @ offset, []
+    for part in np.array_split(windows, n):
+        own = np.isin(linear.window, part)
+        j = linear.columns[own]
+        rest = replace(regression, matrix=regression.matrix - j.T @ j, vector=regression.vector - j.T @ r[own])
+        found.append(rest.posterior(chosen.groups).mean)
+    return np.sqrt((n - 1) / n * np.sum((np.array(found) - np.mean(found, axis=0)) ** 2, axis=0))

@@ -12,10 +12,10 @@ from estexp_jax.discovery.joint.candidates import Candidate, log_odds
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import ParameterSpace, Place
-from estexp_jax.physics.effects.registry import effect
 from estexp_jax.estimation.torque_balance import TorqueBalance, torque_balance
+from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.search.evidence import Posterior, SparseRegression
+from estexp_jax.search.sparse_regression import Posterior, SparseRegression
 
 _RIDGE = 1e-3
 """Of the first, dense fit, as a share of each column's size."""
@@ -43,7 +43,7 @@ def torque_choice(
     objective: Objective,
     tried: Sequence[Candidate],
     nuisances: Sequence[int],
-    robots: list[Robot],
+    robots: Sequence[Robot],
     criteria: SelectionCriteria,
 ) -> TorqueChoice:
     """Choose effects by the torque balance of short windows.

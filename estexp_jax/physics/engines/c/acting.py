@@ -68,7 +68,7 @@ class ActingEffects:
         table = self.table
         table["qpos"][:], table["qvel"][:], table["ctrl"][:], table["dt"][:, 0] = qpos, qvel, ctrl, dt
         table["on"][:] = self.switches(enable)
-        table["share"][:], table["armature"][:] = 1.0, self._armature
+        table["share"][:], table["rotor_inertia"][:] = 1.0, self._armature
         for part in ("force", "damping", "friction"):
             table[part][:] = 0.0
         return table

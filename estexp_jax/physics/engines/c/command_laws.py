@@ -11,7 +11,7 @@ from estexp_jax.physics.engines.c.acting_motors import Chunk, command_of, motor_
 from estexp_jax.physics.engines.c.instances import Instances
 from estexp_jax.physics.engines.c.laws import command_program, rest_program
 from estexp_jax.physics.engines.c.step_table import StepTable
-from estexp_jax.physics.engines.c.terms import stacked
+from estexp_jax.physics.engines.c.terms import stacked_rows
 
 
 @final
@@ -49,7 +49,7 @@ class ActingCommandLaw:
         """Hidden variables (variables, n) of robots whose commands, in the table, have been in force for long."""
         table.take(self._take, self._rows[:4])
         n = len(self.lane)
-        return stacked(rest_program(self.effect).bound(self._resting, n)(self._rows[2]), n)
+        return stacked_rows(rest_program(self.effect).bound(self._resting, n)(self._rows[2]), n)
 
     def act(self, table: StepTable, before: np.ndarray | None) -> np.ndarray:
         """Act in a step; hidden variables (variables, n) after it, of those before."""
@@ -58,4 +58,4 @@ class ActingCommandLaw:
             self._rows[4:] = before
         command, *state = self._law(self._rows)
         table.put(self._command, command)
-        return stacked(state, len(self.lane))
+        return stacked_rows(state, len(self.lane))

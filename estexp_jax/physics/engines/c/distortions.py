@@ -28,8 +28,8 @@ def distort_readings(robot: Robot, catalogue: Catalogue, values: Values, sensors
         lanes = np.flatnonzero(at_work(e, own).any(axis=1))
         if lanes.size:
             true = np.moveaxis(sensors[:, :, lanes], 1, 2)
-            numbers = np.broadcast_to(own[lanes].astype(float), (len(true), *own[lanes].shape))
-            faulty = _distorted(robot, e, true.reshape(-1, true.shape[2]), numbers.reshape(-1, *own.shape[1:]))
+            filled = np.broadcast_to(own[lanes].astype(float), (len(true), *own[lanes].shape))
+            faulty = _distorted(robot, e, true.reshape(-1, true.shape[2]), filled.reshape(-1, *own.shape[1:]))
             sensors[:, :, lanes] = np.moveaxis(faulty.reshape(true.shape), 2, 1)
 
 

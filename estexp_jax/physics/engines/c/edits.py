@@ -16,7 +16,7 @@ from estexp_jax.physics.effects.base import Edit
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.c.instances import at_work
-from estexp_jax.physics.engines.c.lane_models import LaneModels, field_of
+from estexp_jax.physics.engines.c.lane_models import LaneModels, c_field_of
 from estexp_jax.physics.model.robot import Robot
 
 _PROGRAMS = 512
@@ -85,7 +85,7 @@ def _program(robot: Robot, e: Edit) -> tuple[tuple[str, ...], Callable[..., dict
     reads: dict[str, None] = {}
 
     def nominal(name: str) -> Any:
-        value = np.asarray(field_of(robot.model, name))
+        value = np.asarray(c_field_of(robot.model, name))
         if value.dtype.kind == "f":
             reads[name] = None
         return jnp.asarray(value) if value.dtype.kind == "f" else value

@@ -23,7 +23,7 @@ _OF_SIMPLE = ("body_simple", "dof_simplenum", "dof_M0")
 """Fields that depend on which bodies are simple."""
 
 
-def field_of(model: mujoco.MjModel, name: str) -> Any:
+def c_field_of(model: mujoco.MjModel, name: str) -> Any:
     """A field of a model, or with `opt.` before it of its options."""
     return getattr(model.opt, name.removeprefix("opt.")) if name.startswith("opt.") else getattr(model, name, None)
 
@@ -41,8 +41,8 @@ def recorded_fields(robot: Robot, per_recording: Sequence[Robot]) -> dict[str, n
     distinct = {id(r): r.model for r in per_recording if r is not robot}
     found: dict[str, np.ndarray] = {}
     for name in mujoco.batch.MODEL_FIELDS if distinct else ():
-        own = np.asarray(field_of(robot.model, name))
-        others = {key: np.asarray(field_of(model, name)) for key, model in distinct.items()}
+        own = np.asarray(c_field_of(robot.model, name))
+        others = {key: np.asarray(c_field_of(model, name)) for key, model in distinct.items()}
         if own.dtype.kind not in "fiub" or name.startswith("name"):
             continue
         if any(x.shape != own.shape for x in others.values()):
@@ -102,7 +102,7 @@ class LaneModels:
         own = self.batch.expanded(name)
         if own is not None:
             return own
-        nominal = np.asarray(field_of(self.batch.model, name))
+        nominal = np.asarray(c_field_of(self.batch.model, name))
         return np.broadcast_to(nominal, (self.lanes, *nominal.shape))
 
     def derive(self, lanes: np.ndarray) -> bool:

@@ -36,7 +36,7 @@ _NUMBERS = 2**24
 class _Prepared(NamedTuple):
     values: Values
     steps: LaneSteps
-    shown: list[ShownVariable]
+    displayed: list[ShownVariable]
 
 
 @final
@@ -64,8 +64,8 @@ class COpenLoop(OpenLoopSimulator):
 
     def _chunk_size(self, n: int, n_steps: int) -> int:
         model = self.robot.model
-        numbers = n_steps * (model.nsensordata + model.nq + model.nv + 2 * model.nu + 1)
-        most = max(1, min(self.width, _NUMBERS // numbers))
+        width = n_steps * (model.nsensordata + model.nq + model.nv + 2 * model.nu + 1)
+        most = max(1, min(self.width, _NUMBERS // width))
         return min(most, max(_FEWEST, -(-n // cores())))
 
     def _filled_up(self, lanes: np.ndarray) -> np.ndarray:
@@ -75,9 +75,9 @@ class COpenLoop(OpenLoopSimulator):
         with np.errstate(all="ignore"):  # what a hypothesis blows up is NaN, and no warning
             models = edited_models(self.robot, self.catalogue, self.recorded, recording, values)
             acting = ActingEffects(self.robot, self.catalogue, models, values)
-        return _Prepared(values, LaneSteps(models, acting), self._shown(acting))
+        return _Prepared(values, LaneSteps(models, acting), self._displayed(acting))
 
-    def _shown(self, acting: ActingEffects) -> list[ShownVariable]:
+    def _displayed(self, acting: ActingEffects) -> list[ShownVariable]:
         found = []
         for s in motor_readings(self.robot, self.catalogue):
             for term in acting.terms:
@@ -104,6 +104,6 @@ class COpenLoop(OpenLoopSimulator):
     ) -> tuple[LaneBatchState, StepReadings]:
         before = is_acceleration(self.robot)
         with np.errstate(all="ignore"):
-            after, found = prepared.steps.advance(state, drive, before, prepared.shown)
+            after, found = prepared.steps.advance(state, drive, before, prepared.displayed)
         distort_readings(self.robot, self.catalogue, prepared.values, found.sensors)
         return after, found

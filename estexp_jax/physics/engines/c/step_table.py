@@ -7,7 +7,7 @@ from typing import final
 import mujoco
 import numpy as np
 
-PARTS = ("qpos", "qvel", "dt", "ctrl", "on", "share", "armature", "force", "damping", "friction")
+PARTS = ("qpos", "qvel", "dt", "ctrl", "on", "share", "rotor_inertia", "force", "damping", "friction")
 
 
 @final
@@ -15,7 +15,7 @@ class StepTable:
     """A table (lanes, columns) of positions and speeds, motors, and what acts on the degrees of freedom.
 
     Attributes:
-        numbers: the table.
+        table: (lanes, columns).
     """
 
     def __init__(self, model: mujoco.MjModel, lanes: int) -> None:
@@ -27,16 +27,16 @@ class StepTable:
             size = sizes.get(part, model.nv)
             self._columns[part] = slice(end, end + size)
             end += size
-        self.numbers = np.zeros((lanes, end))
-        self._flat = self.numbers.reshape(-1)
+        self.table = np.zeros((lanes, end))
+        self._flat = self.table.reshape(-1)
 
     def __getitem__(self, part: str) -> np.ndarray:
         """A part of the table, (lanes, its columns)."""
-        return self.numbers[:, self._columns[part]]
+        return self.table[:, self._columns[part]]
 
     def index(self, part: str, lanes: np.ndarray, elements: np.ndarray | int) -> np.ndarray:
         """Flat indices of elements of a part, of lanes."""
-        return lanes * self.numbers.shape[1] + self._columns[part].start + elements
+        return lanes * self.table.shape[1] + self._columns[part].start + elements
 
     def take(self, index: np.ndarray, out: np.ndarray) -> None:
         """Gather numbers by flat indices."""

@@ -50,7 +50,7 @@ class LaneSteps:
         self._alive, self._varies = ~models.failed, models.batch.expanded("opt.timestep") is not None
 
     def advance(
-        self, state: LaneBatchState, drive: CommandSteps, before: np.ndarray, shown: Sequence[ShownVariable]
+        self, state: LaneBatchState, drive: CommandSteps, before: np.ndarray, displayed: Sequence[ShownVariable]
     ) -> tuple[LaneBatchState, StepReadings]:
         """Take steps; the state after them, and readings and states at the beginning of each.
 
@@ -58,7 +58,7 @@ class LaneSteps:
             state: at the beginning.
             drive: the steps.
             before: (nsensordata,) which readings belong to the step before.
-            shown: hidden variables that sensors show.
+            displayed: hidden variables that sensors show.
         """
         for name, x in zip(_STATE, state[:4], strict=True):
             self._data[name][:] = x
@@ -73,7 +73,7 @@ class LaneSteps:
             if (moves | moved).any():  # else all have come to their ends, and were read there
                 after = self._step(CommandSteps(*(x[k] for x in drive)), moves, moved, hidden)
                 sensed = np.array(self._data["sensordata"])
-                for s in shown:
+                for s in displayed:
                     sensed[s.lanes, s.column] += s.factor * after[s.effect][s.state, s.instances]
                 hidden = self.acting.kept(moves, hidden, after)
             found.sensors[k], moved = np.where(before, felt, sensed).T, moves
@@ -120,9 +120,9 @@ class LaneSteps:
         for part in written & set(_PER_STEP):
             name = _PER_STEP[part]
             own(name)[:] = self._own[name] + table[part]
-        if "armature" in written:
-            own("dof_armature")[:] = table["armature"]
-            added, simple = table["armature"] - self._own["dof_armature"], self._model.dof_simplenum > 0
+        if "rotor_inertia" in written:
+            own("dof_armature")[:] = table["rotor_inertia"]
+            added, simple = table["rotor_inertia"] - self._own["dof_armature"], self._model.dof_simplenum > 0
             if simple.any():  # whose mass matrix MuJoCo takes as it was at the home position
                 own("dof_M0")[:] = self._own["dof_M0"] + added * simple
         self._motors.write(table["on"], table["share"])

@@ -21,7 +21,7 @@ from estexp_jax.physics.engines.c.laws import couples_joints, rest_program, term
 from estexp_jax.physics.engines.c.step_table import StepTable
 from estexp_jax.physics.engines.motors import Drives, drives
 
-_ADDED = {"force": "force", "damping": "damping", "friction": "friction", "inertia": "armature"}
+_ADDED = {"force": "force", "damping": "damping", "friction": "friction", "inertia": "rotor_inertia"}
 """Part of the table to which each field of `JointForce` is added."""
 
 
@@ -52,7 +52,7 @@ class ActingTerm:
         at_site = motors.motors[self.site].T
         joint = [
             index("qpos", lane, model.jnt_qposadr[model.dof_jntid[dof]]),
-            *(index(part, lane, elements) for part, elements in (("qvel", dof), ("dt", 0), ("armature", dof))),
+            *(index(part, lane, elements) for part, elements in (("qvel", dof), ("dt", 0), ("rotor_inertia", dof))),
         ]
         self._take = np.concatenate([np.array(joint), motor_rows(chunk, lane, at_site)])
         self._rows = np.empty((len(self._take) + self.effect.n_states, len(lane)))
@@ -67,7 +67,7 @@ class ActingTerm:
         """Hidden variables (variables, n) of robots that have been where the table says for long."""
         n = len(self.lane)
         table.take(self._take, self._rows[: len(self._take)])
-        return stacked(rest_program(self.effect).bound(self._p, n)(self._rows[0], self._rows[1]), n)
+        return stacked_rows(rest_program(self.effect).bound(self._p, n)(self._rows[0], self._rows[1]), n)
 
     def act(self, table: StepTable, before: np.ndarray | None) -> np.ndarray:
         """Act in a step; hidden variables (variables, n) after it, of those before."""
@@ -82,7 +82,7 @@ class ActingTerm:
                     table.put(command, np.broadcast_to(next(does), n)[moved])
             else:
                 self._apply(table, name, next(does))
-        return stacked(list(does), n)
+        return stacked_rows(list(does), n)
 
     def _apply(self, table: StepTable, name: str, x: Any) -> None:
         if name == "motor":
@@ -114,7 +114,7 @@ def _fixed(chunk: Chunk, there: Instances, motors: Drives) -> SiteFields:
     )
 
 
-def stacked(rows: Sequence[Any], n: int) -> np.ndarray:
+def stacked_rows(rows: Sequence[Any], n: int) -> np.ndarray:
     """Rows, arrays or numbers, as an array (rows, n)."""
     found = np.empty((len(rows), n))
     for k, row in enumerate(rows):

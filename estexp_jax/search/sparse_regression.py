@@ -59,7 +59,7 @@ class SparseRegression:
         groups: columns of each group.
         slots: (groups,) of groups with the same slot at most one is chosen.
         low, high: (n,) bounds of the coefficients.
-        numbers: (groups,) how many numbers of an effect each fixes.
+        n_parameters: (groups,) how many parameters of an effect each fixes.
         log_odds: (groups,) prior odds of each, nats.
     """
 
@@ -71,7 +71,7 @@ class SparseRegression:
     slots: Sequence[int]
     low: np.ndarray
     high: np.ndarray
-    numbers: np.ndarray
+    n_parameters: np.ndarray
     log_odds: np.ndarray
 
     @cached_property
@@ -82,7 +82,7 @@ class SparseRegression:
     @cached_property
     def prices(self) -> np.ndarray:
         """What each group costs (groups,), nats."""
-        return 0.5 * np.log(max(self.observations, 2.0)) * np.asarray(self.numbers, float) - self.log_odds
+        return 0.5 * np.log(max(self.observations, 2.0)) * np.asarray(self.n_parameters, float) - self.log_odds
 
     @cached_property
     def _nuisances(self) -> np.ndarray:
@@ -105,13 +105,13 @@ class SparseRegression:
         scale = np.sqrt(np.diag(m))
         covariance = np.linalg.inv(m / np.outer(scale, scale)) / np.outer(scale, scale)
         mean = covariance @ self.vector[columns]
-        evidence = 0.5 * self.vector[columns] @ mean - self.prices[list(chosen)].sum()
+        log_evidence = 0.5 * self.vector[columns] @ mean - self.prices[list(chosen)].sum()
         inside = (mean >= self.low[columns]) & (mean <= self.high[columns])
         free = np.isin(columns, self._nuisances)
-        return Posterior(chosen, columns, mean, covariance, evidence if (inside | free).all() else -np.inf)
+        return Posterior(chosen, columns, mean, covariance, log_evidence if (inside | free).all() else -np.inf)
 
     def gains(self, at: Posterior) -> np.ndarray:
-        """How much each group of one column, added to a choice, raises the log evidence, (groups,); -inf if it cannot."""
+        """What adding each group of one column would raise the log evidence by, (groups,); -inf where it cannot be."""
         s, single = at.columns, np.maximum(self._single, 0)
         cross = self.matrix[np.ix_(single, s)] if len(s) else np.zeros((len(single), 0))
         left = self.vector[single] - cross @ at.mean
