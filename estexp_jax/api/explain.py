@@ -13,7 +13,7 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, expla
 from estexp_jax.discovery.explain import explain as explain_case
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.errors import InputError, known
-from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
+from estexp_jax.physics.engines.choice import left_out_by
 from estexp_jax.recordings.inputs import Inputs, read_inputs
 from estexp_jax.recordings.roles import assign_roles
 from estexp_jax.recordings.settings import apply_settings
@@ -42,7 +42,7 @@ def explain(
     window: float | str = 2.0,
     most: int = 5,
     effects: Sequence[str] | None = (),
-    engine: Literal["auto", "lanes", "mjx"] = "auto",
+    engine: Literal["auto", "lanes", "c", "mjx"] = "auto",
     seed: int = 0,
     progress: Callable[[Step], None] | None = None,
 ) -> ExplainResult:
@@ -56,7 +56,7 @@ def explain(
         window: length of the windows compared, s; infinite or `full` for whole recordings.
         most: largest number of effects in an explanation.
         effects: names of the effects to consider; empty or None: all that it can, and those that were registered.
-        engine: auto, lanes or mjx.
+        engine: auto, lanes, c or mjx.
         seed: of the resampling behind probabilities and intervals.
         progress: called with each step of the work.
 
@@ -159,7 +159,7 @@ def _explain_with_progress(inputs: Inputs, config: ExplainConfig, folder: RunFol
     running = ""
     with ProgressDisplay() as progress:
         progress.say(f"Explaining {len(inputs.recordings)} recordings of {inputs.model.name}")
-        for part in reduced_to_mjx(inputs.robot).left_out:
+        for part in left_out_by(config.engine, inputs.robot):
             progress.say(f"Simulated without {part}")
         progress.stage("replaying the nominal simulator")
 

@@ -24,7 +24,7 @@ def propose(
     duration: float = 8.0,
     margin: float = 0.9,
     speed: float = 3.0,
-    engine: Literal["auto", "lanes", "mjx"] = "auto",
+    engine: Literal["auto", "lanes", "c", "mjx"] = "auto",
     seed: int = 0,
     progress: Callable[[Step], None] | None = None,
 ) -> Proposal:
@@ -35,7 +35,7 @@ def propose(
         duration: of the motion, s.
         margin: share of each range of command, joint and motor force that it may use.
         speed: how many times as fast as in the recordings joints may move.
-        engine: auto, lanes or mjx.
+        engine: auto, lanes, c or mjx.
         seed: of the search.
         progress: called with each step of the work.
 

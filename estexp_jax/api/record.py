@@ -8,7 +8,7 @@ from pathlib import Path
 from estexp_jax.api.options.keywords import front_door
 from estexp_jax.api.options.record import RecordOptions
 from estexp_jax.physics.effects.changes import parse_change
-from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
+from estexp_jax.physics.engines.choice import left_out_by
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.replay.synthetic_recordings import RecordConfig, RecordResult, write_recordings
 from estexp_jax.runs import ProgressDisplay, open_run
@@ -65,7 +65,7 @@ def record_to_folder(options: RecordOptions, say: Callable[[str], object]) -> Re
     robot = Robot.from_xml(options.model)
     changes = tuple(parse_change(text, robot) for text in options.effect)
     marker = {"command": "record", "config": {"model": str(options.model), "effect": options.effect, **vars(config)}}
-    for part in reduced_to_mjx(robot).left_out:
+    for part in left_out_by("auto", robot):
         say(f"Simulated without {part}")
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     with ProgressDisplay() as progress:

@@ -65,7 +65,7 @@ def recover(
     model_error: float | None = None,
     ensemble: int | None = None,
     next_trial: Literal["farthest", "informative"] = "farthest",
-    engine: Literal["auto", "lanes", "mjx"] = "auto",
+    engine: Literal["auto", "lanes", "c", "mjx"] = "auto",
 ) -> RecoverRun:
     """Recover a robot from damage: iterating over the result runs the algorithm pass by pass.
 
@@ -94,7 +94,7 @@ def recover(
         model_error: relative error expected in the simulator.
         ensemble: simulators on which each controller is tried.
         next_trial: which controller the robot tries next.
-        engine: auto, lanes or mjx.
+        engine: auto, lanes or mjx; c simulates open loops alone.
 
     Raises:
         InputError: a keyword, a value or the robot cannot be used.

@@ -51,7 +51,7 @@ class ExplainConfig:
         most: largest number of effects in an explanation.
         effects: names of the effects to consider.
         seed: of the resampling behind probabilities and intervals.
-        engine: auto, lanes or mjx.
+        engine: auto, lanes, c or mjx.
     """
 
     window: float = 2.0

@@ -26,6 +26,7 @@ from estexp_jax.discovery.hypotheses import (
     known_values,
     parameters_only,
 )
+from estexp_jax.discovery.joint.strategy import explain_jointly
 from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_search import Unnamed
@@ -63,7 +64,11 @@ def explain(
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    whole = problem_of(case, config, {} if memory is None else memory)
+    memory = {} if memory is None else memory
+    jointly = yield from explain_jointly(case, config, memory)
+    if jointly is not None:
+        return jointly
+    whole = problem_of(case, config, memory)
     engine, reason = whole.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
     settings = {name for r in case.recordings for name in r.settings}

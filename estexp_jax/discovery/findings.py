@@ -15,7 +15,7 @@ from estexp_jax.physics.effects import units
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -161,11 +161,9 @@ def data_entries(recordings: Sequence[Recording]) -> list[dict[str, Any]]:
     return [{"file": r.name, "role": r.role, "rows": r.rows, "hz": r.rate, "notes": list(r.notes)} for r in recordings]
 
 
-def engine_advice(robot: Robot) -> list[str]:
+def engine_advice(simulator: OpenLoopSimulator) -> list[str]:
     """A line on each thing of a model that is left out of its simulation, contacts of what came near included."""
-    return [
-        f"See that this does not matter to your motions: simulated without {x}." for x in reduced_to_mjx(robot).left_out
-    ]
+    return [f"See that this does not matter to your motions: simulated without {x}." for x in simulator.left_out]
 
 
 def noise_advice(problem: Problem) -> list[str]:

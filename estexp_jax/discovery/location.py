@@ -26,6 +26,8 @@ def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
     if selection.seen:
         kind, name = element(robot, selection.chosen.places[0])
         return [{"kind": kind, "name": name, "share": 1.0, "p_value": PLAIN}]
+    if len(selection.chosen.places) > 1 and not any(len(e.places) == 1 for e in selection.tried):
+        return _where_without(robot, selection)
     base = selection.parameters.held_out.sum()
     best: dict[tuple[str, str | None], Explanation] = {}
     for explanation in selection.tried:
@@ -47,6 +49,23 @@ def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
         }
         for kind, name in ranked
         if total > 0.0
+    ]
+    return [entry for entry in entries if entry["share"] >= _TOLD]
+
+
+def _where_without(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
+    """The same of effects that were never tried singly: by how much leaving out all at a place raises the error."""
+    chosen, found = selection.chosen, list[tuple[tuple[str, str | None], float, float]]()
+    for place in dict.fromkeys(element(robot, p) for p in chosen.places):
+        rest = {p for p in chosen.places if element(robot, p) != place}
+        for e in selection.tried:
+            if set(e.places) == rest:
+                found.append((place, max(e.held_out.sum() - chosen.held_out.sum(), 0.0), p_value(chosen, e)))
+                break
+    total = sum(raised for _, raised, _ in found) or 1.0
+    ranked = sorted(found, key=lambda entry: entry[1], reverse=True)
+    entries = [
+        {"kind": p[0], "name": p[1], "share": float(raised / total), "p_value": value} for p, raised, value in ranked
     ]
     return [entry for entry in entries if entry["share"] >= _TOLD]
 

@@ -43,6 +43,7 @@ class Found:
         learned: errors of the black box.
         seen: what the joints of the robot with refitted parameters lack, in each training recording.
         own_step: whether the explained simulator is the nominal one, at the nominal step.
+        intervals: (n_free, 2) of the explained fit's values, where they are known already.
     """
 
     problem: Problem
@@ -52,6 +53,7 @@ class Found:
     learned: Mapping[str, float]
     seen: Sequence[ForceResidual]
     own_step: bool = False
+    intervals: np.ndarray | None = None
 
     @property
     def claimed(self) -> tuple[Change, ...]:
@@ -126,7 +128,8 @@ def _unchanged(found: Found) -> Found:
 def _handing_over(found: Found, name: str) -> Found:
     """The same with the fit of a rival that claims nothing for the explained simulator."""
     kept = {rival: found.fits[rival] for rival in (NOMINAL, "parameters_only")}
-    return replace(found, fits=kept | dict.fromkeys(("explained", "sayable"), found.fits[name]))
+    fits = kept | dict.fromkeys(("explained", "sayable"), found.fits[name])
+    return replace(found, fits=fits, intervals=None)
 
 
 def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
@@ -192,7 +195,7 @@ def _told(
         + tell.advice(judged, found.claimed, case.recordings, shares)
         + tell.noise_advice(found.problem)
         + tell.step_advice(selection, timestep)
-        + tell.engine_advice(found.shown.replayer.robot)
+        + tell.engine_advice(found.shown.replayer)
         + tell.black_box_advice(judged, errors)
         + law_advice(what),
     }
@@ -203,7 +206,7 @@ def _what(case: Case, found: Found, judged: str, shares: np.ndarray) -> tuple[tu
     final, claimed = found.fits["explained"], found.claimed
     if judged in ("consistent", "unexplained"):
         return (), []
-    intervals = parameter_intervals(found.problem, final)
+    intervals = found.intervals if found.intervals is not None else parameter_intervals(found.problem, final)
     terms = tuple(c for c in claimed if is_law((c.effect, c.name or "")))
     named = tuple(c for c in claimed if c not in terms)
     bent = bent_values(case.robot, final, intervals) if judged == "parameters" else ()

@@ -88,7 +88,7 @@ def is_sensitive_to_start(robot: Robot) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _motion(robot: Robot, recording: Recording) -> EstimatedMotion:
+def motion_of(robot: Robot, recording: Recording) -> EstimatedMotion:
     """`estimate_motion`, cached for all windows and timesteps of a recording."""
     return estimate_motion(robot, recording)
 
@@ -111,7 +111,7 @@ def windows_of(
     """
     found: list[Window] = []
     for i, (robot, recording) in enumerate(zip(robots, recordings, strict=True)):
-        motion, step = _motion(robot, recording), float(robot.model.opt.timestep) / finer
+        motion, step = motion_of(robot, recording), float(robot.model.opt.timestep) / finer
         history = command_history_of(recording, motion.trajectory)
         for rows in window_rows(recording.time, length, (cuts or {}).get(i)):
             found.append(window_of(recordings, i, rows, step, motion.state_at(rows[0]), motion.trajectory, history))

@@ -59,7 +59,7 @@ class ProposeConfig:
         margin: share of each range of command, joint and force that may be used.
         speed: largest joint speed, as a multiple of that in the recordings.
         seed: of the search.
-        engine: auto, lanes or mjx.
+        engine: auto, lanes, c or mjx.
         population: motions in a generation at most.
         generations: of the search.
 

@@ -83,6 +83,7 @@ class Window:
         enable: (rows of the recording, nu).
         start: the state it starts from.
         path: states in the whole recording, for effects with hidden variables; None: at rest before the start.
+        memory: most rows before its first one that hidden variables are rolled along; None: all.
     """
 
     recording: int
@@ -93,11 +94,18 @@ class Window:
     enable: np.ndarray
     start: InitialState
     path: StateEstimate | None = None
+    memory: int | None = None
 
     @property
     def rows(self) -> int:
         """Number of rows."""
         return self.last - self.first + 1
+
+    @property
+    def rolled(self) -> int:
+        """Number of rows before its first one that hidden variables are rolled along."""
+        known = self.first if self.path is not None else 0
+        return known if self.memory is None else min(known, self.memory)
 
     def stepped(self, timestep: float) -> Window:
         """The same at another step, s."""

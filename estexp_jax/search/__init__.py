@@ -1,1 +1,1 @@
-"""Search algorithms with an ask/tell interface: the genetic algorithm of the paper, and set search."""
+"""Search algorithms: the genetic algorithm of the paper and set search, by ask and tell, and sparse regression."""

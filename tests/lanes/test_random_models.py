@@ -171,7 +171,7 @@ def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> N
         InputError, match="ball.xml: ball joint 'neck' is not supported by the lanes engine; use --engine"
     ):
         choose_engine("lanes", on_mjx)
-    with pytest.raises(InputError, match="auto, lanes, mjx"):
+    with pytest.raises(InputError, match="auto, lanes, c, mjx"):
         choose_engine("warp", on_mjx)
 
 
@@ -190,6 +190,6 @@ def test_replays_in_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytes
     monkeypatch.setattr(choice, "open_loop_agreement", lambda *_: wrong)
     one, effects = robot("cartpole"), catalogue(["body_mass"])
     instead = choice.open_loop_simulator(one, effects, [one])
-    assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
-    with pytest.raises(InputError, match="use --engine mjx"):
+    assert instead.choice.engine == "c" and "differs from the converged C engine" in instead.choice.reason
+    with pytest.raises(InputError, match="use --engine c"):
         choice.open_loop_simulator(one, effects, [one], engine="lanes")

@@ -23,7 +23,7 @@ LEGS = """
 
 @pytest.mark.parametrize(
     ("torque", "engines"),
-    [(0.3, ["lanes"]), (0.52, ["lanes"]), (3.0, ["lanes", "mjx"])],
+    [(0.3, ["lanes"]), (0.52, ["lanes"]), (3.0, ["lanes", "c"])],
     ids=["apart", "all but touching", "touching"],
 )
 def test_a_contact_is_simulated_only_where_it_occurs(torque: float, engines: list[str]) -> None:

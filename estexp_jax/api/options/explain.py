@@ -37,8 +37,8 @@ class ExplainOptions(CheckedOptions):
     """Largest number of effects in an explanation; more than three only where these explain most of the mismatch."""
     effects: tuple[str, ...] = ()
     """Names of the effects to consider; without any, all."""
-    engine: Literal["auto", "lanes", "mjx"] = "auto"
-    """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
+    engine: Literal["auto", "lanes", "c", "mjx"] = "auto"
+    """What simulates: lanes, the fast one, where it can simulate the robot; else c, MuJoCo itself (mjx on a GPU)."""
     seed: Annotated[int, Range(0)] = 0
     """Of the resampling behind probabilities and intervals."""
     pictures: bool = True

@@ -33,8 +33,8 @@ class ProposeOptions(CheckedOptions):
     """Share of each range of command, joint and motor force that may be used."""
     speed: Annotated[float, Range(0.01, 1e6)] = 3.0
     """How many times as fast as in the recordings joints may move."""
-    engine: Literal["auto", "lanes", "mjx"] = "auto"
-    """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
+    engine: Literal["auto", "lanes", "c", "mjx"] = "auto"
+    """What simulates: lanes, the fast one, where it can simulate the robot; else c, MuJoCo itself (mjx on a GPU)."""
     seed: Annotated[int, Range(0)] = 0
     """Of the search."""
     force: bool = False

@@ -82,8 +82,8 @@ class RecoverOptions(CheckedOptions):
     next_trial: Literal["farthest", "informative"] = "farthest"
     """Which controller the robot tries next: the one that comes farthest, or, of those that come nearly as far, the one
     on which explanations that are not excluded yet disagree most."""
-    engine: Literal["auto", "lanes", "mjx"] = "auto"
-    """What simulates: lanes, the fast one, where it can simulate the robot; else mjx."""
+    engine: Literal["auto", "lanes", "c", "mjx"] = "auto"
+    """What simulates: lanes, the fast one, where it can simulate the robot; else mjx. Not c: it has no controllers."""
     pictures: bool = True
     """Show how the robot walks, where a GL is: film.jpg, film.mp4 (extra `video`), both in the report, too."""
     force: bool = False

@@ -96,6 +96,12 @@ class Effect(abc.ABC):
     #: Whether it is a force A sin(n q + phase) with these parameters, so that a periodogram shows where to start.
     sinusoidal: ClassVar[bool] = False
 
+    #: Whether it adds a force in proportion to its first parameter, so that a balance of torques can size it. What
+    #: scales a motor or a mass cannot be sized so: a balance is best where both its sides are next to nothing.
+    additive: ClassVar[bool] = False
+    #: Whether it is nothing but a constant torque at each joint.
+    is_constant_torque: ClassVar[bool] = False
+
     #: Element and attribute of MJCF to whose value its first parameter is added; "*" for several attributes. Such
     #: values are usually a little off, so they are fitted beside whatever is claimed.
     model_attribute: ClassVar[tuple[str, str] | None] = None

@@ -1,4 +1,4 @@
-"""Which engine simulates a robot: lanes where they can, MJX for any other MJCF."""
+"""Which engine simulates a robot: lanes where they can; else C in open loop, and MJX in closed loop or on a GPU."""
 
 from __future__ import annotations
 
@@ -13,11 +13,15 @@ from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.agreement import Agreement, closed_loop_agreement, open_loop_agreement, sample_states
 from estexp_jax.physics.engines.batching import EngineChoice
+from estexp_jax.physics.engines.c.lane_models import recorded_fields
+from estexp_jax.physics.engines.c.open_loop import C_REPLAY, COpenLoop
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.controller_interface import interface_of
+from estexp_jax.physics.engines.devices import accelerated
 from estexp_jax.physics.engines.lanes.closed_loop import LanesClosedLoop, lanes_width
 from estexp_jax.physics.engines.lanes.model import lanes_refusal
 from estexp_jax.physics.engines.lanes.open_loop import LANES_REPLAY, LanesOpenLoop
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.engines.mjx.closed_loop import MjxClosedLoop, mjx_width
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.open_loop import MJX_REPLAY, MjxOpenLoop
@@ -26,25 +30,27 @@ from estexp_jax.physics.engines.per_recording_model import per_recording_model
 from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
 
-Engine = Literal["auto", "lanes", "mjx"]
-ENGINES: Sequence[Engine] = ("auto", "lanes", "mjx")
+Engine = Literal["auto", "lanes", "c", "mjx"]
+ENGINES: Sequence[Engine] = ("auto", "lanes", "c", "mjx")
 _STATES = 32
 """States from which lanes are tried against the C engine before they are believed."""
 
 
-def choose_engine(engine: str, on_mjx: MjxModel, overridden: frozenset[str] = frozenset()) -> EngineChoice:
-    """The engine for a robot.
+def choose_engine(
+    engine: str, on_mjx: MjxModel, overridden: frozenset[str] = frozenset(), instead: str = "mjx"
+) -> EngineChoice:
+    """The engine for a robot that MJX takes.
 
     Args:
         engine: what the user wants: auto, lanes or mjx.
         on_mjx: the robot and the effects it is to carry.
         overridden: fields that recordings' known settings change.
+        instead: the engine for what lanes refuse.
 
     Raises:
         InputError: there is no such engine, or lanes are wanted and cannot simulate the robot.
     """
-    if engine not in ENGINES:
-        raise InputError(f"there is no engine '{engine}'", where="--engine", right=known(ENGINES))
+    _refuse_unknown(engine)
     if engine == "mjx":
         return EngineChoice("mjx", "as asked for")
     refused = lanes_refusal(on_mjx, overridden)
@@ -53,8 +59,26 @@ def choose_engine(engine: str, on_mjx: MjxModel, overridden: frozenset[str] = fr
             "lanes", "as asked for" if engine == "lanes" else "the fastest that can simulate this robot"
         )
     if engine == "lanes":
-        raise InputError(f"{refused} by the lanes engine", where=on_mjx.robot.source, right="use --engine mjx")
-    return EngineChoice("mjx", f"{refused} by the lanes engine")
+        raise InputError(f"{refused} by the lanes engine", where=on_mjx.robot.source, right=f"use --engine {instead}")
+    return EngineChoice(instead, f"{refused} by the lanes engine")
+
+
+def _refuse_unknown(engine: str) -> None:
+    if engine not in ENGINES:
+        raise InputError(f"there is no engine '{engine}'", where="--engine", right=known(ENGINES))
+
+
+def left_out_by(engine: str, robot: Robot) -> tuple[str, ...]:
+    """What open loops leave out of a robot with this engine; each follows "simulated without"."""
+    if engine == "c":
+        return ()
+    try:
+        without = reduced_to_mjx(robot).left_out
+        if without and engine == "auto" and not accelerated() and lanes_refusal(mjx_model(robot, ())) is not None:
+            return ()
+    except InputError:  # beyond MJX: it runs on C, or is refused when it is to be simulated
+        return ()
+    return without
 
 
 def closed_loop_simulator(
@@ -79,8 +103,11 @@ def closed_loop_simulator(
         engine: auto, lanes or mjx.
 
     Raises:
-        InputError: no engine can simulate the robot, or not the one that is wanted.
+        InputError: no engine can simulate the robot, or not the one that is wanted; C is none for closed loops.
     """
+    if engine == "c":
+        what = "the C engine replays recordings, but drives no controllers"
+        raise InputError(what, where="--engine", right="auto, lanes or mjx")
     timed = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift | ReadingDrift)]
     if timed:
         raise ValueError(f"not simulated in closed loop: {', '.join(timed)}")
@@ -93,7 +120,7 @@ def closed_loop_simulator(
         found = closed_loop_agreement(fast, sample_states(robot, face, _STATES))
         if found.agrees:
             return fast
-        choice = _distrusted(engine, found, robot)
+        choice = _distrusted(engine, found, robot, "mjx")
     return MjxClosedLoop(on_mjx, face, policy, rows, substeps, mjx_width(population), choice)
 
 
@@ -112,28 +139,46 @@ def open_loop_simulator(
         robot: the nominal robot.
         catalogue: the effects that hypotheses draw on.
         per_recording: the nominal robot with each recording's known settings.
-        engine: auto, lanes or mjx.
+        engine: auto, lanes, c or mjx.
         width: lanes in a chunk; None: what suits the engine.
         block: physics steps in a call; None: what suits the engine.
 
     Raises:
         InputError: no engine can simulate the model, or a recording's settings change the model's structure.
     """
-    nominal = mjx_model(robot, catalogue)
+    _refuse_unknown(engine)
+
+    def on_c(reason: str) -> OpenLoopSimulator:
+        recorded, choice = recorded_fields(robot, per_recording), EngineChoice("c", reason)
+        return COpenLoop(robot, catalogue, width or C_REPLAY[0], block or C_REPLAY[1], choice, recorded)
+
+    if engine == "c":
+        return on_c("as asked for")
+    try:
+        nominal = mjx_model(robot, catalogue)
+    except InputError as error:
+        if engine != "auto":
+            raise
+        return on_c(error.what)
     differs = per_recording_model(nominal, per_recording)
-    choice = choose_engine(engine, nominal, differs.fields)
+    instead = "mjx" if accelerated() else "c"
+    choice = choose_engine(engine, nominal, differs.fields, instead)
     if choice.engine == "lanes":
-        fast = LanesOpenLoop(nominal, differs, width or LANES_REPLAY[0], block or LANES_REPLAY[1], choice)
+        lanes, steps = width or LANES_REPLAY[0], block or LANES_REPLAY[1]
+        fast = LanesOpenLoop(robot, catalogue, lanes, steps, choice, nominal, differs)
         found = open_loop_agreement(fast, per_recording[0], _STATES)
         if found.agrees:
             return fast
-        choice = _distrusted(engine, found, robot)
-    return MjxOpenLoop(nominal, differs, width or MJX_REPLAY[0], block or MJX_REPLAY[1], choice)
+        choice = _distrusted(engine, found, robot, instead)
+    if choice.engine == "c":
+        return on_c(choice.reason)
+    lanes, steps = width or MJX_REPLAY[0], block or MJX_REPLAY[1]
+    return MjxOpenLoop(robot, catalogue, lanes, steps, choice, nominal, differs)
 
 
-def _distrusted(engine: str, found: Agreement, robot: Robot) -> EngineChoice:
-    """MJX where lanes fail the comparison with the C engine, which may depend on how XLA compiled them."""
+def _distrusted(engine: str, found: Agreement, robot: Robot, instead: str) -> EngineChoice:
+    """Another engine where lanes fail the comparison with C, which may depend on how XLA compiled them."""
     what = f"the lanes engine, as compiled here, {found.sentence()}"
     if engine == "lanes":
-        raise InputError(what, where=robot.source, right="use --engine mjx")
-    return EngineChoice("mjx", what)
+        raise InputError(what, where=robot.source, right=f"use --engine {instead}")
+    return EngineChoice(instead, what)

@@ -1,7 +1,7 @@
 """Open loop, whatever the engine: recorded commands replayed through many hypothetical robots at once.
 
-A lane is one hypothesis on one window of a recording. All lanes, whatever their hypothesis, length and clock, share
-one executable: it advances a fixed block of physics steps, and is called until the longest window ends.
+A lane is one hypothesis on one window of a recording. Lanes are replayed in chunks, one thread a core. An engine that
+compiles advances chunks of equal width by blocks of equal length, so that one executable serves every replay.
 """
 
 from __future__ import annotations
@@ -10,19 +10,16 @@ import abc
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
-import jax
 import numpy as np
-from mujoco import mjx
 
 from estexp_jax.physics.command_schedule import CommandHistory
 from estexp_jax.physics.effects.base import CommandLaw, Term
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.batching import EngineChoice, cores
-from estexp_jax.physics.engines.mjx.model import MjxModel
-from estexp_jax.physics.engines.mjx.terms import Hidden, stateful
+from estexp_jax.physics.engines.mjx.terms import stateful
 from estexp_jax.physics.engines.open_loop_inputs import (
     CommandSteps,
     RolledRows,
@@ -35,7 +32,6 @@ from estexp_jax.physics.engines.open_loop_inputs import (
     rolled_rows,
 )
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, at_rows
-from estexp_jax.physics.engines.per_recording_model import PerRecordingModel
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
 
@@ -64,29 +60,32 @@ class OpenLoopSimulator(abc.ABC):
     """Replays recordings through hypotheses about a robot.
 
     Attributes:
-        on_mjx: the nominal robot and the catalogue of effects.
-        differing: what differs from recording to recording.
+        robot: the nominal robot.
+        catalogue: the effects that values have an entry for.
         width: lanes in a chunk.
         block: physics steps in a call.
         choice: which engine it is, and why.
     """
 
-    on_mjx: MjxModel
-    differing: PerRecordingModel
+    robot: Robot
+    catalogue: Catalogue
     width: int
     block: int
     choice: EngineChoice
 
-    @abc.abstractmethod
-    def _prepared(self, values: Values, overrides: tuple) -> Any:
-        """Constants of all blocks; `overrides` are the lanes' `per_recording_model`."""
+    #: Precision of states, commands and readings.
+    dtype: ClassVar[type[np.floating]] = np.float32
 
     @abc.abstractmethod
-    def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
+    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
+        """Constants of all blocks; `recording` is the index of each lane's."""
+
+    @abc.abstractmethod
+    def _rested(self, prepared: Any, roll: RolledRows) -> Any:
         """Hidden variables of robots that have been where they are, a row of a roll, for long."""
 
     @abc.abstractmethod
-    def _rolled(self, prepared: Any, hidden: Hidden, roll: RolledRows) -> Hidden:
+    def _rolled(self, prepared: Any, hidden: Any, roll: RolledRows) -> Any:
         """Hidden variables after the rows of a roll, along which robots moved as recorded."""
 
     @abc.abstractmethod
@@ -96,21 +95,17 @@ class OpenLoopSimulator(abc.ABC):
         """Whole blocks of steps: the state after them, and what was seen at the beginning of each."""
 
     @property
-    def robot(self) -> Robot:
-        """The nominal robot."""
-        return self.on_mjx.robot
+    def left_out(self) -> tuple[str, ...]:
+        """What of the robot is not simulated; each follows "simulated without"."""
+        return ()
 
-    @property
-    def catalogue(self) -> Catalogue:
-        """The effects that values have an entry for."""
-        return self.on_mjx.catalogue
+    def _chunk_size(self, n: int, n_steps: int) -> int:
+        """Lanes that are replayed together, of `n` in all with windows of at most so many steps."""
+        return self.width
 
-    def model(self, values: Values, overrides: tuple) -> mjx.Model:
-        """One lane's model: with its recording's settings, and its edits."""
-        leaves, tree = jax.tree.flatten(self.on_mjx.model)
-        for position, leaf in zip(self.differing.positions, overrides, strict=True):
-            leaves[position] = leaf
-        return self.on_mjx.edited(jax.tree.unflatten(tree, leaves), values)
+    def _filled_up(self, lanes: np.ndarray) -> np.ndarray:
+        """The lanes of a chunk, and as many of them again as fill it up to its width."""
+        return np.resize(lanes, self.width)
 
     def replay(self, values: Values, windows: Sequence[Window], which: np.ndarray) -> OpenLoopRollout:
         """Replay lanes.
@@ -123,10 +118,11 @@ class OpenLoopSimulator(abc.ABC):
         which = np.asarray(which)
         remembers = instances_with(self.robot, stateful(self.catalogue), values)
         order = np.lexsort([which, self._at_work(values, which), [windows[w].steps.n_steps for w in which]])
-        chunks = [order[i : i + self.width] for i in range(0, len(order), self.width)]
+        size = self._chunk_size(len(which), max(windows[w].steps.n_steps for w in which))
+        chunks = [order[i : i + size] for i in range(0, len(order), size)]
 
         def run(lanes: np.ndarray) -> OpenLoopRollout:
-            chosen = np.resize(lanes, self.width)  # the last chunk repeats its lanes
+            chosen = self._filled_up(lanes)
             part = {name: np.asarray(v, np.float32)[chosen] for name, v in values.items()}
             here = [windows[w] for w in which[chosen]]
             return self._chunk(part, here, len(lanes), remembers=bool(remembers[lanes].any()))
@@ -137,7 +133,7 @@ class OpenLoopSimulator(abc.ABC):
         return OpenLoopRollout(*(self._gather(parts, chunks, field, rows) for field in OpenLoopRollout._fields))
 
     def _gather(self, parts: list[OpenLoopRollout], chunks: list[np.ndarray], field: str, rows: int) -> np.ndarray:
-        whole = np.full((sum(map(len, chunks)), rows, getattr(parts[0], field).shape[2]), np.nan, np.float32)
+        whole = np.full((sum(map(len, chunks)), rows, getattr(parts[0], field).shape[2]), np.nan, self.dtype)
         for part, lanes in zip(parts, chunks, strict=True):
             found = getattr(part, field)
             whole[lanes, : found.shape[1]] = found
@@ -147,7 +143,7 @@ class OpenLoopSimulator(abc.ABC):
         """Replay a chunk's lanes, keep the first `n`; if none remembers, what came before the start does not matter."""
         n_steps = max(s.steps.n_steps for s in windows) + 2  # one before for the forces, one more to read the last row
         blocks = -(-n_steps // self.block)
-        drive = command_steps(self.robot, self.catalogue, values, windows, blocks * self.block)
+        drive = command_steps(self.robot, self.catalogue, values, windows, blocks * self.block, self.dtype)
         prepared, state = self._started(values, windows, remembers=remembers)
         _, outputs = self._advanced(prepared, state, drive)
         return self._at_rows(StepReadings(*(x[1:] for x in outputs)), values, windows, n)
@@ -177,7 +173,7 @@ class OpenLoopSimulator(abc.ABC):
             length[:count], start[:count] = steps.length[own], steps.start[own]
             ctrl = CommandHistory(time[: row + 1], np.array(rows)).mean(start, length, delay[0], source[0])
             enable = np.tile(window.enable[row], (self.block, 1))
-            drive = CommandSteps(*(np.asarray(x, np.float32)[..., None] for x in (length, ctrl, enable)))
+            drive = CommandSteps(*(np.asarray(x, self.dtype)[..., None] for x in (length, ctrl, enable)))
             if row == 0:  # what sensors of forces show in the first row
                 state, _ = self._advanced(prepared, state, drive._replace(length=np.zeros_like(drive.length)))
             state, part = self._advanced(prepared, state, drive)
@@ -189,16 +185,11 @@ class OpenLoopSimulator(abc.ABC):
 
     def _started(self, values: Values, windows: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
         """Constants of all blocks, and the initial state of lanes."""
-        model, template = self.robot.model, self.on_mjx.data
-        recording = [s.recording for s in windows]
-        prepared = self._prepared(values, tuple(o[recording] for o in self.differing.values))
-        state = LaneBatchState(
-            *initial_states(self.robot, self.catalogue, values, windows),
-            np.zeros((len(windows), model.na), np.float32),
-            np.zeros((len(windows), model.nv), np.float32),
-            np.broadcast_to(np.asarray(template.sensordata), (len(windows), model.nsensordata)),
-            {},
-        )
+        model, n = self.robot.model, len(windows)
+        prepared = self._prepared(values, [s.recording for s in windows])
+        qpos, qvel = initial_states(self.robot, self.catalogue, values, windows, self.dtype)
+        act, warmstart, sensordata = (np.zeros((n, k), self.dtype) for k in (model.na, model.nv, model.nsensordata))
+        state = LaneBatchState(qpos, qvel, act, warmstart, sensordata, {})
         if stateful(self.catalogue):
             state = state._replace(hidden=self._hidden(prepared, values, windows, remembers=remembers))
         return prepared, state
@@ -210,11 +201,11 @@ class OpenLoopSimulator(abc.ABC):
         rows = max(s.rows for s in windows[:n])
         return OpenLoopRollout(*(at_rows(x, windows[:n], rows) for x in outputs))
 
-    def _hidden(self, prepared: Any, values: Values, windows: list[Window], *, remembers: bool) -> Hidden:
+    def _hidden(self, prepared: Any, values: Values, windows: list[Window], *, remembers: bool) -> Any:
         """Hidden variables at the lanes' starts: rolled along each recording's rows before them."""
-        n_rows = max(s.first if s.path is not None else 0 for s in windows) if remembers else 0
+        n_rows = max(s.rolled for s in windows) if remembers else 0
         blocks = -(-n_rows // _ROLL)
-        before = rolled_rows(self.robot, self.catalogue, values, windows, blocks * _ROLL)
+        before = rolled_rows(self.robot, self.catalogue, values, windows, blocks * _ROLL, self.dtype)
         hidden = self._rested(prepared, RolledRows(*(x[0] for x in before)))
         for b in range(blocks):
             hidden = self._rolled(prepared, hidden, RolledRows(*(x[b * _ROLL : (b + 1) * _ROLL] for x in before)))

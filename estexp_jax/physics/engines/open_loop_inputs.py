@@ -40,7 +40,12 @@ class RolledRows(NamedTuple):
 
 
 def command_steps(
-    robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window], n_steps: int
+    robot: Robot,
+    catalogue: Catalogue,
+    values: Values,
+    windows: list[Window],
+    n_steps: int,
+    dtype: type[np.floating] = np.float32,
 ) -> CommandSteps:
     """Steps of lanes, each with its own commands; beyond a window's end the last ones are held.
 
@@ -49,8 +54,8 @@ def command_steps(
     """
     shifts, sources = command_routes(robot, catalogue, values)
     nu, undelayed = robot.model.nu, _undelayed(shifts, sources)
-    length = np.zeros((n_steps, len(windows)), np.float32)
-    ctrl, enable = (np.empty((n_steps, nu, len(windows)), np.float32) for _ in range(2))
+    length = np.zeros((n_steps, len(windows)), dtype)
+    ctrl, enable = (np.empty((n_steps, nu, len(windows)), dtype) for _ in range(2))
     for i, there in equal_commands(windows, undelayed):
         s, k = windows[i], windows[i].steps.n_steps + 1
         length[1:k, there] = s.steps.length[:, None]
@@ -70,11 +75,15 @@ def equal_commands(windows: Sequence[Window], undelayed: np.ndarray) -> Iterator
 
 
 def initial_states(
-    robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window]
+    robot: Robot,
+    catalogue: Catalogue,
+    values: Values,
+    windows: list[Window],
+    dtype: type[np.floating] = np.float32,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Initial states of lanes, (lanes, nq) and (lanes, nv): measured states with each lane's sensor faults undone."""
-    qpos = np.array([s.start.qpos for s in windows], np.float32)
-    qvel = np.array([s.start.qvel for s in windows], np.float32)
+    qpos = np.array([s.start.qpos for s in windows], dtype)
+    qvel = np.array([s.start.qvel for s in windows], dtype)
     faults = [e for e in catalogue if isinstance(e, Distortion)]
     delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     drift = _drifts(robot, catalogue, values)
@@ -120,13 +129,20 @@ def _commanded_state(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
     return qpos, qvel
 
 
-def rolled_rows(robot: Robot, catalogue: Catalogue, values: Values, windows: list[Window], n_rows: int) -> RolledRows:
+def rolled_rows(
+    robot: Robot,
+    catalogue: Catalogue,
+    values: Values,
+    windows: list[Window],
+    n_rows: int,
+    dtype: type[np.floating] = np.float32,
+) -> RolledRows:
     """Rows before each window (n_rows + 1, ..., lanes), its own first row last; the first ones repeat."""
     shifts, sources = command_routes(robot, catalogue, values)
     undelayed, n = _undelayed(shifts, sources), n_rows + 1
-    model, length = robot.model, np.zeros((n, len(windows)), np.float32)
+    model, length = robot.model, np.zeros((n, len(windows)), dtype)
     qpos, qvel, ctrl, enable = (
-        np.empty((n, width, len(windows)), np.float32) for width in (model.nq, model.nv, model.nu, model.nu)
+        np.empty((n, width, len(windows)), dtype) for width in (model.nq, model.nv, model.nu, model.nu)
     )
     found = RolledRows(qpos, qvel, ctrl, enable, length)
     for i, there in equal_commands(windows, undelayed):

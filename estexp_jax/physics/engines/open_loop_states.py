@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.engines.open_loop_inputs import equal_commands
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
@@ -25,7 +24,7 @@ class LaneBatchState(NamedTuple):
     act: _Array
     warmstart: _Array
     sensordata: _Array  # of the step before
-    hidden: Hidden
+    hidden: Any  # as the engine keeps it
 
 
 class StepReadings(NamedTuple):
@@ -41,7 +40,7 @@ def at_rows(x: np.ndarray, windows: Sequence[Window], rows: int) -> np.ndarray:
 
     NaN beyond a window's last row.
     """
-    found = np.full((len(windows), rows, x.shape[1]), np.nan, np.float32)
+    found = np.full((len(windows), rows, x.shape[1]), np.nan, x.dtype)
     for i, there in equal_commands(windows, np.ones(len(windows), bool)):
         sample = windows[i].steps.sample
         found[there, : len(sample)] = np.moveaxis(x[sample, :, there], -1, 0)

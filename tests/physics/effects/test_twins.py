@@ -18,11 +18,12 @@ from tests.physics.effects.twins import TWINS, XML, Twin, simulated
 ACTING = tuple(e for e in named_effects() if isinstance(e, Term | CommandLaw | BodyForce))
 PERIOD, ROWS = 0.01, 80
 ROBOT = Robot.from_string(XML, "twin.xml")
+ENGINES = ("lanes", "c")
 
 
 @cache
-def simulator() -> OpenLoopSimulator:
-    return open_loop_simulator(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320)
+def simulator(engine: str) -> OpenLoopSimulator:
+    return open_loop_simulator(ROBOT, ACTING, [ROBOT], width=len(TWINS) + 1, block=320, engine=engine)
 
 
 def commands() -> np.ndarray:
@@ -44,12 +45,18 @@ def part(timestep: float) -> Window:
     return window_of([log], 0, (0, ROWS - 1), timestep, InitialState(np.zeros(2), np.zeros(2)))
 
 
+@pytest.fixture(autouse=True, params=ENGINES)
+def engine(request: pytest.FixtureRequest) -> str:
+    """Every test is run with each engine."""
+    return request.param
+
+
 @cache
-def ours(timestep: float) -> dict[str, np.ndarray]:
+def ours(timestep: float, engine: str) -> dict[str, np.ndarray]:
     """Positions (rows, 2) with each planted effect, and nominal ones, in one batch."""
     sets = {"nominal": [], **{text: [parse_change(text, ROBOT)] for text in TWINS}}
     values = stack([encode(ROBOT, ACTING, changes) for changes in sets.values()])
-    replay = simulator().replay(values, [part(timestep)], np.zeros(len(sets), int))
+    replay = simulator(engine).replay(values, [part(timestep)], np.zeros(len(sets), int))
     return dict(zip(sets, replay.qpos, strict=True))
 
 
@@ -57,27 +64,27 @@ def error(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.sqrt(np.mean((a - b) ** 2)))
 
 
-def test_without_a_law_the_twin_is_the_nominal_robot() -> None:
+def test_without_a_law_the_twin_is_the_nominal_robot(engine: str) -> None:
     twin = simulated(Twin, {}, commands(), switches(), PERIOD)
-    assert error(ours(0.00025)["nominal"], twin) < 2e-3
+    assert error(ours(0.00025, engine)["nominal"], twin) < 2e-3
     assert np.abs(twin).max() > 0.5
 
 
 @pytest.mark.parametrize("text", TWINS)
-def test_it_does_what_its_equation_says(text: str) -> None:
+def test_it_does_what_its_equation_says(text: str, engine: str) -> None:
     """Both at steps of a tenth of a millisecond or so, where all ways to integrate a law agree."""
     kind, share = TWINS[text]
     twin = simulated(kind, parse_change(text, ROBOT).values, commands(), switches(), PERIOD)
-    fine = ours(0.00025)
+    fine = ours(0.00025, engine)
     size = error(fine["nominal"], fine[text])
     assert size > 0.01, "the effect is seen"
     assert error(fine[text], twin) < share * size + 1e-3
 
 
 @pytest.mark.parametrize("text", TWINS)
-def test_the_nominal_step_is_short_enough(text: str) -> None:
+def test_the_nominal_step_is_short_enough(text: str, engine: str) -> None:
     """At 2.5 ms, what a law changes is as at a tenth of it, but for what the step changes in the nominal robot."""
-    fine, coarse = ours(0.00025), ours(0.0025)
+    fine, coarse = ours(0.00025, engine), ours(0.0025, engine)
     change = [x[text] - x["nominal"] for x in (fine, coarse)]
     share = 0.4 if text.startswith("backlash") else 0.15  # a blow falls between two steps
     assert error(*change) < share * error(change[0], np.zeros(2)) + 2e-3
@@ -95,10 +102,10 @@ def corners() -> list[Change]:
     return found
 
 
-def test_extreme_parameters_leave_everything_finite() -> None:
+def test_extreme_parameters_leave_everything_finite(engine: str) -> None:
     sets = corners()
     values = stack([encode(ROBOT, ACTING, [change]) for change in sets])
-    replay = simulator().replay(values, [part(0.0025)], np.zeros(len(sets), int))
+    replay = simulator(engine).replay(values, [part(0.0025)], np.zeros(len(sets), int))
     wild = [c.place for c, q, w in zip(sets, replay.qpos, replay.qvel, strict=True) if not (_sound(q) and _sound(w))]
     assert wild == []
 
@@ -112,8 +119,8 @@ def test_every_acting_effect_has_a_twin() -> None:
 
 
 @pytest.mark.parametrize("text", ["nominal", *TWINS])
-def test_it_does_the_same_whatever_others_have(text: str) -> None:
+def test_it_does_the_same_whatever_others_have(text: str, engine: str) -> None:
     """What no robot of a chunk has is skipped; here nothing is, in a chunk of all, and all but one law alone."""
     changes = [] if text == "nominal" else [parse_change(text, ROBOT)]
-    alone = simulator().replay(stack([encode(ROBOT, ACTING, changes)]), [part(0.0025)], np.zeros(1, int))
-    np.testing.assert_allclose(alone.qpos[0], ours(0.0025)[text], atol=1e-5)
+    alone = simulator(engine).replay(stack([encode(ROBOT, ACTING, changes)]), [part(0.0025)], np.zeros(1, int))
+    np.testing.assert_allclose(alone.qpos[0], ours(0.0025, engine)[text], atol=1e-5)

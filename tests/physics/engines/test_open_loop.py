@@ -62,7 +62,7 @@ def robots(integrator: str) -> tuple[Robot, ...]:
 NOW = {"engine": "mjx"}
 
 
-@pytest.fixture(autouse=True, params=["mjx", "lanes"])
+@pytest.fixture(autouse=True, params=["mjx", "lanes", "c"])
 def engine(request: pytest.FixtureRequest) -> str:
     """Every test is run with each engine."""
     NOW["engine"] = request.param
@@ -232,7 +232,7 @@ def test_a_simulation_that_blows_up_leaves_its_neighbours_alone():
 
 
 def test_one_executable_serves_all():
-    run([values()], [whole(0)], [0])
+    run([values(Change("viscous_friction", "elbow", {"c": 0.5}))], [whole(0)], [0])
     with count_compilations() as compiled:
         run([values(Change("viscous_friction", "elbow", {"c": 1.0}))] * 9, [whole(k) for k in range(3)], [0, 1, 2] * 3)
         run([values()], [window_of(RECORDINGS, 0, (3, 9), 0.001, START)], [0])

@@ -24,8 +24,8 @@ PERIOD, ROWS, MIDDLE = 0.005, 160, 100
 
 
 @cache
-def simulator() -> OpenLoopSimulator:
-    return open_loop_simulator(ROBOT, EFFECTS, [ROBOT], width=4, block=200)
+def simulator(engine: str) -> OpenLoopSimulator:
+    return open_loop_simulator(ROBOT, EFFECTS, [ROBOT], width=4, block=200, engine=engine)
 
 
 def log(ctrl: np.ndarray | None = None) -> Recording:
@@ -40,9 +40,19 @@ def part(first: int = 0, start: InitialState | None = None, recording: Recording
     return window_of([recording or log()], 0, (first, ROWS - 1), 0.0025, start)
 
 
+NOW = {"engine": "lanes"}
+
+
+@pytest.fixture(autouse=True, params=("lanes", "c"))
+def engine(request: pytest.FixtureRequest) -> str:
+    """Every test is run with each engine."""
+    NOW["engine"] = request.param
+    return request.param
+
+
 def run(text: str, segment: Window) -> OpenLoopRollout:
     changes = [parse_change(t, ROBOT) for t in text.split(" + ")] if text else []
-    return simulator().replay(stack([encode(ROBOT, EFFECTS, changes)]), [segment], np.zeros(1, int))
+    return simulator(NOW["engine"]).replay(stack([encode(ROBOT, EFFECTS, changes)]), [segment], np.zeros(1, int))
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ class Armature(Edit):
     equation: ClassVar[str] = "tau = -I dw/dt"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/armature"
+    additive: ClassVar[bool] = True
     stales_inertia: ClassVar[bool] = True
     model_attribute: ClassVar[tuple[str, str] | None] = ("joint", "armature")
 

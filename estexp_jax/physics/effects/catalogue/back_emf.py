@@ -27,6 +27,7 @@ class BackEmf(Term):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("k", "N m s/rad"),)
     equation: ClassVar[str] = "tau = -k w while the motor is on"
     source: ClassVar[str] = "DC motor: k = k_t k_e / R"
+    additive: ClassVar[bool] = True
     alike_while_on: ClassVar[str] = "viscous_friction"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:

@@ -33,6 +33,7 @@ class Cogging(Term):
     )
     equation: ClassVar[str] = "tau = A sin(n q + phase)"
     source: ClassVar[str] = "Hanselman, Brushless Permanent Magnet Motor Design, chapter 4"
+    additive: ClassVar[bool] = True
     beside_laws: ClassVar[bool] = True
     sinusoidal: ClassVar[bool] = True
 

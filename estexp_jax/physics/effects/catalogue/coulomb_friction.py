@@ -34,6 +34,7 @@ class CoulombFriction(Edit):
     equation: ClassVar[str] = "tau = -T sign(w)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/frictionloss"
+    additive: ClassVar[bool] = True
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
     flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
     beside_laws: ClassVar[bool] = True

@@ -32,6 +32,7 @@ class ExternalForce(BodyForce):
     )
     equation: ClassVar[str] = "F = (x, y, z) - k c"
     source: ClassVar[str] = "MuJoCo: xfrc_applied"
+    additive: ClassVar[bool] = True
     nested_in: ClassVar[str] = "body_mass"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:

@@ -38,6 +38,7 @@ class GravityTilt(Edit, Damage):
     equation: ClassVar[str] = "g = R_u(angle) g_nominal, u = (cos axis, sin axis, 0)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, section 2.2: the floor is canted"
+    additive: ClassVar[bool] = True
     flags: ClassVar[tuple[str, ...]] = ("gravity",)
     gene: ClassVar[int | None] = 5
     amounts: ClassVar[Amounts] = Amounts(-1.0, 1.0, (-1.0, -0.67, -0.33, 0.33, 0.67, 1.0))

@@ -34,6 +34,7 @@ class JointStiffness(Edit):
     equation: ClassVar[str] = "tau = -k (q - q0)"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/stiffness, joint/springref"
+    additive: ClassVar[bool] = True
     flags: ClassVar[tuple[str, ...]] = ("spring",)
     nested_in: ClassVar[str] = "torque_offset"
     beside_laws: ClassVar[bool] = True

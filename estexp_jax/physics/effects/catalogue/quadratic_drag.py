@@ -25,6 +25,7 @@ class QuadraticDrag(Term):
     equation: ClassVar[str] = "tau = -c |w| w"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "turbulent drag: Batchelor, An Introduction to Fluid Dynamics, section 5.11"
+    additive: ClassVar[bool] = True
     nested_in: ClassVar[str] = "viscous_friction"
     beside_laws: ClassVar[bool] = True
 

@@ -30,6 +30,7 @@ class ServoDamping(Edit):
     equation: ClassVar[str] = "tau = -k w in the motor's force"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo, XML reference, actuator/position: kv"
+    additive: ClassVar[bool] = True
     claimable: ClassVar[bool] = False
     alike_while_on: ClassVar[str] = "viscous_friction"
     model_attribute: ClassVar[tuple[str, str] | None] = ("actuator", "*")

@@ -39,6 +39,7 @@ class StribeckFriction(Term):
     )
     equation: ClassVar[str] = "tau = -(T + S exp(-(w / w_s)^2)) sign(w)"
     source: ClassVar[str] = "Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), equation 5"
+    additive: ClassVar[bool] = True
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
     flags: ClassVar[tuple[str, ...]] = ("constraint", "frictionloss")
     nested_in: ClassVar[str] = "coulomb_friction"

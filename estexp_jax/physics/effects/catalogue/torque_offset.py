@@ -20,6 +20,8 @@ class TorqueOffset(Term):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("T", "N m", signed=True),)
     equation: ClassVar[str] = "tau = T"
     source: ClassVar[str] = "constant generalised force"
+    additive: ClassVar[bool] = True
+    is_constant_torque: ClassVar[bool] = True
     beside_laws: ClassVar[bool] = True
 
     def sites(self, robot: Robot) -> tuple[str, ...]:

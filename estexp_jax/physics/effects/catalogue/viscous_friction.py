@@ -37,6 +37,7 @@ class ViscousFriction(Edit, ModelError):
     equation: ClassVar[str] = "tau = -c w"
     in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: joint/damping"
+    additive: ClassVar[bool] = True
     flags: ClassVar[tuple[str, ...]] = ("damper",)
     beside_laws: ClassVar[bool] = True
     model_attribute: ClassVar[tuple[str, str] | None] = ("joint", "damping")

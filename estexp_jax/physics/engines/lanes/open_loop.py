@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any, final
@@ -21,9 +21,9 @@ from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.lanes.model import LanesModel, field_of, lanes_model
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
+from estexp_jax.physics.engines.mjx.edited_open_loop import EditedOpenLoop
 from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.engines.motor_readings import motor_readings
-from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
 
@@ -33,7 +33,7 @@ LANES_REPLAY = 72, 64
 
 @final
 @dataclass(frozen=True, eq=False)
-class LanesOpenLoop(OpenLoopSimulator):
+class LanesOpenLoop(EditedOpenLoop):
     """Open loops in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
@@ -44,7 +44,9 @@ class LanesOpenLoop(OpenLoopSimulator):
         """The robot in lanes."""
         return lanes_model(self.on_mjx, self.differing.fields)
 
-    def _prepared(self, values: Values, overrides: tuple) -> Any:
+    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
+        overrides = self.overrides(recording)
+
         def compile_it() -> Any:
             return lower(jax.vmap(self._edited, out_axes=-1), values, overrides).compile()
 

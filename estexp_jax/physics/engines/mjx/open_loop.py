@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, final
@@ -13,10 +14,10 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.engines.mjx.edited_open_loop import EditedOpenLoop
 from estexp_jax.physics.engines.mjx.model import with_motors_switched, with_timestep
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.engines.motor_readings import motor_readings
-from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
 
@@ -26,11 +27,11 @@ MJX_REPLAY = 64, 256
 
 @final
 @dataclass(frozen=True, eq=False)
-class MjxOpenLoop(OpenLoopSimulator):
+class MjxOpenLoop(EditedOpenLoop):
     """Open loops on MJX."""
 
-    def _prepared(self, values: Values, overrides: tuple) -> Any:
-        return values, overrides
+    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
+        return values, self.overrides(recording)
 
     def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
         return _rested(self, *prepared, RolledRows(*map(_lanes_first, roll)))

@@ -1,4 +1,4 @@
-"""Law terms in simulations: both engines agree, and terms of a command do what the named effects do."""
+"""Law terms in simulations: all engines agree, and terms of a command do what the named effects do."""
 
 from functools import cache
 from itertools import product
@@ -26,6 +26,7 @@ NM = 0.8 * 8.0
 """Torque for each unit of its command, N m."""
 
 
+ENGINES = ("lanes", "mjx", "c")
 SAME = {
     "dead_band": ({"law_deaf_motor": {"a": 1.0, "m_0": NM * 0.15}}, {"dead_band": {"half_width": 0.15}}),
     "actuator_lag": ({"law_late_command": {"a": 1.0, "T": 0.12}}, {"actuator_lag": {"tau": 0.12}}),
@@ -70,7 +71,7 @@ def replayed(subject: Robot, names: list[str], window: Window, sets: list[list[C
         engine: open_loop_simulator(subject, effects, [subject], engine=engine, width=len(sets))
         .replay(values, [window], np.zeros(len(sets), int))
         .qpos
-        for engine in ("lanes", "mjx")
+        for engine in ENGINES
     }
 
 
@@ -78,7 +79,7 @@ def replayed(subject: Robot, names: list[str], window: Window, sets: list[list[C
 def test_laws_of_a_servos_command_do_what_its_named_effects_do(name: str) -> None:
     [law], [effect_] = SAME[name]
     found = servos()
-    for engine, act in product(("lanes", "mjx"), (law, effect_)):
+    for engine, act in product(ENGINES, (law, effect_)):
         np.testing.assert_allclose(found[engine][act], found["lanes"][law], atol=3e-3)
     assert np.abs(found["lanes"]["nominal"] - found["lanes"][law]).max() > 0.05
 
@@ -102,5 +103,6 @@ def with_laws() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("name", LAWS)
 def test_engines_agree_on_laws(name: str) -> None:
     found, row = with_laws(), list(LAWS).index(name)
-    np.testing.assert_allclose(found["lanes"][row], found["mjx"][row], atol=2e-5)
+    for engine in ENGINES:
+        np.testing.assert_allclose(found[engine][row], found["mjx"][row], atol=2e-5)
     assert np.abs(found["lanes"][row] - found["lanes"][-1]).max() > 5e-3

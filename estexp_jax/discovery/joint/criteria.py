@@ -1,0 +1,41 @@
+"""Every number that decides in the joint sparse fit, with its unit and where it comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+
+@final
+@dataclass(frozen=True)
+class SelectionCriteria:
+    """What the joint sparse fit decides by.
+
+    Attributes:
+        expected_effects: so many effects are expected to be missing, of all that might be: prior odds of each.
+            Convention: real machines of the board lack one to two for each joint.
+        model_error: standard deviation of a value of the model, as a share of it. Convention: data sheets and CAD.
+        torque_floor: torque that no simulator gets right, as a share of a joint's root mean square torque. Measured:
+            what regressions of logged torques leave on the machines' board, 2 to 5 %.
+        least_share: root mean square of an effect's torque below which it is not reported, as a share of its joint's;
+            as `torque_floor`, which it cannot be told from.
+        short_window: length of the windows of the torque balance, s. Measured: shorter ones are noise at 50 rows a
+            second, longer ones no longer linear where gravity is not held.
+        memory: time before a window along which hidden variables of effects are rolled, s. Convention: gears, belts and
+            controllers forget sooner; what does not, like heat, is left to other strategies.
+        independent: independent data in a window and channel, where a model error lasts as long as motions do.
+            Measured: two of half-second windows on the machines' board.
+        native_odds: prior odds of an effect that changes a value MJCF has, before one that repeats it under another
+            name, nats. Convention: enough to decide between equals.
+        clip: residuals count as at most so many standard deviations. Convention of robust regression.
+    """
+
+    expected_effects: float = 6.0
+    model_error: float = 0.03
+    torque_floor: float = 0.03
+    least_share: float = 0.03
+    short_window: float = 0.05
+    memory: float = 0.3
+    independent: float = 2.0
+    native_odds: float = 3.0
+    clip: float = 3.0

@@ -1,0 +1,148 @@
+"""The joint sparse fit: torques of short windows first, then readings of longer ones, all effects together."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from estexp_jax.discovery.fitting import Progress
+from estexp_jax.discovery.joint.candidates import candidates
+from estexp_jax.discovery.joint.criteria import SelectionCriteria
+from estexp_jax.discovery.joint.reading_stage import JointFit, gauss_newton
+from estexp_jax.discovery.joint.torque_stage import TorqueChoice, torque_choice
+from estexp_jax.estimation.channels import Channels, channel_ranges
+from estexp_jax.estimation.dataset import Dataset, dataset_of, evenly
+from estexp_jax.estimation.objective import Objective
+from estexp_jax.estimation.parameters import ParameterSpace, Place, nuisances, parameter_space
+from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.reading_noise import noise_std_of
+from estexp_jax.physics.recording import Recording
+
+_STEPS = 1_500_000
+"""Robot steps that one linearisation may take: windows are as many as that allows ..."""
+_FEWEST, _MOST = 24, 240
+"""... but at least and at most so many."""
+_LENGTHS = (0.5, 0.25)
+"""Lengths of the windows of the second stage, s: the first in which the simulator stays near the readings."""
+_NEAR = 0.3
+"""Root mean square error that is near, as a share of a reading's range."""
+_ROUNDS = 3
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class JointProblem:
+    """What the joint fit explains.
+
+    Attributes:
+        robots: the nominal robot with each recording's settings.
+        recordings: with their roles; only training ones are used.
+        channels: the readings compared.
+        simulator: of the robot and the catalogue.
+        places: what may be claimed.
+        known: places whose values are given for each recording.
+        observed: what recordings show of joints and sensors.
+    """
+
+    robots: Sequence[Robot]
+    recordings: tuple[Recording, ...]
+    channels: Channels
+    simulator: OpenLoopSimulator
+    places: Collection[Place]
+    known: Collection[Place]
+    observed: Observed
+
+
+def joint_fit(
+    problem: JointProblem, criteria: SelectionCriteria | None = None
+) -> Generator[Progress, None, tuple[TorqueChoice, JointFit]]:
+    """Fit all plausible effects together and keep those that the recordings call for.
+
+    Yields:
+        Progress of each stage.
+    """
+    criteria = criteria or SelectionCriteria()
+    space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
+    small = nuisances(space, problem.known)
+    yield Progress("torque balance", 0, 1)
+    tried = candidates(space, problem.observed, problem.places, additive=True)
+    data = _dataset(problem, criteria.short_window, criteria)
+    data = evenly(data, _affordable(data, len(tried)))
+    objective = Objective(problem.simulator, space, data, states=True)
+    added = [i for i in small if effect(space.parameters[i].effect).additive]
+    first = torque_choice(objective, tried, added, problem.robots, criteria)
+    errors = _fitted_values(space, problem.known)
+    point, places, fit = first.point, first.places, None
+    for round_ in range(_ROUNDS):
+        yield Progress("joint fit", round_, _ROUNDS)
+        data = _windows(problem, space, point, len(errors) + 3 * len(places), criteria)
+        fit = gauss_newton(objective.with_dataset(data), point, places, errors, _least_noise(problem), criteria)
+        point, places = fit.point, fit.places
+    assert fit is not None
+    return first, fit
+
+
+def _affordable(data: Dataset, directions: int) -> int:
+    """So many windows a linearisation can afford."""
+    steps = max(w.steps.n_steps for w in data.windows)
+    dofs = 2 * len(data.windows[0].start.qvel)
+    return int(np.clip(_STEPS / (steps * (directions + dofs + 1)), _FEWEST, _MOST))
+
+
+def values_only(
+    problem: JointProblem, criteria: SelectionCriteria | None = None
+) -> Generator[Progress, None, JointFit]:
+    """Values of the model refitted within ordinary errors, and no effect.
+
+    Yields:
+        Progress.
+    """
+    criteria = criteria or SelectionCriteria()
+    space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
+    errors = _fitted_values(space, problem.known)
+    yield Progress("values of the model alone", 0, 1)
+    data = _windows(problem, space, space.neutral, len(errors), criteria)
+    objective = Objective(problem.simulator, space, data)
+    return gauss_newton(objective, space.neutral, (), errors, _least_noise(problem), criteria)
+
+
+def _fitted_values(space: ParameterSpace, known: Collection[Place]) -> list[int]:
+    """Indices of the values of the model that are refitted; not of motors' gains, which have one scale with masses."""
+    return [i for i in nuisances(space, known) if not effect(space.parameters[i].effect).is_loss]
+
+
+def _dataset(problem: JointProblem, length: float, criteria: SelectionCriteria) -> Dataset:
+    return dataset_of(problem.robots, problem.recordings, problem.channels, length, memory=criteria.memory)
+
+
+def _windows(
+    problem: JointProblem, space: ParameterSpace, point: np.ndarray, directions: int, criteria: SelectionCriteria
+) -> Dataset:
+    """Windows as long as the simulator stays near the readings."""
+    data = _dataset(problem, _LENGTHS[0], criteria)
+    for length in _LENGTHS:
+        data = _dataset(problem, length, criteria)
+        data = evenly(data, min(_affordable(data, directions), 64))
+        simulated = Objective(problem.simulator, space, data).simulate(point[None])[0]
+        ranges = np.array([channel_ranges(problem.channels, problem.recordings[r]) for r in data.owner])
+        error = (data.measurements - simulated) / ranges[:, None, :]
+        if np.sqrt(np.nanmean(np.nan_to_num(error, nan=np.nan) ** 2)) < _NEAR:
+            break
+    return data
+
+
+def _least_noise(problem: JointProblem) -> np.ndarray:
+    """Noise (channels,) of the readings: the median of the training recordings'."""
+    each = [
+        [noise_std_of(r.time, column) for column in problem.channels.recorded(r).T]
+        for r in problem.recordings
+        if r.role == "train"
+    ]
+    spans = [channel_ranges(problem.channels, r) for r in problem.recordings if r.role == "train"]
+    return np.fmax(np.nanmedian(np.array(each), axis=0), 1e-5 * np.nanmedian(np.array(spans), axis=0))

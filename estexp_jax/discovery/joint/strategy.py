@@ -1,0 +1,192 @@
+"""Explaining by the joint sparse fit: where it applies, and its result as an explanation to be tested."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of
+from estexp_jax.discovery.cross_validation import as_fitted
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
+from estexp_jax.discovery.fitting import Progress
+from estexp_jax.discovery.hypotheses import Hypothesis, claiming, known_values, parameters_only, simulated
+from estexp_jax.discovery.joint.fit import JointProblem, joint_fit, values_only
+from estexp_jax.discovery.joint.reading_stage import JointFit
+from estexp_jax.discovery.location import element
+from estexp_jax.discovery.problem import Problem
+from estexp_jax.discovery.resolution import resolved
+from estexp_jax.discovery.rivals import base_of, black_box_errors
+from estexp_jax.discovery.selection import Selection, folds_of
+from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.telling import Found, diagnosis
+from estexp_jax.estimation.parameters import ParameterSpace, Place, parameter_space
+from estexp_jax.physics.effects.registry import effect, every
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
+
+_SEVERAL = 3
+"""Effects from which on the joint fit's choice counts; fewer are left to stepwise search, which knows more names."""
+_JOINTS = 3
+"""A robot of more joints is fitted jointly: stepwise search is led astray where each of them lacks something."""
+_INTERVAL = 1.645
+"""Standard deviations to either side that hold 90 % of a normal distribution."""
+
+
+def is_jointly_fitted(case: Case) -> bool:
+    """Whether a robot has many hinges and slides, all driven and all measured, so that torques can be balanced."""
+    robot, model = case.robot, case.robot.model
+    if len(robot.scalar_joints) != model.njnt or model.nv <= _JOINTS:
+        return False
+    driven = {robot.joint_of_actuator(a) for a in range(model.nu)}
+    return driven >= set(robot.scalar_joints) and all(_is_measured(robot, r) for r in case.recordings)
+
+
+def _is_measured(robot: Robot, recording: Recording) -> bool:
+    model = robot.model
+    columns = {
+        int(model.sensor_objid[s]): int(model.sensor_adr[s])
+        for s in range(model.nsensor)
+        if model.sensor_type[s] == int(mujoco.mjtSensor.mjSENS_JOINTPOS)
+    }
+    return all(
+        np.isfinite(recording.qpos[:, model.jnt_qposadr[j]]).any()
+        or (j in columns and np.isfinite(recording.sensor[:, columns[j]]).any())
+        for j in robot.scalar_joints
+    )
+
+
+def explain_jointly(
+    case: Case, config: ExplainConfig, memory: dict[str, Any]
+) -> Generator[Progress, None, Diagnosis | None]:
+    """Explain by the joint sparse fit; None where it does not apply or finds few effects.
+
+    Args:
+        case: what is to be explained.
+        config: how.
+        memory: of the caller's checkpoint.
+
+    Yields:
+        Progress.
+    """
+    if not is_jointly_fitted(case):
+        return None
+    config = replace(config, engine="c" if config.engine == "auto" else config.engine)
+    whole = problem_of(case, config, memory.setdefault("joint fit", {}))
+    settings = {name for r in case.recordings for name in r.settings}
+    known = known_values(case.robot, settings)
+    names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
+    apart = apart_in(case, whole.segments, case.indices("train"))
+    simulator = replayer_of(case, config, list(names), apart)
+    places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
+    problem = JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
+    _, fit = yield from joint_fit(problem)
+    if len(fit.places) < _SEVERAL:
+        return None
+    bent = yield from values_only(problem)
+    space = parameter_space(simulator.robot, simulator.catalogue)
+    parameters = parameters_only(case.robot, whole.replayer.catalogue, known)
+    yield Progress("held-out windows", 0, 1)
+    selection, fits, whole = _selected(whole, space, parameters, fit, bent)
+    return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
+
+
+def _selected(
+    whole: Problem, space: ParameterSpace, parameters: Hypothesis, fit: JointFit, bent: JointFit
+) -> tuple[Selection, dict[str, Fit], Problem]:
+    """The joint fit among what competes with it: nothing, values of the model alone, and itself less one effect."""
+    robot = whole.replayer.robot
+    nominal = Fit(parameters, parameters.start(), np.inf)
+    explained = as_fit(robot, space, parameters, fit, fit.places)
+    own = as_fit(robot, space, parameters, bent, ())
+    problem = whole.heard(explained.member).about(explained.member)
+    folds = folds_of(problem)
+    less = [as_fit(robot, space, parameters, fit, kept) for kept in _with_fewer(robot, fit.places)]
+    plain = replace(problem, rough=None)
+    as_it_is, corrected = (as_fitted(p, [nominal], folds)[0] for p in (replace(plain, step=None), plain))
+    found = as_fitted(problem, [own, *less, explained], folds)
+    selection = Selection(as_it_is, corrected, found[0], tuple(found[1:]), found[-1])
+    sayable = [p for p in fit.places if effect(p[0]).in_mjcf]
+    fits = {
+        "parameters_only": own,
+        "nominal": nominal,
+        "explained": explained,
+        "sayable": as_fit(robot, space, parameters, fit, sayable),
+    }
+    return selection, fits, problem
+
+
+def _with_fewer(robot: Robot, places: Sequence[Place]) -> list[tuple[Place, ...]]:
+    """The places less one effect each, and less all effects of one element each: how much either explains."""
+    each = [tuple(p for p in places if p != place) for place in places]
+    elements = dict.fromkeys(element(robot, place) for place in places)
+    return list(dict.fromkeys([*each, *(tuple(p for p in places if element(robot, p) != e) for e in elements)]))
+
+
+def as_fit(robot: Robot, space: ParameterSpace, parameters: Hypothesis, fit: JointFit, places: Sequence[Place]) -> Fit:
+    """A joint fit with some of its effects only, the others' values as they follow from its covariance.
+
+    Args:
+        robot: the nominal robot.
+        space: of the fit's point.
+        parameters: the hypothesis that only values of the model are off.
+        fit: the joint fit.
+        places: those of its effects that are kept.
+    """
+    point = without(space, fit, [p for p in fit.places if p not in places])
+    hypothesis = claiming(robot, parameters, places)
+    index = {(p.effect, p.site, p.name): i for i, p in enumerate(space.parameters)}
+    free, vector = [], []
+    for f in hypothesis.free:
+        value = float(point[index[f.effect, f.site, f.parameter]])
+        if np.isinf(f.spread):  # bounds of a claim come from what motors could do, which the recordings may exceed
+            f = replace(f, low=min(f.low, value), high=max(f.high, value))
+        free.append(f)
+        vector.append(np.clip(value, f.low, f.high))
+    return Fit(Hypothesis(hypothesis.places, tuple(free)), np.array(vector), np.inf)
+
+
+def without(space: ParameterSpace, fit: JointFit, places: Sequence[Place]) -> np.ndarray:
+    """The point (n,) at which some effects are absent and all else is as the joint fit's covariance has it then."""
+    point = fit.point.copy()
+    gone = np.isin(fit.indices, [i for place in places for i in space.of_place[place]])
+    if gone.any():
+        offset = (fit.point - space.neutral)[fit.indices]
+        gain = np.linalg.lstsq(fit.covariance[np.ix_(gone, gone)], offset[gone], rcond=None)[0]
+        point[fit.indices[~gone]] -= fit.covariance[np.ix_(~gone, gone)] @ gain
+        point = np.clip(point, space.bounds[:, 0], np.maximum(space.bounds[:, 1], point))
+    for place in places:
+        point[space.of_place[place]] = space.neutral[space.of_place[place]]
+    return point
+
+
+def _intervals(space: ParameterSpace, explained: Fit, fit: JointFit) -> np.ndarray:
+    """90 % intervals (n_free, 2) of the explained fit's values; of what was not free, the value itself."""
+    std = np.zeros(len(space.parameters))
+    std[fit.indices] = fit.std
+    index = {(p.effect, p.site, p.name): i for i, p in enumerate(space.parameters)}
+    # The least values stay bounds; the largest come from what motors could do, which the recordings may exceed.
+    reach = _INTERVAL * np.array([std[index[f.effect, f.site, f.parameter]] for f in explained.hypothesis.free])
+    low = np.minimum([f.low for f in explained.hypothesis.free], explained.vector)
+    return np.stack([np.maximum(explained.vector - reach, low), explained.vector + reach], axis=1)
+
+
+def _told(
+    case: Case,
+    config: ExplainConfig,
+    problem: Problem,
+    selection: Selection,
+    fits: dict[str, Fit],
+    intervals: np.ndarray,
+) -> Generator[Progress, None, Diagnosis]:
+    """The result, proven on the test recordings."""
+    yield Progress("black box", 0, 1)
+    bases = [base_of(case, problem, fits[name]) for name in ("parameters_only", "nominal")]
+    learned = black_box_errors(case, config, problem, bases)
+    yield Progress("test recordings", 0, 1)
+    shown = resolved(case, problem, problem, fits["explained"].member)
+    found = Found(problem, shown, selection, fits, learned, bases[0][1], intervals=intervals)
+    return diagnosis(case, config, found)

@@ -1,0 +1,110 @@
+"""All that acts in a step of a chunk's lanes: command laws, then terms, in the catalogue's order, and body forces."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Term
+from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.registry import Catalogue
+from estexp_jax.physics.engines.c.acting_motors import Chunk
+from estexp_jax.physics.engines.c.body_forces import ActingBodyForce
+from estexp_jax.physics.engines.c.command_laws import ActingCommandLaw
+from estexp_jax.physics.engines.c.instances import instances_of
+from estexp_jax.physics.engines.c.lane_models import LaneModels
+from estexp_jax.physics.engines.c.step_table import StepTable
+from estexp_jax.physics.engines.c.terms import ActingTerm
+from estexp_jax.physics.model.robot import Robot
+
+LaneHidden = dict[str, np.ndarray]
+"""Hidden variables (variables, instances) of each effect that has some and is at work, by its name."""
+
+
+@final
+class ActingEffects:
+    """The effects of a catalogue that act during steps, where they are at work.
+
+    Attributes:
+        laws, terms, body_forces: those that are anywhere.
+    """
+
+    def __init__(self, robot: Robot, catalogue: Catalogue, models: LaneModels, values: Values) -> None:
+        """With edited models, and values (lanes, n_sites, n_parameters) of each effect."""
+        self._chunk = Chunk(robot, models, StepTable(robot.model, models.lanes))
+        self.laws: list[ActingCommandLaw] = []
+        self.terms: list[ActingTerm] = []
+        self.body_forces: list[ActingBodyForce] = []
+        for e in catalogue:
+            there = (
+                instances_of(e, np.asarray(values[e.name])) if isinstance(e, CommandLaw | Term | BodyForce) else None
+            )
+            if there is None:
+                continue
+            if isinstance(e, CommandLaw):
+                self.laws.append(ActingCommandLaw(e, self._chunk, there))
+            elif isinstance(e, Term):
+                self.terms.append(ActingTerm(e, self._chunk, there))
+            elif isinstance(e, BodyForce):
+                self.body_forces.append(ActingBodyForce(e, robot, there))
+        self._armature = np.array(models.read("dof_armature"))  # a copy: terms change the field itself
+        self._disabled = _disabled(robot)
+
+    @property
+    def table(self) -> StepTable:
+        """Of the present step."""
+        return self._chunk.table
+
+    @property
+    def written(self) -> set[str]:
+        """Parts of the table that terms have changed so far."""
+        return set[str]().union(*(term.written for term in self.terms))
+
+    def begin(
+        self, qpos: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray, enable: np.ndarray, dt: np.ndarray
+    ) -> StepTable:
+        """The table filled with the beginning of a step: arrays (lanes, ...), switches of motors by their commands."""
+        table = self.table
+        table["qpos"][:], table["qvel"][:], table["ctrl"][:], table["dt"][:, 0] = qpos, qvel, ctrl, dt
+        table["on"][:] = self.switches(enable)
+        table["share"][:], table["rotor_inertia"][:] = 1.0, self._armature
+        for part in ("force", "damping", "friction"):
+            table[part][:] = 0.0
+        return table
+
+    def switches(self, enable: np.ndarray) -> np.ndarray:
+        """Which motors (lanes, motors) are on, of switches (lanes, nu) of their commands; 1.0 or 0.0."""
+        adr = self._chunk.robot.model.actuator_ctrladr
+        on = enable[:, np.maximum(adr, 0)] if enable.shape[1] else np.ones((len(enable), len(adr)))
+        return np.where(self._disabled, 0.0, np.where(adr < 0, 1.0, on))
+
+    def rest(self) -> LaneHidden:
+        """Hidden variables of robots that have been where the table says, under its commands, for long."""
+        return {e.effect.name: e.rest(self.table) for e in (*self.laws, *self.terms) if e.effect.n_states}
+
+    def act(self, hidden: LaneHidden) -> LaneHidden:
+        """Let command laws and terms act in the step that has begun; hidden variables after it."""
+        after: LaneHidden = {}
+        for e in (*self.laws, *self.terms):
+            state = e.act(self.table, hidden.get(e.effect.name))
+            if e.effect.n_states:
+                after[e.effect.name] = state
+        return after
+
+    def kept(self, moves: np.ndarray, before: LaneHidden, after: LaneHidden) -> LaneHidden:
+        """Hidden variables after a step in lanes that it moves (lanes,), before it in the others."""
+        if moves.all():
+            return after
+        found = {}
+        for e in (*self.laws, *self.terms):
+            if (name := e.effect.name) in after:
+                found[name] = np.where(moves[e.lane], after[name], before[name])
+        return found
+
+
+def _disabled(robot: Robot) -> np.ndarray:
+    """Which motors (motors,) are in a group that the model's options switch off."""
+    model = robot.model
+    group, off = model.actuator_group, int(model.opt.disableactuator)
+    return (group >= 0) & (group < 31) & ((off >> np.clip(group, 0, 30)) & 1 == 1)

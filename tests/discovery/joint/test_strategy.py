@@ -1,0 +1,62 @@
+"""The joint sparse fit: several effects found together on an arm that plain MuJoCo moved, and nothing where none is."""
+
+from collections.abc import Generator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
+from estexp_jax.discovery.explain import explain
+from estexp_jax.discovery.joint.strategy import explain_jointly, is_jointly_fitted
+from estexp_jax.physics.model.robot import Robot
+from tests.discovery.joint.arm import NOMINAL, PLANTED, case
+from tests.discovery.planted import ONE
+
+
+def _result(steps: Generator[Any, None, Any]) -> Any:
+    try:
+        while True:
+            next(steps)
+    except StopIteration as end:
+        return end.value
+
+
+@pytest.fixture(scope="module")
+def found() -> Diagnosis:
+    return _result(explain(case(planted=True), ExplainConfig()))
+
+
+def test_all_that_is_missing_is_named_at_its_joint_with_its_size(found: Diagnosis):
+    damping, dry = PLANTED["dof_damping"], PLANTED["dof_frictionloss"]
+    wanted = {("viscous_friction", f"j{i + 1}"): c for i, c in enumerate(damping) if c}
+    wanted |= {("coulomb_friction", f"j{i + 1}"): T for i, T in enumerate(dry) if T}
+    told = {(w["effect"], w["name"]): next(iter(w["parameters"].values())) for w in found.findings["what"]}
+    assert set(told) == set(wanted)
+    for place, value in wanted.items():
+        assert told[place]["value"] == pytest.approx(value, rel=0.05)
+        assert told[place]["low"] <= told[place]["value"] <= told[place]["high"]
+
+
+def test_the_joints_are_located_and_the_test_recording_is_predicted(found: Diagnosis):
+    findings = found.findings
+    assert findings["verdict"] == "missing_physics"
+    assert {entry["name"] for entry in findings["where"]} <= {"j1", "j2", "j3", "j4"}
+    assert sum(entry["share"] for entry in findings["where"]) == pytest.approx(1.0, abs=0.1)
+    assert findings["fit"]["gain"]["low"] > 0.9
+
+
+def test_where_nothing_is_missing_the_stepwise_search_is_asked():
+    assert _result(explain_jointly(case(planted=False), ExplainConfig(), {})) is None
+
+
+def test_it_applies_to_robots_of_many_joints_all_driven_and_measured():
+    arm = case(planted=True)
+    assert is_jointly_fitted(arm)
+    lever = Robot.from_string(ONE, "one")
+    assert not is_jointly_fitted(Case(lever, arm.recordings, (lever,) * 3))
+    idle = Robot.from_string(NOMINAL.replace('<motor name="m4" joint="j4"/>', '<motor name="m4" joint="j3"/>'), "idle")
+    assert not is_jointly_fitted(Case(idle, arm.recordings, (idle,) * 3))
+    unmeasured = tuple(replace(r, sensor=r.sensor * [1.0, 1.0, np.nan, 1.0]) for r in arm.recordings)
+    assert not is_jointly_fitted(Case(arm.robot, unmeasured, arm.robots))
