@@ -56,7 +56,12 @@ def candidates(
         e = effect(place[0])
         if place not in places or e.additive != additive or place[1] == ALL_ALIKE or e.grows_in_time:
             continue
-        guesses = e.initial_guesses(space.robot, place[1], observed)
+        names = [p.name for p in e.parameters]
+        guesses = [
+            values
+            for values in e.initial_guesses(space.robot, place[1], observed)
+            if e.identifiable(space.robot, place[1], dict(zip(names, values, strict=False)), observed)
+        ]
         directions = [with_values(space, space.neutral, place, values) - space.neutral for values in guesses]
         amounts = _amounts(space, place)
         own = [Candidate(place, d, amounts, *_multiples(space, d), len(e.parameters)) for d in directions if d.any()]

@@ -11,7 +11,8 @@ import numpy as np
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.joint.candidates import candidates
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
-from estexp_jax.discovery.joint.reading_stage import JointFit, gauss_newton
+from estexp_jax.discovery.joint.growth import Growth
+from estexp_jax.discovery.joint.reading_stage import JointFit, gauss_newton, without
 from estexp_jax.discovery.joint.torque_stage import TorqueChoice, torque_choice
 from estexp_jax.estimation.channels import Channels, channel_ranges
 from estexp_jax.estimation.dataset import Dataset, dataset_of, evenly
@@ -24,15 +25,16 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.reading_noise import noise_std_of
 from estexp_jax.physics.recording import Recording
 
-_STEPS = 1_500_000
-"""Robot steps that one linearisation may take: windows are as many as that allows ..."""
-_FEWEST, _MOST = 24, 240
+_STEPS, _GROWTH_STEPS = 500_000, 2_500_000
+"""Robot steps that one linearisation may take, and one of all candidates: windows are as many as that allows ..."""
+_FEWEST, _MOST = 8, 240
 """... but at least and at most so many."""
-_LENGTHS = (0.5, 0.25)
+_FEWEST_LONG, _MOST_LONG = 16, 64
+"""Longer windows are taken only where there are so many, for held-out stretches to differ; and at most so many."""
+_LENGTHS = (2.0, 1.0, 0.5, 0.25)
 """Lengths of the windows of the second stage, s: the first in which the simulator stays near the readings."""
-_NEAR = 0.3
-"""Root mean square error that is near, as a share of a reading's range."""
 _ROUNDS = 3
+_GROWTHS = 6
 
 
 @final
@@ -73,7 +75,7 @@ def joint_fit(
     yield Progress("torque balance", 0, 1)
     tried = candidates(space, problem.observed, problem.places, additive=True)
     data = _dataset(problem, criteria.short_window, criteria)
-    data = evenly(data, _affordable(data, len(tried)))
+    data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
     objective = Objective(problem.simulator, space, data, states=True)
     added = [i for i in small if effect(space.parameters[i].effect).additive]
     first = torque_choice(objective, tried, added, problem.robots, criteria)
@@ -85,14 +87,41 @@ def joint_fit(
         fit = gauss_newton(objective.with_dataset(data), point, places, errors, _least_noise(problem), criteria)
         point, places = fit.point, fit.places
     assert fit is not None
+    fit = yield from _grown(problem, objective, fit, errors, criteria)
     return first, fit
 
 
-def _affordable(data: Dataset, directions: int) -> int:
+def _grown(
+    problem: JointProblem, objective: Objective, fit: JointFit, errors: list[int], criteria: SelectionCriteria
+) -> Generator[Progress, None, JointFit]:
+    """The fit with what predicts held-out stretches better, and without what does not."""
+    space, noise = objective.space, _least_noise(problem)
+    every = [c for a in (True, False) for c in candidates(space, problem.observed, problem.places, additive=a)]
+    tried = [c for c in every if not effect(c.place[0]).sinusoidal]  # which torques show as well as readings
+    for round_ in range(_GROWTHS):
+        yield Progress("more effects", round_, _GROWTHS)
+        directions = len(errors) + 3 * len(fit.places) + len(tried)
+        data = _windows(problem, space, fit.point, directions, criteria, _GROWTH_STEPS)
+        more, tried = Growth(objective.with_dataset(data), errors, noise, criteria).grown(fit, tried)
+        if more is None:
+            break
+        fit = more
+    data = _windows(problem, space, fit.point, len(errors) + 3 * len(fit.places), criteria)
+    now = objective.with_dataset(data)
+    judge = Growth(now, errors, noise, criteria)
+    fit = gauss_newton(now, fit.point, fit.places, errors, noise, criteria)
+    wrong = [p for p in judge.wrong_values(fit) if p in problem.places]
+    if wrong:
+        fit = gauss_newton(now, fit.point, [*fit.places, *wrong], errors, noise, criteria)
+    kept = judge.needed(fit)
+    return gauss_newton(now, without(space, fit, [p for p in fit.places if p not in kept]), kept, errors, noise, criteria)
+
+
+def _affordable(data: Dataset, directions: int, most: float) -> int:
     """So many windows a linearisation can afford."""
     steps = max(w.steps.n_steps for w in data.windows)
     dofs = 2 * len(data.windows[0].start.qvel)
-    return int(np.clip(_STEPS / (steps * (directions + dofs + 1)), _FEWEST, _MOST))
+    return int(np.clip(most / (steps * (directions + dofs + 1)), _FEWEST, _MOST))
 
 
 def values_only(
@@ -122,17 +151,25 @@ def _dataset(problem: JointProblem, length: float, criteria: SelectionCriteria) 
 
 
 def _windows(
-    problem: JointProblem, space: ParameterSpace, point: np.ndarray, directions: int, criteria: SelectionCriteria
+    problem: JointProblem,
+    space: ParameterSpace,
+    point: np.ndarray,
+    directions: int,
+    criteria: SelectionCriteria,
+    steps: float = _STEPS,
 ) -> Dataset:
     """Windows as long as the simulator stays near the readings."""
-    data = _dataset(problem, _LENGTHS[0], criteria)
+    data = _dataset(problem, _LENGTHS[-1], criteria)
     for length in _LENGTHS:
         data = _dataset(problem, length, criteria)
-        data = evenly(data, min(_affordable(data, directions), 64))
+        most = min(_affordable(data, directions, steps), _MOST_LONG)
+        if length > _LENGTHS[-1] and min(len(data.windows), most) < _FEWEST_LONG:
+            continue
+        data = evenly(data, most)
         simulated = Objective(problem.simulator, space, data).simulate(point[None])[0]
         ranges = np.array([channel_ranges(problem.channels, problem.recordings[r]) for r in data.owner])
         error = (data.measurements - simulated) / ranges[:, None, :]
-        if np.sqrt(np.nanmean(np.nan_to_num(error, nan=np.nan) ** 2)) < _NEAR:
+        if np.sqrt(np.nanmean(error**2)) < criteria.near:
             break
     return data
 

@@ -15,7 +15,7 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, known_values, parameters_only, simulated
 from estexp_jax.discovery.joint.fit import JointProblem, joint_fit, values_only
-from estexp_jax.discovery.joint.reading_stage import JointFit
+from estexp_jax.discovery.joint.reading_stage import JointFit, without
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.resolution import resolved
@@ -147,20 +147,6 @@ def as_fit(robot: Robot, space: ParameterSpace, parameters: Hypothesis, fit: Joi
         free.append(f)
         vector.append(np.clip(value, f.low, f.high))
     return Fit(Hypothesis(hypothesis.places, tuple(free)), np.array(vector), np.inf)
-
-
-def without(space: ParameterSpace, fit: JointFit, places: Sequence[Place]) -> np.ndarray:
-    """The point (n,) at which some effects are absent and all else is as the joint fit's covariance has it then."""
-    point = fit.point.copy()
-    gone = np.isin(fit.indices, [i for place in places for i in space.of_place[place]])
-    if gone.any():
-        offset = (fit.point - space.neutral)[fit.indices]
-        gain = np.linalg.lstsq(fit.covariance[np.ix_(gone, gone)], offset[gone], rcond=None)[0]
-        point[fit.indices[~gone]] -= fit.covariance[np.ix_(~gone, gone)] @ gain
-        point = np.clip(point, space.bounds[:, 0], np.maximum(space.bounds[:, 1], point))
-    for place in places:
-        point[space.of_place[place]] = space.neutral[space.of_place[place]]
-    return point
 
 
 def _intervals(space: ParameterSpace, explained: Fit, fit: JointFit) -> np.ndarray:

@@ -65,8 +65,7 @@ def torque_choice(
     std = _noise(_densely_explained(balance, columns, own, criteria), balance, objective.dataset.owner, criteria)
     regression = _regression(balance, columns, std, own, criteria)
     simple = {g for g, c in enumerate(own) if not effect(c.place[0]).nested_in}
-    first = regression.search(allowed=simple)
-    chosen = regression.search(first.groups, exchange=False)
+    chosen = regression.search(allowed=simple)
     chosen = _without_trifles(regression, chosen, balance, columns, criteria)
     times = chosen.coefficients(len(columns))
     point, shares = space.neutral.copy(), dict[Place, float]()

@@ -1,0 +1,171 @@
+"""Growing a joint fit: effects that torques of short windows do not settle, tried on its readings one at a time.
+
+Gains, loads, delays, lags, gaps and faulty sensors are far from linear or share a scale with the masses, and relatives
+of friction look alike in a balance of torques, so that they are not offered all at once. Each is simulated at its first
+guesses beside the fit, and in place of each of its effects; what predicts held-out stretches best is fitted with all
+the rest, and stays where the readings agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from estexp_jax.discovery.joint.candidates import Candidate, derivatives
+from estexp_jax.discovery.joint.criteria import SelectionCriteria
+from estexp_jax.discovery.joint.held_out import HeldOut, HeldOutGain
+from estexp_jax.discovery.joint.reading_stage import STRETCHES, JointFit, cost_at, gauss_newton, without
+from estexp_jax.estimation.linearised import linearised, reading_noise_of
+from estexp_jax.estimation.objective import Objective
+from estexp_jax.estimation.parameters import Place
+
+_FITTED = 2
+"""So many of the most promising effects are fitted before one is taken."""
+_LOOKED_AT_AGAIN = 40
+"""So many guesses are tried again beside what was added."""
+
+
+class Proposal(NamedTuple):
+    """An effect that might be added, at a multiple of its guess; `instead_of` another, or of none."""
+
+    candidate: Candidate
+    instead_of: Place | None
+    gain: HeldOutGain
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """What a joint fit may grow by, and how that is judged.
+
+    Attributes:
+        objective: the windows that are fitted.
+        nuisances: indices of values of the model that may be a little off.
+        least_noise: (channels,) noise of the readings.
+        criteria: what decides.
+    """
+
+    objective: Objective
+    nuisances: Sequence[int]
+    least_noise: np.ndarray
+    criteria: SelectionCriteria
+
+    def grown(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[JointFit | None, list[Candidate]]:
+        """The fit with one more effect or another one, None where none is better; and what may be tried again."""
+        proposals = self.proposed(fit, tried)
+        price = _price(tried, self.criteria)
+        good = [p for p in proposals if p.gain.coefficient and self.is_gain(p.gain, price)]
+        again = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
+        kept = list(again.values())[:_LOOKED_AT_AGAIN]
+        if not good:
+            return None, kept
+        found = [self._fitted(fit, p) for p in _one_of_each(good)[:_FITTED]]
+        data, at = self.objective.dataset, fit.point[None]
+        noise = reading_noise_of(data, self.objective.simulate(at)[0], self.least_noise, self.criteria.clip)
+        costs = cost_at(self.objective, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
+        best = int(np.argmin(costs[1:]))
+        count = self.criteria.independent * int(np.isfinite(data.measurements).any(axis=1).sum())
+        return found[best] if 0.5 * count * (costs[0] - costs[best + 1]) > price else None, kept
+
+    def proposed(self, fit: JointFit, tried: Sequence[Candidate]) -> list[Proposal]:
+        """What each candidate adds to how held-out stretches are predicted, beside a fit and in it, the best first."""
+        open_ = [c for c in tried if c.place not in fit.places]
+        if not open_:
+            return []
+        held_out, base = self._held_out(fit, [c.direction for c in open_])
+        columns = len(base) + np.arange(len(open_))
+        felt = np.sum(held_out.linear.columns[:, columns] ** 2, axis=0) > 1e-12
+        least = np.array([c.least for c in open_])[felt]
+        most = np.array([c.most for c in open_])[felt]
+        groups = self._groups(fit)
+        found = []
+        for place in (None, *fit.places):
+            gone = groups[place] if place else np.zeros(0, int)
+            gains = held_out.gains_of(columns[felt], base, gone, least, most)
+            found += [Proposal(open_[int(i)], place, g) for i, g in zip(np.flatnonzero(felt), gains, strict=True)]
+        return sorted(found, key=lambda p: -p.gain.total)
+
+    def needed(self, fit: JointFit) -> tuple[Place, ...]:
+        """The places of a fit without which held-out stretches are predicted worse."""
+        places = list(fit.places)
+        held_out, base = self._held_out(fit, [])
+        groups = self._groups(fit)
+        while places:
+            gains = {p: held_out.gain_of(groups[p], base) for p in places}
+            worst = min(places, key=lambda p: gains[p].in_errors)
+            if gains[worst].in_errors > self.criteria.kept_errors:
+                break
+            places.remove(worst)
+            base = np.setdiff1d(base, groups[worst])
+        return tuple(places)
+
+    def wrong_values(self, fit: JointFit) -> tuple[Place, ...]:
+        """Values of the model that the fit moved farther than they are usually off, where held-out stretches agree."""
+        space, free = self.objective.space, self._free(fit)
+        held_out, base = self._held_out(fit, [])
+        found = []
+        for k, i in enumerate(free[len(free) - self._n_nuisances(fit) :], len(free) - self._n_nuisances(fit)):
+            p = space.parameters[i]
+            off = abs(fit.point[i] - p.neutral) / (self.criteria.model_error * p.nominal)
+            if off > self.criteria.wrong_value and self.is_gain(held_out.gain_of([k], base), 0.0):
+                found.append(p.place)
+        return tuple(found)
+
+    def is_gain(self, gain: HeldOutGain, price: float) -> bool:
+        """Whether a held-out gain is more than chance and choice among many would give."""
+        return gain.total > price and gain.in_errors > self.criteria.standard_errors
+
+    def _fitted(self, fit: JointFit, p: Proposal) -> JointFit:
+        gone = [p.instead_of] if p.instead_of else []
+        point = without(self.objective.space, fit, gone) + p.candidate.at(p.gain.coefficient)
+        places = [*(q for q in fit.places if q not in gone), p.candidate.place]
+        return gauss_newton(self.objective, point, places, self.nuisances, self.least_noise, self.criteria)
+
+    def _free(self, fit: JointFit) -> list[int]:
+        own = [int(i) for place in fit.places for i in self.objective.space.of_place[place]]
+        return [*own, *(i for i in self.nuisances if i not in own)]
+
+    def _n_nuisances(self, fit: JointFit) -> int:
+        return len(self._free(fit)) - sum(len(self.objective.space.of_place[p]) for p in fit.places)
+
+    def _groups(self, fit: JointFit) -> dict[Place, np.ndarray]:
+        """Positions of each place's columns among those of the fit."""
+        position = {i: k for k, i in enumerate(self._free(fit))}
+        return {p: np.array([position[int(i)] for i in self.objective.space.of_place[p]]) for p in fit.places}
+
+    def _held_out(self, fit: JointFit, more: Sequence[np.ndarray]) -> tuple[HeldOut, np.ndarray]:
+        """Windows about a fit with its own parameters, nuisances, and more directions; and the first two's columns."""
+        objective, criteria = self.objective, self.criteria
+        space = objective.space
+        free = derivatives(space, fit.point, self._free(fit))
+        directions = np.concatenate([free.directions, np.reshape(more, (len(more), len(fit.point)))])
+        found = objective.responses(fit.point, directions)
+        noise = reading_noise_of(objective.dataset, found.point, self.least_noise, criteria.clip)
+        linear = linearised(objective.dataset, found, noise, criteria.independent, criteria.clip)
+        offset = (fit.point - space.neutral)[free.indices] / free.steps
+        base = np.arange(len(free.indices))
+        nominal = np.array([space.parameters[i].nominal for i in free.indices])
+        claimed = base < len(base) - self._n_nuisances(fit)
+        precision = (free.steps / np.where(claimed, np.inf, criteria.model_error * nominal)) ** 2
+        held_out = HeldOut(
+            linear,
+            linear.residual + linear.columns[:, base] @ offset,
+            np.concatenate([precision, np.zeros(len(more))]),
+            STRETCHES,
+            linear.observations / max(len(objective.dataset.windows), 1),
+            criteria.freedom,
+        )
+        return held_out, base
+
+
+def _one_of_each(proposals: Sequence[Proposal]) -> list[Proposal]:
+    """The first guess of each place."""
+    return list({p.candidate.place: p for p in reversed(proposals)}.values())[::-1]
+
+
+def _price(tried: Sequence[Candidate], criteria: SelectionCriteria) -> float:
+    """Prior log odds, nats, against any one place of all that were tried."""
+    return float(np.log(max(len({c.place for c in tried}) / criteria.expected_effects, 1.0)))
