@@ -114,7 +114,9 @@ def _grown(
     if wrong:
         fit = gauss_newton(now, fit.point, [*fit.places, *wrong], errors, noise, criteria)
     kept = judge.needed(fit)
-    return gauss_newton(now, without(space, fit, [p for p in fit.places if p not in kept]), kept, errors, noise, criteria)
+    return gauss_newton(
+        now, without(space, fit, [p for p in fit.places if p not in kept]), kept, errors, noise, criteria
+    )
 
 
 def _affordable(data: Dataset, directions: int, most: float) -> int:

@@ -8,7 +8,7 @@ the rest, and stays where the readings agree.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, final
 
@@ -22,8 +22,10 @@ from estexp_jax.estimation.linearised import linearised, reading_noise_of
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import Place
 
-_FITTED = 2
-"""So many of the most promising effects are fitted before one is taken."""
+_AT_ONCE = 4
+"""So many effects are added about one linearisation, before the readings are simulated again."""
+_FELT = 1e-12
+"""Sum of squares of whitened readings from which on a candidate does anything at all."""
 _LOOKED_AT_AGAIN = 40
 """So many guesses are tried again beside what was added."""
 
@@ -54,39 +56,46 @@ class Growth:
     criteria: SelectionCriteria
 
     def grown(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[JointFit | None, list[Candidate]]:
-        """The fit with one more effect or another one, None where none is better; and what may be tried again."""
-        proposals = self.proposed(fit, tried)
-        price = _price(tried, self.criteria)
-        good = [p for p in proposals if p.gain.coefficient and self.is_gain(p.gain, price)]
-        again = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
-        kept = list(again.values())[:_LOOKED_AT_AGAIN]
-        if not good:
-            return None, kept
-        found = [self._fitted(fit, p) for p in _one_of_each(good)[:_FITTED]]
+        """The fit with more or other effects, None where none is better; and what may be tried again."""
+        chosen, again = self._chosen(fit, tried)
+        if not chosen:
+            return None, again
+        several = [chosen, chosen[:1]] if len(chosen) > 1 else [chosen]
+        found = [self._fitted(fit, proposals) for proposals in several]
         data, at = self.objective.dataset, fit.point[None]
         noise = reading_noise_of(data, self.objective.simulate(at)[0], self.least_noise, self.criteria.clip)
         costs = cost_at(self.objective, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
-        best = int(np.argmin(costs[1:]))
         count = self.criteria.independent * int(np.isfinite(data.measurements).any(axis=1).sum())
-        return found[best] if 0.5 * count * (costs[0] - costs[best + 1]) > price else None, kept
+        gains = 0.5 * count * (costs[0] - costs[1:]) - _price(tried, self.criteria) * np.array(list(map(len, several)))
+        best = int(np.argmax(gains))
+        return found[best] if gains[best] > 0.0 else None, again
 
-    def proposed(self, fit: JointFit, tried: Sequence[Candidate]) -> list[Proposal]:
-        """What each candidate adds to how held-out stretches are predicted, beside a fit and in it, the best first."""
+    def _chosen(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[list[Proposal], list[Candidate]]:
+        """Effects to be added, one after the other about one linearisation; and the candidates that gain anything."""
         open_ = [c for c in tried if c.place not in fit.places]
         if not open_:
-            return []
+            return [], []
         held_out, base = self._held_out(fit, [c.direction for c in open_])
-        columns = len(base) + np.arange(len(open_))
-        felt = np.sum(held_out.linear.columns[:, columns] ** 2, axis=0) > 1e-12
-        least = np.array([c.least for c in open_])[felt]
-        most = np.array([c.most for c in open_])[felt]
-        groups = self._groups(fit)
-        found = []
-        for place in (None, *fit.places):
-            gone = groups[place] if place else np.zeros(0, int)
-            gains = held_out.gains_of(columns[felt], base, gone, least, most)
-            found += [Proposal(open_[int(i)], place, g) for i, g in zip(np.flatnonzero(felt), gains, strict=True)]
-        return sorted(found, key=lambda p: -p.gain.total)
+        first, groups, chosen = len(base), self._groups(fit), list[Proposal]()
+        again = list[Candidate]()
+        for _ in range(_AT_ONCE):
+            taken = {p.candidate.place for p in chosen}
+            left = [i for i, c in enumerate(open_) if c.place not in taken]
+            proposals = proposed(
+                held_out, base, groups, open_, [i for i in left if _is_felt(held_out, first + i)], first
+            )
+            if not chosen:
+                gaining = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
+                again = list(gaining.values())[:_LOOKED_AT_AGAIN]
+            price = _price(tried, self.criteria)
+            best = next((p for p in proposals if p.gain.coefficient and self.is_gain(p.gain, price)), None)
+            if best is None:
+                break
+            chosen.append(best)
+            if best.instead_of:
+                base = np.setdiff1d(base, groups.pop(best.instead_of))
+            base = np.append(base, first + next(i for i, c in enumerate(open_) if c is best.candidate))
+        return chosen, again
 
     def needed(self, fit: JointFit) -> tuple[Place, ...]:
         """The places of a fit without which held-out stretches are predicted worse."""
@@ -118,10 +127,11 @@ class Growth:
         """Whether a held-out gain is more than chance and choice among many would give."""
         return gain.total > price and gain.in_errors > self.criteria.standard_errors
 
-    def _fitted(self, fit: JointFit, p: Proposal) -> JointFit:
-        gone = [p.instead_of] if p.instead_of else []
-        point = without(self.objective.space, fit, gone) + p.candidate.at(p.gain.coefficient)
-        places = [*(q for q in fit.places if q not in gone), p.candidate.place]
+    def _fitted(self, fit: JointFit, proposals: Sequence[Proposal]) -> JointFit:
+        gone = [p.instead_of for p in proposals if p.instead_of]
+        point = without(self.objective.space, fit, gone)
+        point = point + sum(p.candidate.at(p.gain.coefficient) for p in proposals)
+        places = [*(q for q in fit.places if q not in gone), *(p.candidate.place for p in proposals)]
         return gauss_newton(self.objective, point, places, self.nuisances, self.least_noise, self.criteria)
 
     def _free(self, fit: JointFit) -> list[int]:
@@ -161,9 +171,38 @@ class Growth:
         return held_out, base
 
 
-def _one_of_each(proposals: Sequence[Proposal]) -> list[Proposal]:
-    """The first guess of each place."""
-    return list({p.candidate.place: p for p in reversed(proposals)}.values())[::-1]
+def proposed(
+    held_out: HeldOut,
+    base: np.ndarray,
+    groups: Mapping[Place, np.ndarray],
+    tried: Sequence[Candidate],
+    wanted: Sequence[int],
+    first: int,
+) -> list[Proposal]:
+    """What candidates add to how held-out stretches are predicted, beside a fit and in place of each of its effects.
+
+    Args:
+        held_out: the windows about the fit.
+        base: columns of the fit.
+        groups: of these, the columns of each place.
+        tried: the candidates, and `wanted` the indices of those that are asked for.
+        first: column of the first candidate.
+
+    Returns:
+        The best first.
+    """
+    columns = first + np.asarray(wanted, dtype=int)
+    least, most = (np.array([getattr(tried[i], end) for i in wanted]) for end in ("least", "most"))
+    found = []
+    for place in (None, *groups):
+        gone = groups[place] if place else np.zeros(0, int)
+        gains = held_out.gains_of(columns, base, gone, least, most)
+        found += [Proposal(tried[i], place, gain) for i, gain in zip(wanted, gains, strict=True)]
+    return sorted(found, key=lambda p: -p.gain.total)
+
+
+def _is_felt(held_out: HeldOut, column: int) -> bool:
+    return bool(np.sum(held_out.linear.columns[:, column] ** 2) > _FELT)
 
 
 def _price(tried: Sequence[Candidate], criteria: SelectionCriteria) -> float:

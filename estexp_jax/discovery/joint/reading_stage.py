@@ -164,9 +164,7 @@ def without(space: ParameterSpace, fit: JointFit, places: Sequence[Place]) -> np
     return point
 
 
-def cost_at(
-    objective: Objective, points: np.ndarray, noise: np.ndarray, criteria: SelectionCriteria
-) -> np.ndarray:
+def cost_at(objective: Objective, points: np.ndarray, noise: np.ndarray, criteria: SelectionCriteria) -> np.ndarray:
     """Mean squared residuals (points,) at points (points, n), in squares of `noise` (channels,), each bounded."""
     simulated, measured = objective.simulate(points), objective.dataset.measurements
     most = 10.0 * criteria.clip

@@ -29,20 +29,18 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
 _SEVERAL = 3
-"""Effects from which on the joint fit's choice counts; fewer are left to stepwise search, which knows more names."""
-_JOINTS = 3
-"""A robot of more joints is fitted jointly: stepwise search is led astray where each of them lacks something."""
+"""Effects from which on the joint fit's choice counts: stepwise search is led astray where so many are missing, and is at
+its best where fewer are, since it knows laws, onsets and more forms of each effect."""
 _INTERVAL = 1.645
 """Standard deviations to either side that hold 90 % of a normal distribution."""
 
 
 def is_jointly_fitted(case: Case) -> bool:
-    """Whether a robot has many hinges and slides, all driven and all measured, so that torques can be balanced."""
+    """Whether a robot has hinges and slides alone, all measured, so that torques can be balanced."""
     robot, model = case.robot, case.robot.model
-    if len(robot.scalar_joints) != model.njnt or model.nv <= _JOINTS:
+    if len(robot.scalar_joints) != model.njnt:
         return False
-    driven = {robot.joint_of_actuator(a) for a in range(model.nu)}
-    return driven >= set(robot.scalar_joints) and all(_is_measured(robot, r) for r in case.recordings)
+    return all(_is_measured(robot, r) for r in case.recordings)
 
 
 def _is_measured(robot: Robot, recording: Recording) -> bool:
@@ -75,14 +73,8 @@ def explain_jointly(
     if not is_jointly_fitted(case):
         return None
     config = replace(config, engine="c" if config.engine == "auto" else config.engine)
-    whole = problem_of(case, config, memory.setdefault("joint fit", {}))
-    settings = {name for r in case.recordings for name in r.settings}
-    known = known_values(case.robot, settings)
-    names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
-    apart = apart_in(case, whole.segments, case.indices("train"))
-    simulator = replayer_of(case, config, list(names), apart)
-    places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
-    problem = JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
+    whole, problem = joint_problem_of(case, config, memory.setdefault("joint fit", {}))
+    simulator, known = problem.simulator, problem.known
     _, fit = yield from joint_fit(problem)
     if len(fit.places) < _SEVERAL:
         return None
@@ -92,6 +84,18 @@ def explain_jointly(
     yield Progress("held-out windows", 0, 1)
     selection, fits, whole = _selected(whole, space, parameters, fit, bent)
     return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
+
+
+def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> tuple[Problem, JointProblem]:
+    """The comparison of all windows, and what the joint fit explains; arguments as of `explain_jointly`."""
+    whole = problem_of(case, config, memory)
+    settings = {name for r in case.recordings for name in r.settings}
+    known = known_values(case.robot, settings)
+    names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
+    apart = apart_in(case, whole.segments, case.indices("train"))
+    simulator = replayer_of(case, config, list(names), apart)
+    places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
+    return whole, JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
 
 
 def _selected(
