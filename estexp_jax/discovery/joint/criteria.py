@@ -32,8 +32,8 @@ class SelectionCriteria:
             errors: stretches need not prove it once more, but they may not contradict it. Convention.
         wrong_value: a value of the model that is off by more than so many times `model_error` is a finding. Convention.
         freedom: degrees of freedom of the error of a window, by Student's t. Convention of robust regression.
-        near: root mean square error, as a share of a reading's range, up to which windows may be lengthened: beyond, the
-            simulator is no longer linear in what it lacks. Measured: on the machines' board.
+        near: root mean square error, as a share of a reading's range, up to which windows may be lengthened: beyond,
+            the simulator is no longer linear in what it lacks. Measured: on the machines' board.
         clip: residuals count as at most so many standard deviations. Convention of robust regression.
     """
 

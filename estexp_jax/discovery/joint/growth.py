@@ -185,7 +185,8 @@ def proposed(
         held_out: the windows about the fit.
         base: columns of the fit.
         groups: of these, the columns of each place.
-        tried: the candidates, and `wanted` the indices of those that are asked for.
+        tried: the candidates.
+        wanted: indices of those that are asked for.
         first: column of the first candidate.
 
     Returns:

@@ -4,8 +4,9 @@ All about one linearisation: a stretch of the windows is left out, the rest is f
 effect, and the stretch is predicted by both. What a model still lacks differs from stretch to stretch, so that an
 effect that stands in for it gains in some and loses in others.
 
-Source: Vehtari, Gelman and Gabry, Statistics and Computing 27 (2017), the standard error of a difference of held-out
-log predictive densities; Lange, Little and Taylor, Journal of the American Statistical Association 84 (1989), Student's t.
+Sources: Vehtari, Gelman and Gabry, Statistics and Computing 27 (2017), the standard error of a difference of held-out
+log predictive densities; Lange, Little and Taylor, Journal of the American Statistical Association 84 (1989),
+Student's t.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ class HeldOut:
         least: np.ndarray,
         most: np.ndarray,
     ) -> list[HeldOutGain]:
-        """What each of some columns adds to a base in place of `gone`, its coefficient within bounds (columns,) each."""
+        """What each of some columns adds to a base in place of `gone`; coefficients within bounds (columns,)."""
         before, found = self._losses(base), []
         rest = np.setdiff1d(base, gone)
         fits = [_Solved.of(m, v, rest) for m, v in zip(self._rest, self._rest_vectors, strict=True)]

@@ -29,8 +29,8 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
 _SEVERAL = 3
-"""Effects from which on the joint fit's choice counts: stepwise search is led astray where so many are missing, and is at
-its best where fewer are, since it knows laws, onsets and more forms of each effect."""
+"""Effects from which on the joint fit's choice counts: stepwise search is led astray where so many are missing, and is
+at its best where fewer are, since it knows laws, onsets and more forms of each effect."""
 _INTERVAL = 1.645
 """Standard deviations to either side that hold 90 % of a normal distribution."""
 

@@ -121,10 +121,10 @@ def _page(
 ) -> list[str]:
     page = ["# Real machines against published values", ""]
     page += [
-        f"{summary['right_within_25_percent']} of {summary['published']} values named at their place, with the right kind, "
-        f"within 25 %; {summary['intervals_that_hold_it']} of {summary['named']} intervals hold them; "
-        f"{summary['wrong_names_above_half']} other names above 50 %. The explained simulator predicts the test at least as "
-        f"well as the published values put in by hand on {summary['predicts_as_well_as_by_hand']} of "
+        f"{summary['right_within_25_percent']} of {summary['published']} values named at their place, with the right "
+        f"kind, within 25 %; {summary['intervals_that_hold_it']} of {summary['named']} intervals hold them; "
+        f"{summary['wrong_names_above_half']} other names above 50 %. The explained simulator predicts the test at "
+        f"least as well as the published values put in by hand on {summary['predicts_as_well_as_by_hand']} of "
         f"{summary['compared_by_hand']}.",
         "",
         "| machine | place | published (regression) | found | 90 % interval | within 25 % | inside |",
