@@ -10,6 +10,7 @@ import numpy as np
 
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.believing import is_law
+from estexp_jax.discovery.confirmation import confirmed
 from estexp_jax.discovery.contest import competing_models_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible
@@ -184,12 +185,14 @@ def _told(
         simulated = exact.simulated([f.member for f in fits], test) if fits else []
         return [exact.recorded.error_of(x, test) for x in simulated]
 
+    alternatives = tell.alternatives(selection, shares, test_errors)
+    what = what if step else confirmed(what, errors, alternatives)
     return {
         "side": "numerics" if step else tell.side(named),
         "where": places,
         "when": never(case) if step or not wrong else when(case, found.seen, places, began, config.seed),
         "what": what,
-        "alternatives": tell.alternatives(selection, shares, test_errors),
+        "alternatives": alternatives,
         "fit": errors,
         "advice": (tell.belied(found.claimed) if refuted(case, config, shown, "test") else [])
         + tell.advice(judged, found.claimed, case.recordings, shares)

@@ -147,7 +147,7 @@ def as_fit(robot: Robot, space: ParameterSpace, parameters: Hypothesis, fit: Joi
     for f in hypothesis.free:
         value = float(point[index[f.effect, f.site, f.parameter]])
         if np.isinf(f.spread):  # bounds of a claim come from what motors could do, which the recordings may exceed
-            f = replace(f, low=min(f.low, value), high=max(f.high, value))
+            f = replace(f, low=min(f.low, 2.0 * value), high=max(f.high, 2.0 * value))
         free.append(f)
         vector.append(np.clip(value, f.low, f.high))
     return Fit(Hypothesis(hypothesis.places, tuple(free)), np.array(vector), np.inf)
