@@ -37,7 +37,7 @@ def claim(entry: Mapping[str, Any]) -> str:
 
 
 def intervals(entry: Mapping[str, Any]) -> str:
-    """`T = 1.02 (0.97 to 1.08) N m` for each parameter; `at least` where it is at its bound, no brackets without any."""
+    """`T = 1.02 (0.97 to 1.08) N m` for each parameter; `at least` where it is at its bound."""
     parts = []
     for name, p in entry["parameters"].items():
         within = _within(p["low"], p["high"])
