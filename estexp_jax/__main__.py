@@ -1,8 +1,6 @@
 """`python -m estexp_jax`: the command `estexp`."""
 
-import sys
-
-from estexp_jax.cli.main import main
+from estexp_jax.cli.main import program
 
 if __name__ == "__main__":
-    sys.exit(main())
+    program()

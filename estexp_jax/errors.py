@@ -55,6 +55,13 @@ def abbreviated(value: object) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
+def name_too_long(error: OSError) -> InputError | None:
+    """The message about a path with a name that no file system takes; None for any other error."""
+    if error.errno != errno.ENAMETOOLONG:
+        return None
+    return InputError("is too long for the name of a file", where=abbreviated(error.filename), right="a shorter path")
+
+
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 

@@ -8,13 +8,12 @@ import sys
 from pathlib import Path
 
 from estexp_jax.api.options.experiment import ExperimentOptions
+from estexp_jax.cli.interruption import INTERRUPTED
 from estexp_jax.errors import InputError, known
 from estexp_jax.runs.cluster import check_installed
 
 EXPERIMENTS = Path("experiments")
 """Where experiments are looked for, from the current folder."""
-
-_INTERRUPTED = 3
 
 
 def experiment_command(options: ExperimentOptions) -> int:
@@ -97,6 +96,6 @@ def _exit_code(code: int) -> int:
     if code >= 0:
         return code
     if code == -signal.SIGINT:
-        return _INTERRUPTED
+        return INTERRUPTED
     print(f"estexp: the experiment was killed by {signal.Signals(-code).name}", file=sys.stderr)
     return 1

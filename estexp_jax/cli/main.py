@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from collections.abc import Callable, Sequence
 from inspect import cleandoc
 from typing import Annotated, Any, Union
 
 import estexp_jax
-from estexp_jax.errors import InputError
+from estexp_jax.cli.interruption import INTERRUPTED, TOLD, Interruptible
+from estexp_jax.errors import InputError, name_too_long
 
 COMMANDS = (
     "bench",
@@ -29,7 +31,7 @@ _SUMMARY = (
     "Finds what broke on a robot, or what physics its simulator lacks, by searching simulations until they "
     "reproduce its sensors. `estexp COMMAND --help` explains a command; `estexp --version` prints the version."
 )
-DONE, DEFECT, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 3
+DONE, DEFECT, WRONG_INPUT = 0, 1, 2
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -44,6 +46,29 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     if arguments[:1] == ["--version"]:
         return _print_version()
+    if arguments[:1] == ["experiment"]:  # it waits for a process of its own, which signals reach as well
+        return _ended(arguments)
+    with Interruptible() as interruptible:
+        try:
+            return _ended(arguments)
+        except BaseException:
+            if interruptible.received:  # whatever became of the interruption on its way
+                return _interrupted()
+            raise
+
+
+def program() -> None:
+    """The program `estexp`: the command of this process, and its end."""
+    code = main()
+    if code == INTERRUPTED:  # threads of others may be in the middle of something, and fail when the interpreter ends
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)
+
+
+def _ended(arguments: list[str]) -> int:
+    """Run what the arguments say; gives the exit code."""
     try:
         options = _parsed(arguments)
         from estexp_jax.api.session import command_session
@@ -53,11 +78,24 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:  # after --help, or after a message about wrong usage
         return end.code if isinstance(end.code, int) else DONE
     except InputError as error:
-        print(f"estexp: error: {error}", file=sys.stderr)
-        return WRONG_INPUT
+        return _refused(error)
+    except OSError as error:
+        told = name_too_long(error)
+        if told is None:
+            raise
+        return _refused(told)
     except KeyboardInterrupt:
-        print("\nestexp: interrupted; the same command with --resume goes on", file=sys.stderr)
-        return INTERRUPTED
+        return _interrupted()
+
+
+def _interrupted() -> int:
+    print(TOLD, file=sys.stderr)
+    return INTERRUPTED
+
+
+def _refused(error: InputError) -> int:
+    print(f"estexp: error: {error}", file=sys.stderr)
+    return WRONG_INPUT
 
 
 def _print_version() -> int:
@@ -100,4 +138,4 @@ def _run_of(options: Any) -> Callable[[Any], int]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    program()

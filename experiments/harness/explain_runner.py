@@ -24,6 +24,8 @@ from experiments.harness.study import ROOT
 _PR_SET_PDEATHSIG = 1
 EXPLAIN = (sys.executable, "-m", "estexp_jax.cli.main", "explain")
 """What explains a case, as users would."""
+_STOPPED = (-signal.SIGTERM, 3)
+"""How a process ends that was terminated or interrupted."""
 TIMEOUT = 1800.0
 """A case that takes longer (s) counts as failed."""
 
@@ -108,7 +110,7 @@ class Runner:
         code = self._process(case, again)
         if code == 2 and again:  # nothing to resume from
             code = self._process(case, ("--force",))
-        if not self.stopped.is_set() and code != -signal.SIGTERM:  # that comes from outside only
+        if not self.stopped.is_set() and code not in _STOPPED:  # that comes from outside only
             ending = {"code": code, "wall_s": time.monotonic() - begin, "resumed": bool(again)}
             part = result.with_suffix(".part")
             part.write_text(json.dumps(ending), encoding="utf-8")

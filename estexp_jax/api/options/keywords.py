@@ -9,7 +9,7 @@ from inspect import Parameter, signature
 from typing import ParamSpec, TypeVar
 
 from estexp_jax.api.options.ranges import check_values
-from estexp_jax.errors import InputError, known
+from estexp_jax.errors import InputError, known, name_too_long
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -37,7 +37,13 @@ def front_door(options: type | None = None) -> Callable[[Callable[_P, _R]], Call
                     raise unknown_keyword(name, function.__name__, keywords)
             if options is not None:
                 check_values(options, {name: value for name, value in kwargs.items() if name in checked})
-            return function(*args, **kwargs)
+            try:
+                return function(*args, **kwargs)
+            except OSError as error:
+                told = name_too_long(error)
+                if told is None:
+                    raise
+                raise told from error
 
         return door
 

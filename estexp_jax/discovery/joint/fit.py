@@ -25,11 +25,11 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.reading_noise import noise_std_of
 from estexp_jax.physics.recording import Recording
 
-_STEPS, _GROWTH_STEPS = 500_000, 2_500_000
+_STEPS, _GROWTH_STEPS = 750_000, 5_000_000
 """Robot steps that one linearisation may take, and one of all candidates: windows are as many as that allows ..."""
 _FEWEST, _MOST = 8, 240
 """... but at least and at most so many."""
-_FEWEST_LONG, _MOST_LONG = 16, 64
+_FEWEST_LONG, _MOST_LONG = 12, 64
 """Longer windows are taken only where there are so many, for held-out stretches to differ; and at most so many."""
 _LENGTHS = (2.0, 1.0, 0.5, 0.25)
 """Lengths of the windows of the second stage, s: the first in which the simulator stays near the readings."""
@@ -102,13 +102,15 @@ def _grown(
         yield Progress("more effects", round_, _GROWTHS)
         directions = len(errors) + 3 * len(fit.places) + len(tried)
         data = _windows(problem, space, fit.point, directions, criteria, _GROWTH_STEPS)
-        more, tried = Growth(objective.with_dataset(data), errors, noise, criteria).grown(fit, tried)
+        fitted = _windows(problem, space, fit.point, len(errors) + 3 * len(fit.places), criteria)
+        few, many = objective.with_dataset(data), objective.with_dataset(fitted)
+        more, tried = Growth(few, many, errors, noise, criteria).grown(fit, tried)
         if more is None:
             break
         fit = more
     data = _windows(problem, space, fit.point, len(errors) + 3 * len(fit.places), criteria)
     now = objective.with_dataset(data)
-    judge = Growth(now, errors, noise, criteria)
+    judge = Growth(now, now, errors, noise, criteria)
     fit = gauss_newton(now, fit.point, fit.places, errors, noise, criteria)
     wrong = [p for p in judge.wrong_values(fit) if p in problem.places]
     if wrong:

@@ -18,7 +18,7 @@ from estexp_jax.discovery.joint.candidates import Candidate, derivatives
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.discovery.joint.held_out import HeldOut, HeldOutGain
 from estexp_jax.discovery.joint.reading_stage import STRETCHES, JointFit, cost_at, gauss_newton, without
-from estexp_jax.estimation.linearised import linearised, reading_noise_of
+from estexp_jax.estimation.linearised import independent_data, linearised, reading_noise_of
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import Place
 
@@ -44,13 +44,15 @@ class Growth:
     """What a joint fit may grow by, and how that is judged.
 
     Attributes:
-        objective: the windows that are fitted.
+        objective: the windows on which candidates are tried.
+        fitted: those, more of them, on which a fit is made.
         nuisances: indices of values of the model that may be a little off.
         least_noise: (channels,) noise of the readings.
         criteria: what decides.
     """
 
     objective: Objective
+    fitted: Objective
     nuisances: Sequence[int]
     least_noise: np.ndarray
     criteria: SelectionCriteria
@@ -62,10 +64,11 @@ class Growth:
             return None, again
         several = [chosen, chosen[:1]] if len(chosen) > 1 else [chosen]
         found = [self._fitted(fit, proposals) for proposals in several]
-        data, at = self.objective.dataset, fit.point[None]
-        noise = reading_noise_of(data, self.objective.simulate(at)[0], self.least_noise, self.criteria.clip)
-        costs = cost_at(self.objective, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
-        count = self.criteria.independent * int(np.isfinite(data.measurements).any(axis=1).sum())
+        data, at = self.fitted.dataset, fit.point[None]
+        noise = reading_noise_of(data, self.fitted.simulate(at)[0], self.least_noise, self.criteria.clip)
+        costs = cost_at(self.fitted, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
+        independent = independent_data(data, self.criteria.correlation_time)
+        count = float(independent @ np.isfinite(data.measurements).any(axis=1).sum(axis=1))
         gains = 0.5 * count * (costs[0] - costs[1:]) - _price(tried, self.criteria) * np.array(list(map(len, several)))
         best = int(np.argmax(gains))
         return found[best] if gains[best] > 0.0 else None, again
@@ -132,7 +135,7 @@ class Growth:
         point = without(self.objective.space, fit, gone)
         point = point + sum(p.candidate.at(p.gain.coefficient) for p in proposals)
         places = [*(q for q in fit.places if q not in gone), *(p.candidate.place for p in proposals)]
-        return gauss_newton(self.objective, point, places, self.nuisances, self.least_noise, self.criteria)
+        return gauss_newton(self.fitted, point, places, self.nuisances, self.least_noise, self.criteria)
 
     def _free(self, fit: JointFit) -> list[int]:
         own = [int(i) for place in fit.places for i in self.objective.space.of_place[place]]
@@ -154,7 +157,7 @@ class Growth:
         directions = np.concatenate([free.directions, np.reshape(more, (len(more), len(fit.point)))])
         found = objective.responses(fit.point, directions)
         noise = reading_noise_of(objective.dataset, found.point, self.least_noise, criteria.clip)
-        linear = linearised(objective.dataset, found, noise, criteria.independent, criteria.clip)
+        linear = linearised(objective.dataset, found, noise, criteria.correlation_time, criteria.clip)
         offset = (fit.point - space.neutral)[free.indices] / free.steps
         base = np.arange(len(free.indices))
         nominal = np.array([space.parameters[i].nominal for i in free.indices])

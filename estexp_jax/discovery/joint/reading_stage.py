@@ -71,7 +71,7 @@ def gauss_newton(
     free = derivatives(space, point, [*own, *errors])
     found = objective.responses(point, free.directions)
     noise = reading_noise_of(objective.dataset, found.point, least_noise, criteria.clip)
-    linear = linearised(objective.dataset, found, noise, criteria.independent, criteria.clip)
+    linear = linearised(objective.dataset, found, noise, criteria.correlation_time, criteria.clip)
     offset = (point - space.neutral)[free.indices] / free.steps
     regression = _regression(space, linear, offset, places, free, criteria)
     chosen = regression.pruned(range(len(places)))

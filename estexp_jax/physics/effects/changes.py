@@ -84,7 +84,7 @@ def parse_change(text: str, robot: Robot) -> Change:
     Raises:
         InputError: unknown effect, place or parameter, or no number; or the model's options switch off what it is.
     """
-    head, *assignments = text.split()
+    head, *assignments = text.split() or [""]
     name, at, place = head.partition("@")
     e = effect(name)
     disabled = robot.model.opt.disableflags
