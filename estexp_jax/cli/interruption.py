@@ -1,9 +1,9 @@
 """Interruptions: Ctrl-C, SIGTERM and SIGHUP end a command with exit code 3, wherever it is, within seconds.
 
-A signal raises KeyboardInterrupt, which ends the work where it is. Two things would keep it from that. While a module of
-compiled code is loaded, an exception may be lost or end the process in ways of its own, so that the process ends at
-once there. And where the exception is swallowed, or does not come through for long, a timer ends the process. Nothing is
-lost by either: whatever a run needs to go on is on disk at any moment.
+A signal raises KeyboardInterrupt, which ends the work where it is. Two things would keep it from that. While a module
+of compiled code is loaded, an exception may be lost or end the process in ways of its own, so that the process ends at
+once there. And where the exception is swallowed, or does not come through for long, a timer ends the process. Nothing
+is lost by either: whatever a run needs to go on is on disk at any moment.
 """
 
 from __future__ import annotations

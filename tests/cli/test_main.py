@@ -52,6 +52,12 @@ def test_wrong_input_is_two_and_one_message(command, capsys):
     assert capsys.readouterr() == ("", "estexp: error: a.csv, row 3: no such sensor; known are: knee\n")
 
 
+def test_a_name_that_no_file_can_have_is_wrong_input(command, tmp_path, capsys):
+    command(lambda options: (tmp_path / ("x" * 300)).mkdir())
+    assert main(["work"]) == 2
+    assert "too long for the name of a file" in capsys.readouterr().err
+
+
 def test_interrupted_is_three_and_names_resume(command, capsys):
     command(lambda options: _raise(KeyboardInterrupt))
     assert main(["work"]) == 3

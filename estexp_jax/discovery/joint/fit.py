@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Generator, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -61,9 +61,23 @@ class JointProblem:
     observed: Observed
 
 
+class JointResult(NamedTuple):
+    """What the joint fit found.
+
+    Attributes:
+        torques: the first stage's choice.
+        fit: the effects with their values.
+        rivals: fits with another effect in place of one, which the recordings do not tell from it.
+    """
+
+    torques: TorqueChoice
+    fit: JointFit
+    rivals: tuple[JointFit, ...]
+
+
 def joint_fit(
     problem: JointProblem, criteria: SelectionCriteria | None = None
-) -> Generator[Progress, None, tuple[TorqueChoice, JointFit]]:
+) -> Generator[Progress, None, JointResult]:
     """Fit all plausible effects together and keep those that the recordings call for.
 
     Yields:
@@ -87,14 +101,14 @@ def joint_fit(
         fit = gauss_newton(objective.with_dataset(data), point, places, errors, _least_noise(problem), criteria)
         point, places = fit.point, fit.places
     assert fit is not None
-    fit = yield from _grown(problem, objective, fit, errors, criteria)
-    return first, fit
+    fit, rivals = yield from _grown(problem, objective, fit, errors, criteria)
+    return JointResult(first, fit, tuple(rivals))
 
 
 def _grown(
     problem: JointProblem, objective: Objective, fit: JointFit, errors: list[int], criteria: SelectionCriteria
-) -> Generator[Progress, None, JointFit]:
-    """The fit with what predicts held-out stretches better, and without what does not."""
+) -> Generator[Progress, None, tuple[JointFit, list[JointFit]]]:
+    """The fit with what predicts held-out stretches better, and without what does not; and its rivals."""
     space, noise = objective.space, _least_noise(problem)
     every = [c for a in (True, False) for c in candidates(space, problem.observed, problem.places, additive=a)]
     tried = [c for c in every if not effect(c.place[0]).sinusoidal]  # which torques show as well as readings
@@ -116,9 +130,10 @@ def _grown(
     if wrong:
         fit = gauss_newton(now, fit.point, [*fit.places, *wrong], errors, noise, criteria)
     kept = judge.needed(fit)
-    return gauss_newton(
-        now, without(space, fit, [p for p in fit.places if p not in kept]), kept, errors, noise, criteria
-    )
+    point = without(space, fit, [p for p in fit.places if p not in kept])
+    fit = gauss_newton(now, point, kept, errors, noise, criteria)
+    yield Progress("rivals", 0, 1)
+    return fit, judge.rivals(fit, tried)
 
 
 def _affordable(data: Dataset, directions: int, most: float) -> int:

@@ -24,6 +24,8 @@ from estexp_jax.estimation.parameters import Place
 
 _AT_ONCE = 4
 """So many effects are added about one linearisation, before the readings are simulated again."""
+_RIVALS = 3
+"""So many rivals are fitted."""
 _FELT = 1e-12
 """Sum of squares of whitened readings from which on a candidate does anything at all."""
 _LOOKED_AT_AGAIN = 40
@@ -72,6 +74,22 @@ class Growth:
         gains = 0.5 * count * (costs[0] - costs[1:]) - _price(tried, self.criteria) * np.array(list(map(len, several)))
         best = int(np.argmax(gains))
         return found[best] if gains[best] > 0.0 else None, again
+
+    def rivals(self, fit: JointFit, tried: Sequence[Candidate]) -> list[JointFit]:
+        """Fits with another effect in place of one, which held-out stretches do not tell from it."""
+        open_ = [c for c in tried if c.place not in fit.places]
+        if not open_ or not fit.places:
+            return []
+        held_out, base = self._held_out(fit, [c.direction for c in open_])
+        felt = [i for i in range(len(open_)) if _is_felt(held_out, len(base) + i)]
+        proposals = proposed(held_out, base, self._groups(fit), open_, felt, len(base))
+        alike = [p for p in proposals if p.instead_of and p.gain.coefficient and self._is_alike(p.gain)]
+        first = {(p.instead_of, p.candidate.place): p for p in reversed(alike)}
+        found = [self._fitted(fit, [p]) for p in list(first.values())[::-1][:_RIVALS]]
+        return [f for f in found if set(f.places) != set(fit.places)]
+
+    def _is_alike(self, gain: HeldOutGain) -> bool:
+        return gain.total > -self.criteria.standard_errors * gain.standard_error
 
     def _chosen(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[list[Proposal], list[Candidate]]:
         """Effects to be added, one after the other about one linearisation; and the candidates that gain anything."""

@@ -75,14 +75,14 @@ def explain_jointly(
     config = replace(config, engine="c" if config.engine == "auto" else config.engine)
     whole, problem = joint_problem_of(case, config, memory.setdefault("joint fit", {}))
     simulator, known = problem.simulator, problem.known
-    _, fit = yield from joint_fit(problem)
+    _, fit, rivals = yield from joint_fit(problem)
     if len(fit.places) < _SEVERAL:
         return None
     bent = yield from values_only(problem)
     space = parameter_space(simulator.robot, simulator.catalogue)
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known)
     yield Progress("held-out windows", 0, 1)
-    selection, fits, whole = _selected(whole, space, parameters, fit, bent)
+    selection, fits, whole = _selected(whole, space, parameters, (fit, *rivals), bent)
     return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
 
 
@@ -99,16 +99,18 @@ def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) 
 
 
 def _selected(
-    whole: Problem, space: ParameterSpace, parameters: Hypothesis, fit: JointFit, bent: JointFit
+    whole: Problem, space: ParameterSpace, parameters: Hypothesis, joint: Sequence[JointFit], bent: JointFit
 ) -> tuple[Selection, dict[str, Fit], Problem]:
-    """The joint fit among what competes with it: nothing, values of the model alone, and itself less one effect."""
-    robot = whole.replayer.robot
+    """The first joint fit among what competes with it: nothing, values of the model alone, itself less one effect, and
+    the others."""
+    robot, fit = whole.replayer.robot, joint[0]
     nominal = Fit(parameters, parameters.start(), np.inf)
     explained = as_fit(robot, space, parameters, fit, fit.places)
     own = as_fit(robot, space, parameters, bent, ())
     problem = whole.heard(explained.member).about(explained.member)
     folds = folds_of(problem)
     less = [as_fit(robot, space, parameters, fit, kept) for kept in _with_fewer(robot, fit.places)]
+    less += [as_fit(robot, space, parameters, other, other.places) for other in joint[1:]]
     plain = replace(problem, rough=None)
     as_it_is, corrected = (as_fitted(p, [nominal], folds)[0] for p in (replace(plain, step=None), plain))
     found = as_fitted(problem, [own, *less, explained], folds)

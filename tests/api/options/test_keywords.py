@@ -26,3 +26,12 @@ def test_a_wrong_keyword_is_answered_with_those_that_exist_the_nearest_first():
 def test_a_value_out_of_the_commands_range_is_refused():
     with pytest.raises(InputError, match=r"--margin: 1\.5 is not possible; 0\.01 to 1"):
         door("a", margin=1.5)
+
+
+def test_a_path_that_no_file_can_have_is_refused(tmp_path):
+    @front_door()
+    def reads(path):
+        return path.read_text()
+
+    with pytest.raises(InputError, match="too long for the name of a file"):
+        reads(tmp_path / ("x" * 300))

@@ -58,5 +58,5 @@ def _result(steps: Generator[Any, None, Any]) -> Any:
 
 def test_a_weak_motor_is_found_beside_a_damped_joint():
     _, problem = joint_problem_of(_case(), replace(ExplainConfig(), engine="c"), {})
-    _, fit = _result(joint_fit(problem))
-    assert set(fit.places) == {("motor_weakness", "motor"), ("viscous_friction", "pivot")}
+    found = _result(joint_fit(problem))
+    assert set(found.fit.places) == {("motor_weakness", "motor"), ("viscous_friction", "pivot")}

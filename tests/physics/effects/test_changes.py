@@ -15,6 +15,7 @@ from tests.physics.robots import robot
     ("text", "named"),
     [
         ("rust@knee_f x=1", ["rust", "motor_weakness"]),
+        ("", ["there is no effect", "motor_weakness"]),
         ("motor_weakness@elbow loss=0.5", ["elbow", "knee_f"]),
         ("motor_weakness loss=0.5", ["knee_f"]),
         ("gravity_tilt@torso angle=0.1", ["gravity_tilt", "takes no place"]),
