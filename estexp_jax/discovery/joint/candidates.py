@@ -16,6 +16,8 @@ from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 
+_SMALL = 0.02
+"""Share of a first guess that is small."""
 _LEAST_STEP, _STEP = 1e-3, 0.01
 """Finite-difference steps, as a share of a parameter's range, and of its distance from neutral."""
 
@@ -41,6 +43,13 @@ class Candidate(NamedTuple):
     def at(self, times: float) -> np.ndarray:
         """Difference (n,) from neutral at a multiple; where the effect is far from linear, only the guess itself."""
         return np.where(self.amounts & (self.least <= 0.0), times * self.direction, self.direction)
+
+    def as_derivative(self) -> Candidate:
+        """The same with amounts so small that readings are linear in them, where any multiple may be taken."""
+        if self.least > 0.0:
+            return self
+        direction = np.where(self.amounts, _SMALL * self.direction, self.direction)
+        return self._replace(direction=direction, most=self.most / _SMALL)
 
 
 def candidates(

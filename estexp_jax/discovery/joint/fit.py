@@ -111,7 +111,8 @@ def _grown(
     """The fit with what predicts held-out stretches better, and without what does not; and its rivals."""
     space, noise = objective.space, _least_noise(problem)
     every = [c for a in (True, False) for c in candidates(space, problem.observed, problem.places, additive=a)]
-    tried = [c for c in every if not effect(c.place[0]).sinusoidal]  # which torques show as well as readings
+    # What is sinusoidal shows in torques as well as in readings.
+    tried = [c.as_derivative() for c in every if not effect(c.place[0]).sinusoidal]
     for round_ in range(_GROWTHS):
         yield Progress("more effects", round_, _GROWTHS)
         directions = len(errors) + 3 * len(fit.places) + len(tried)

@@ -33,11 +33,15 @@ _LOOKED_AT_AGAIN = 40
 
 
 class Proposal(NamedTuple):
-    """An effect that might be added, at a multiple of its guess; `instead_of` another, or of none."""
+    """An effect that might be added, at a multiple of its guess; `instead_of` another, or of none.
+
+    Its `price` is what its numbers cost, nats: of two that gain alike the one with fewer is taken.
+    """
 
     candidate: Candidate
     instead_of: Place | None
     gain: HeldOutGain
+    price: float
 
 
 @final
@@ -109,7 +113,7 @@ class Growth:
                 gaining = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
                 again = list(gaining.values())[:_LOOKED_AT_AGAIN]
             price = _price(tried, self.criteria)
-            best = next((p for p in proposals if p.gain.coefficient and self.is_gain(p.gain, price)), None)
+            best = next((p for p in proposals if p.gain.coefficient and self.is_gain(p.gain, price + p.price)), None)
             if best is None:
                 break
             chosen.append(best)
@@ -219,8 +223,9 @@ def proposed(
     for place in (None, *groups):
         gone = groups[place] if place else np.zeros(0, int)
         gains = held_out.gains_of(columns, base, gone, least, most)
-        found += [Proposal(tried[i], place, gain) for i, gain in zip(wanted, gains, strict=True)]
-    return sorted(found, key=lambda p: -p.gain.total)
+        each = 0.5 * np.log(max(held_out.linear.observations, 1.0))
+        found += [Proposal(tried[i], place, g, each * tried[i].numbers) for i, g in zip(wanted, gains, strict=True)]
+    return sorted(found, key=lambda p: p.price - p.gain.total)
 
 
 def _is_felt(held_out: HeldOut, column: int) -> bool:

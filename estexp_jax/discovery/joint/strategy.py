@@ -101,8 +101,7 @@ def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) 
 def _selected(
     whole: Problem, space: ParameterSpace, parameters: Hypothesis, joint: Sequence[JointFit], bent: JointFit
 ) -> tuple[Selection, dict[str, Fit], Problem]:
-    """The first joint fit among what competes with it: nothing, values of the model alone, itself less one effect, and
-    the others."""
+    """The first joint fit, judged among what competes with it: nothing, values alone, less of it, and the others."""
     robot, fit = whole.replayer.robot, joint[0]
     nominal = Fit(parameters, parameters.start(), np.inf)
     explained = as_fit(robot, space, parameters, fit, fit.places)
