@@ -82,7 +82,7 @@ def guess(robot: Robot, names: Iterable[str]) -> dict[str, str]:
     switches = [name for name in free if set(_words(name)) & _SWITCH]
     commands = [name for name in free if set(_words(name)) & _COMMAND and name not in switches]
     found = {"time": clocks[0]} if clocks else {}
-    found |= _matched("ctrl", _actuators(robot), commands) | _matched("enable", _actuators(robot), switches)
+    found |= _matched("ctrl", _commanded(robot), commands) | _matched("enable", _actuators(robot), switches)
     for kind, words in _READING.items():
         found |= _matched(
             "sensor", _sensors(robot, kind), [n for n in free if n not in commands and set(_words(n)) & words]
@@ -101,9 +101,15 @@ def _owner(name: str) -> list[str]:
 
 def _actuators(robot: Robot) -> dict[str, str]:
     """Each actuator and the joint it drives, or itself."""
-    joints = [robot.joint_of_actuator(index) for index in range(robot.model.nu)]
+    joints = [robot.joint_of_actuator(index) for index in range(robot.model.nactuator)]
     pairs = zip(robot.names("actuator"), joints, strict=True)
     return {name: name if joint is None else robot.names("joint")[joint] for name, joint in pairs}
+
+
+def _commanded(robot: Robot) -> dict[str, str]:
+    """Each actuator with one command, as of `_actuators`."""
+    names = robot.command_columns()
+    return {name: joint for name, joint in _actuators(robot).items() if name in names}
 
 
 def _sensors(robot: Robot, kind: mujoco.mjtSensor) -> dict[str, str]:
