@@ -69,7 +69,7 @@ def explain(
     if jointly is not None:
         return jointly
     whole = problem_of(case, config, memory)
-    engine, reason = whole.replayer.choice
+    engine, reason, _ = whole.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
     settings = {name for r in case.recordings for name in r.settings}
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
