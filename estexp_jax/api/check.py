@@ -23,6 +23,7 @@ def check(
     *,
     test: Sequence[str | Path] = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
+    root: str | Path | None = None,
 ) -> CheckResult:
     """Read and judge recordings: clock, units, sensors, saturation, lags, which joints move enough to tell what.
 
@@ -31,12 +32,13 @@ def check(
         recordings: logs, one file each.
         test: logs that are kept for the test.
         map: `ours=theirs` for logs with other column names.
+        root: folder under which the model finds its files; None: the repository or package around it, else three up.
 
     Raises:
         InputError: a keyword is wrong, or a file cannot be read.
     """
     files, tests = [str(model), *(str(path) for path in recordings)], [str(path) for path in test]
-    return check_inputs(read_inputs(files, test=tests, maps=list(map), mend=True))
+    return check_inputs(read_inputs(files, test=tests, maps=list(map), mend=True, root=root))
 
 
 def check_to_folder(options: CheckOptions, say: Callable[[str], object], show: Callable[[CheckResult], object]) -> None:
@@ -51,12 +53,13 @@ def check_to_folder(options: CheckOptions, say: Callable[[str], object], show: C
         InputError: a file cannot be read, or the folder cannot be used.
     """
     if options.init and len(options.files) == 1 and not (is_manifest(options.files) or options.test):
-        path = write_first_model(Robot.from_xml(options.files[0]), options.out or Path())
+        path = write_first_model(Robot.from_xml(options.files[0], options.root), options.out or Path())
         say(f"{path}: written; put the gains of your servos into it, they are guesses")
         return
     tests = [path for group in options.test for path in group]
     config = {"files": options.files, "test": tests, "map": options.map, "init": options.init}
-    inputs = None if options.init else read_inputs(options.files, test=tests, maps=options.map, mend=True)
+    read = None if options.init else read_inputs
+    inputs = read and read(options.files, test=tests, maps=options.map, mend=True, root=options.root)
     folder = None
     if options.out is not None:
         marker = {"command": "check", "config": config}
@@ -74,10 +77,10 @@ def check_to_folder(options: CheckOptions, say: Callable[[str], object], show: C
 def _begin_manifest(options: CheckOptions, tests: Sequence[str], say: Callable[[str], object]) -> Inputs | None:
     """Write a first manifest; what it names, if it can be read as it is."""
     path = (options.out or Path()) / "recordings.toml"
-    write_manifest(path, options.files, tests, options.map)
+    write_manifest(path, options.files, tests, options.map, options.root)
     say(f"{path}: written; see that its guesses are right")
     try:
-        return read_inputs([str(path)], mend=True)
+        return read_inputs([str(path)], mend=True, root=options.root)
     except InputError as error:
         say(f"It is still to be completed: {error}")
         return None

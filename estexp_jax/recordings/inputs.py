@@ -36,7 +36,12 @@ def is_manifest(files: Sequence[str]) -> bool:
 
 
 def read_inputs(
-    files: Sequence[str], *, test: Sequence[str] = (), maps: Sequence[str] = (), mend: bool = False
+    files: Sequence[str],
+    *,
+    test: Sequence[str] = (),
+    maps: Sequence[str] = (),
+    mend: bool = False,
+    root: str | Path | None = None,
 ) -> Inputs:
     """Read what a command line names.
 
@@ -45,6 +50,7 @@ def read_inputs(
         test: logs with the role `test`.
         maps: `ours=theirs`, for logs with other column names.
         mend: judge rather than refuse logs whose clock stands still or runs backwards.
+        root: the folder that the model's files have to be under; None: see `Robot.from_xml`.
 
     Raises:
         InputError: nothing to read, a folder, a manifest together with other things, or a file that cannot be read.
@@ -58,11 +64,11 @@ def read_inputs(
         if len(files) > 1 or test or maps:
             right = "it names logs, roles and columns itself; or give an MJCF and logs instead"
             raise InputError("a manifest stands alone", where=files[0], right=right)
-        read = read_manifest(files[0], mend=mend)
+        read = read_manifest(files[0], mend=mend, root=root)
         return Inputs(read.model, read.robot, read.recordings)
     if len(files) + len(test) < 2 or not files:
         raise InputError("no recordings given", right="a recordings.toml, or an MJCF model and at least one log")
-    robot, mapping = Robot.from_xml(files[0]), parse_maps(maps)
+    robot, mapping = Robot.from_xml(files[0], root), parse_maps(maps)
     roles = [(path, "train") for path in files[1:]] + [(path, "test") for path in test]
     recordings = tuple(read_recording(robot, path, role=role, mapping=mapping, mend=mend) for path, role in roles)
     return Inputs(Path(files[0]), robot, recordings)

@@ -33,7 +33,9 @@ _NAMELESS = _COMMAND.union(
 _CLOCK, _CLOCK_UNITS = {"time", "timestamp", "stamp", "t"}, ("ns", "us", "ms")
 
 
-def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: Sequence[str]) -> None:
+def write_manifest(
+    path: Path, files: Sequence[str], test: Sequence[str], maps: Sequence[str], root: Path | None = None
+) -> None:
     """Write a first `recordings.toml`.
 
     Args:
@@ -41,6 +43,7 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
         files: an MJCF and logs.
         test: logs with the role `test`.
         maps: `ours=theirs`, which are not guessed then.
+        root: the folder that the model's files have to be under; None: see `Robot.from_xml`.
 
     Raises:
         InputError: the file exists, or cannot be written; no model and log are given, or they cannot be read.
@@ -49,7 +52,7 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
         raise InputError("no model and logs to begin a manifest with", where="--init", right="nominal.xml a.csv b.csv")
     if path.exists():
         raise InputError("exists already", where=str(path), right="move it away, or check it without --init")
-    robot = Robot.from_xml(files[0])
+    robot = Robot.from_xml(files[0], root)
     logs = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
     names = list(dict.fromkeys(name for log, _ in logs for name in _names(log)))
     given = {ours: str(source.column) for ours, source in parse_maps(maps).items()}
