@@ -77,8 +77,8 @@ class OpenLoopSimulator(abc.ABC):
     dtype: ClassVar[type[np.floating]] = np.float32
 
     @abc.abstractmethod
-    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
-        """Constants of all blocks; `recording` is the index of each lane's."""
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
+        """Constants of all blocks; a window for each lane."""
 
     @abc.abstractmethod
     def _rested(self, prepared: Any, roll: RolledRows) -> Any:
@@ -196,7 +196,7 @@ class OpenLoopSimulator(abc.ABC):
     def _started(self, values: Values, windows: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
         """Constants of all blocks, and the initial state of lanes."""
         model, n = self.robot.model, len(windows)
-        prepared = self._prepared(values, [s.recording for s in windows])
+        prepared = self._prepared(values, windows)
         qpos, qvel = initial_states(self.robot, self.catalogue, values, windows, self.dtype)
         act, warmstart = (np.zeros((n, k), self.dtype) for k in (model.na, model.nv))
         state = LaneBatchState(qpos, qvel, act, warmstart, {})
