@@ -52,8 +52,8 @@ def open_loop_agreement(
         windows: of recordings, from whose states it is tried as well.
         converged: whether the referee's solver is run until it has converged.
     """
-    probes = probes_of(robot, windows)
     with mujoco_warnings_suppressed():
+        probes = probes_of(robot, windows)
         expected = _referee(robot, probes, converged)
     errors, names = _errors(robot, _replayed(simulator, robot, probes), expected)
     return _judged(probes, errors, names)
