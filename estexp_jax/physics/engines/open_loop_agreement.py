@@ -62,11 +62,9 @@ def open_loop_agreement(
 def _replayed(simulator: OpenLoopSimulator, robot: Robot, probes: Probes) -> _Expected:
     step, n = float(robot.model.opt.timestep), len(probes.kind)
     time = step * np.arange(_STEPS + 1)
-    schedule, on = physics_steps(time, step), np.ones((len(time), robot.model.nactuator))
+    steps, on = physics_steps(time, step), np.ones((len(time), robot.model.nactuator))
     windows = [
-        Window(
-            0, 0, _STEPS, schedule, CommandHistory(time, np.tile(ctrl, (len(time), 1))), on, InitialState(qpos, qvel)
-        )
+        Window(0, 0, _STEPS, steps, CommandHistory(time, np.tile(ctrl, (len(time), 1))), on, InitialState(qpos, qvel))
         for ctrl, qpos, qvel in zip(probes.ctrl, probes.qpos, probes.qvel, strict=True)
     ]
     values = stack([encode(simulator.robot, simulator.catalogue, ())] * n)

@@ -85,7 +85,7 @@ def guess(robot: Robot, names: Iterable[str]) -> dict[str, str]:
     switches = [name for name in free if set(_words(name)) & _SWITCH]
     commands = [name for name in free if set(_words(name)) & _COMMAND and name not in switches]
     found = {"time": clocks[0]} if clocks else {}
-    found |= _matched("ctrl", _commanded(robot), commands) | _matched("enable", _actuators(robot), switches)
+    found |= _matched("ctrl", _with_one_input(robot), commands) | _matched("enable", _actuators(robot), switches)
     for kind, words in _READING.items():
         found |= _matched(
             "sensor", _sensors(robot, kind), [n for n in free if n not in commands and set(_words(n)) & words]
@@ -109,7 +109,7 @@ def _actuators(robot: Robot) -> dict[str, str]:
     return {name: name if joint is None else robot.names("joint")[joint] for name, joint in pairs}
 
 
-def _commanded(robot: Robot) -> dict[str, str]:
+def _with_one_input(robot: Robot) -> dict[str, str]:
     """Each actuator with one command, as of `_actuators`."""
     names = robot.command_columns()
     return {name: joint for name, joint in _actuators(robot).items() if name in names}

@@ -11,14 +11,17 @@ _ARM = """
 <accelerometer site="hand"/></sensor></mujoco>
 """
 _SERVOS = '<position joint="shoulder" kp="60" kv="6"/><position joint="elbow" kp="30" kv="2"/>'
-_TENDON = '<tendon><fixed name="both" {}><joint joint="shoulder" coef="1"/><joint joint="elbow" coef="-2"/></fixed></tendon>'
+_TENDON = (
+    '<tendon><fixed name="both" {}><joint joint="shoulder" coef="1"/><joint joint="elbow" coef="-2"/></fixed></tendon>'
+)
 _BALL = """
 <worldbody><body pos="0 0 1"><joint name="neck" type="ball" damping=".3"/>
 <geom type="capsule" size=".05" fromto="0 0 0 0 0 .25" mass="2"/><site name="imu" pos="0 0 .3"/></body></worldbody>
 <actuator>{}</actuator><sensor><ballquat joint="neck"/><accelerometer site="imu"/></sensor></mujoco>
 """
 _LONE = """
-<worldbody><body name="thrown" pos="0 0 1"><freejoint name="root"/><geom type="box" size=".1 .05 .02" mass="1"/></body></worldbody>
+_TENDON = """<tendon><fixed name="both" {}><joint joint="shoulder" coef="1"/>
+<joint joint="elbow" coef="-2"/></fixed></tendon>"""
 <sensor><framequat objtype="body" objname="thrown"/></sensor></mujoco>
 """
 
@@ -40,7 +43,9 @@ _PULLED = f'{_SERVOS}<position tendon="both" kp="20" kv="1" {{}}/>'
 FEATURES = {
     "servos at hinges": _arm(),
     "force range of a servo": _arm(actuators=_SERVOS.replace('kv="6"', 'kv="6" forcerange="-6 6"')),
-    "disabled group of actuators": _arm(option='actuatorgroupdisable="1"', actuators=_SERVOS.replace('"6"', '"6" group="1"')),
+    "disabled group of actuators": _arm(
+        option='actuatorgroupdisable="1"', actuators=_SERVOS.replace('"6"', '"6" group="1"')
+    ),
     "force range of a joint (actuatorfrcrange)": _arm(joint='actuatorfrcrange="-6 6"'),
     "fixed tendon": _arm(more=_TENDON.format('stiffness="2"'), actuators=_PULLED.format("")),
     "force range of a tendon": _arm(more=_TENDON.format('actuatorfrcrange="-1 1"'), actuators=_PULLED.format("")),
@@ -64,6 +69,7 @@ FEATURES = {
     "lone free body, Euler": _HEAD.format(integrator="Euler", option="") + _LONE,
     "contacts with a plane": _arm(world=_FLOOR, geom='contype="2" conaffinity="1"'),
     "contacts between capsules": _arm(geom='contype="1" conaffinity="1" margin=".01"').replace(
-        "</body></body></worldbody>", "</body></body><body pos='.2 0 .8'><geom type='capsule' size='.05 .3'/></body></worldbody>"
+        "</body></body></worldbody>",
+        "</body></body><body pos='.2 0 .8'><geom type='capsule' size='.05 .3'/></body></worldbody>",
     ),
 }
