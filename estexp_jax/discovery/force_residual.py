@@ -96,7 +96,9 @@ def _asked(model: mujoco.MjModel, recording: Recording, qpos: np.ndarray, qvel: 
     joint = model.actuator_trnid[a, 0]
     dof, limited = model.jnt_dofadr[joint], np.asarray(limited_commands(model, recording.ctrl[:-1]))
     command = limited[:, first_input(model)[a]]
-    each = asked_torques(_by_actuator(model, a), ..., qpos[:, model.jnt_qposadr[joint]], qvel[:, dof], command)
+    each = asked_torques(
+        _by_actuator(model, a), np.arange(len(a)), qpos[:, model.jnt_qposadr[joint]], qvel[:, dof], command
+    )
     told, asked, on = (np.zeros_like(qvel) for _ in range(3))
     enable = recording.enable[:-1, a]
     for total, torques in zip((told, asked), each, strict=True):

@@ -32,9 +32,9 @@ def recorded(one: Robot) -> tuple[Recording, np.ndarray, np.ndarray]:
         mujoco.mj_forward(one.model, data)
         rows.append((data.sensordata.copy(), data.qpos.copy(), data.qvel.copy()))
     sensor, qpos, qvel = map(np.array, zip(*rows, strict=True))
-    none = [np.full((ROWS, n), np.nan) for n in (one.model.nq, one.model.nv)]
+    no_place, no_speed = (np.full((ROWS, n), np.nan) for n in (one.model.nq, one.model.nv))
     empty = np.zeros((ROWS, 0))
-    return Recording("r.csv", 0.01 * np.arange(ROWS), empty, empty, sensor, *none), qpos, qvel
+    return Recording("r.csv", 0.01 * np.arange(ROWS), empty, empty, sensor, no_place, no_speed), qpos, qvel
 
 
 def same_turns(one: np.ndarray, other: np.ndarray) -> bool:

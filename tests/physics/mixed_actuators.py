@@ -12,7 +12,8 @@ mass=".5"/>
 motorconst=".5" input="none"/><pid name="pid" joint="elbow" kp="30" kv="1"/>
 <motor name="push" joint="wrist" gear="2"/>
 <position name="servo" joint="wrist" kp="5" kv=".1" gear="3"/></actuator>
-<sensor><ballquat name="looks" joint="neck"/><jointpos name="bends" joint="elbow"/><jointpos name="wrist" joint="wrist"/>
+<sensor><ballquat name="looks" joint="neck"/><jointpos name="bends" joint="elbow"/>
+<jointpos name="wrist" joint="wrist"/>
 <gyro name="gyro" site="hand"/>
 <accelerometer name="felt" site="hand"/><actuatorfrc name="pull" actuator="pid"/></sensor>
 </mujoco>

@@ -175,7 +175,7 @@ class OpenLoopSimulator(abc.ABC):
             last = row + 1 == window.rows
             own = slice(steps.sample[row], steps.n_steps if last else steps.sample[row + 1])
             history, count = CommandHistory(time[: row + 1], np.array(rows)), own.stop - own.start
-            drive = self._row_steps(window, row, own, lambda *span, of=history: of.mean(*span, delay[0], source[0]))
+            drive = self._row_steps(window, row, own, lambda t, dt, of=history: of.mean(t, dt, delay[0], source[0]))
             state, part = self._advanced(prepared, state, drive)
             outputs.append(StepReadings(*(x[: count + last] for x in part)))
         commands = np.array(rows)

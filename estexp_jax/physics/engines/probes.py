@@ -69,7 +69,8 @@ def command_limits(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     model = robot.model
     reach = np.array([_BEYOND * _reach(robot, k) for k in range(model.nu)])
     limited = model.actuator_ctrllimited.astype(bool)
-    return tuple(np.where(limited, model.actuator_ctrlrange[:, i], side * reach) for i, side in ((0, -1.0), (1, 1.0)))
+    low, high = model.actuator_ctrlrange.T
+    return np.where(limited, low, -reach), np.where(limited, high, reach)
 
 
 def _reach(robot: Robot, command: int) -> float:

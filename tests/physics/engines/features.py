@@ -20,8 +20,8 @@ _BALL = """
 <actuator>{}</actuator><sensor><ballquat joint="neck"/><accelerometer site="imu"/></sensor></mujoco>
 """
 _LONE = """
-_TENDON = """<tendon><fixed name="both" {}><joint joint="shoulder" coef="1"/>
-<joint joint="elbow" coef="-2"/></fixed></tendon>"""
+<worldbody><body name="thrown" pos="0 0 1"><freejoint name="root"/>
+<geom type="box" size=".1 .05 .02" mass="1"/></body></worldbody>
 <sensor><framequat objtype="body" objname="thrown"/></sensor></mujoco>
 """
 

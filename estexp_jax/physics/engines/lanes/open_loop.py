@@ -72,7 +72,7 @@ class LanesOpenLoop(EditedOpenLoop):
     def _advanced(
         self, prepared: Any, state: LaneBatchState, drive: CommandSteps
     ) -> tuple[LaneBatchState, StepReadings]:
-        carried = LaneBatchState(*map(_lanes_last, state[:-1]), state.hidden)
+        carried = LaneBatchState._make([*map(_lanes_last, state[:-1]), state.hidden])
         first = CommandSteps(*(x[: self.block] for x in drive))
 
         def compile_it() -> Any:

@@ -23,8 +23,8 @@ COMMANDS = np.repeat(np.random.default_rng(0).uniform(-1.0, 1.0, (ROWS // 5, 1))
 
 
 def replayed(one: Robot, finer: int, rows: tuple[int, int], start: InitialState) -> tuple[np.ndarray, np.ndarray]:
-    nothing = [np.full((ROWS, n), np.nan) for n in (1, 1, 1)]
-    recording = Recording("r.csv", TIME, COMMANDS, np.ones((ROWS, 1)), *nothing)
+    nothing = np.full((ROWS, 1), np.nan)
+    recording = Recording("r.csv", TIME, COMMANDS, np.ones((ROWS, 1)), nothing, nothing, nothing)
     window = window_of([recording], 0, rows, 0.002 / finer, start)
     simulator = open_loop_simulator(one, EFFECTS, [one], engine="c")
     found = simulator.replay(stack([encode(one, EFFECTS, [])]), [window], np.zeros(1, int))
