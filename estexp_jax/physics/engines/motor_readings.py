@@ -16,12 +16,12 @@ from estexp_jax.physics.model.robot import Robot
 
 
 class MotorReading(NamedTuple):
-    """A hidden variable at one site, to be added to one value of `sensordata`."""
+    """A hidden variable at one element, to be added to one value of `sensordata`."""
 
     column: int
     effect: str
     state: int
-    row: int  # of the site
+    row: int  # of the element
     factor: float
 
 

@@ -16,13 +16,16 @@ EFFECTS = (
     "hysteresis",
     "crosstalk",
     "torque_offset",
+    "gravity_compensation",
     "motor_weakness",
     "torque_saturation",
     "back_emf",
     "motor_fade",
+    "supply_sag",
     "joint_compliance",
     "backlash",
     "command_delay",
+    "command_limit",
     "actuator_lag",
     "dead_band",
     "tied_outputs",
@@ -51,6 +54,10 @@ FORMS = (
     "rotor_backlash",
     "rebound_limit",
     "motor_heat",
+    "supply_floor",
+    "asymmetric_friction",
+    "smooth_friction",
+    "asymmetric_damping",
 )
 """Modules of other forms of these effects, reported under their names."""
 

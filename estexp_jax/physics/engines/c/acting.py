@@ -8,12 +8,14 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Term
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.c.acting_motors import Chunk
 from estexp_jax.physics.engines.c.body_forces import ActingBodyForce
 from estexp_jax.physics.engines.c.command_laws import ActingCommandLaw
 from estexp_jax.physics.engines.c.instances import instances_of
 from estexp_jax.physics.engines.c.lane_models import LaneModels
+from estexp_jax.physics.engines.c.laws import feels_gravity
 from estexp_jax.physics.engines.c.step_table import StepTable
 from estexp_jax.physics.engines.c.terms import ActingTerm
 from estexp_jax.physics.model.robot import Robot
@@ -37,9 +39,10 @@ class ActingEffects:
         self.terms: list[ActingTerm] = []
         self.body_forces: list[ActingBodyForce] = []
         for e in catalogue:
-            there = (
-                instances_of(e, np.asarray(values[e.name])) if isinstance(e, CommandLaw | Term | BodyForce) else None
-            )
+            if not isinstance(e, CommandLaw | Term | BodyForce):
+                continue
+            own = np.asarray(values[e.name])
+            there = instances_of(e, own if isinstance(e, BodyForce) else element_values(e, robot, own))
             if there is None:
                 continue
             if isinstance(e, CommandLaw):
@@ -57,6 +60,11 @@ class ActingEffects:
         return self._chunk.table
 
     @property
+    def weighed(self) -> bool:
+        """Whether a term asks for the torque of gravity, which then must stand in the table."""
+        return any(feels_gravity(term.effect) for term in self.terms)
+
+    @property
     def written(self) -> set[str]:
         """Parts of the table that terms have changed so far."""
         return set[str]().union(*(term.written for term in self.terms))
@@ -69,7 +77,7 @@ class ActingEffects:
         table["qpos"][:], table["qvel"][:], table["ctrl"][:], table["dt"][:, 0] = qpos, qvel, ctrl, dt
         table["on"][:] = self.switches(enable)
         table["share"][:], table["rotor_inertia"][:] = 1.0, self._armature
-        for part in ("force", "damping", "friction"):
+        for part in ("force", "damping", "friction", "gravity"):
             table[part][:] = 0.0
         return table
 

@@ -10,6 +10,9 @@ import jax.numpy as jnp
 from estexp_jax.physics.effects.base import Arrays, JointState
 from estexp_jax.physics.engines.motors import asked_torques, limited_commands, motor_torque
 
+OWN_ROWS = ("qpos", "qvel", "dt", "rotor_inertia", "gravity")
+"""Parts of a step's table that a term sees of its own joint, in the order of its first rows."""
+
 
 class MotorFields(NamedTuple):
     """Numbers of motors, named as in MuJoCo's model: arrays (motors, n, ...), for n instances."""
@@ -75,17 +78,18 @@ class TermInputs(NamedTuple):
     w: Any
     dt: Any
     armature: Any
+    gravity: Any
     on: Any
     motors: MotorState
     state: Arrays
 
     @classmethod
     def of_rows(cls, x: Any, motors: int, there: Any) -> TermInputs:
-        """From rows (rows, n): q, w, dt, armature; commands, switches and shares of the motors; hidden variables."""
-        ctrl, on, share = (x[4 + i * motors : 4 + (i + 1) * motors] for i in range(3))
+        """From rows (rows, n): `OWN_ROWS`; commands, switches and shares of the motors; hidden variables."""
+        own, n = x[: len(OWN_ROWS)], len(OWN_ROWS)
+        ctrl, on, share = (x[n + i * motors : n + (i + 1) * motors] for i in range(3))
         switched = jnp.max(on * there, axis=0) if motors else jnp.zeros_like(x[0])
-        state = tuple(x[4 + 3 * motors :])
-        return cls(x[0], x[1], x[2], x[3], switched, MotorState(ctrl, on * share), state)
+        return cls(*own, switched, MotorState(ctrl, on * share), tuple(x[n + 3 * motors :]))
 
 
 class RobotInputs(NamedTuple):
@@ -142,6 +146,12 @@ def joint_state(site: SiteFields, now: TermInputs, robot: RobotFields | None, mo
         torque: Any = _clipped(robot.limited, robot.limits, robot.drives @ each)
         return _picked(jnp.round(number) == robot.joint[:, None], torque)
 
+    def load() -> Any:
+        assert robot is not None and moving is not None
+        q, w = (robot.drives.T @ x for x in (moving.q, moving.w))
+        each: Any = jnp.abs(_torque(robot.motors, moving.motors, q, w))
+        return jnp.sum(each, axis=0)
+
     def motion_of(number: Any) -> tuple[Any, Any]:
         assert robot is not None and moving is not None
         mine = jnp.round(number) == robot.joint[:, None]
@@ -160,4 +170,6 @@ def joint_state(site: SiteFields, now: TermInputs, robot: RobotFields | None, mo
         torque_of=torque_of,
         motion_of=motion_of,
         asked=asked,
+        load=load,
+        gravity=lambda: now.gravity,
     )

@@ -16,7 +16,7 @@ from estexp_jax.physics.engines.c.acting_motors import (
     motor_rows,
 )
 from estexp_jax.physics.engines.c.instances import Instances
-from estexp_jax.physics.engines.c.law_inputs import SiteFields
+from estexp_jax.physics.engines.c.law_inputs import OWN_ROWS, SiteFields
 from estexp_jax.physics.engines.c.laws import couples_joints, rest_program, term_program
 from estexp_jax.physics.engines.c.step_table import StepTable
 from estexp_jax.physics.engines.motors import Drives, drives
@@ -50,10 +50,8 @@ class ActingTerm:
         """Find the places in the table that it reads and writes."""
         model, index, lane = chunk.robot.model, chunk.table.index, self.lane
         at_site = motors.motors[self.site].T
-        joint = [
-            index("qpos", lane, model.jnt_qposadr[model.dof_jntid[dof]]),
-            *(index(part, lane, elements) for part, elements in (("qvel", dof), ("dt", 0), ("rotor_inertia", dof))),
-        ]
+        place = {"qpos": model.jnt_qposadr[model.dof_jntid[dof]], "dt": np.zeros_like(dof)}
+        joint = [index(part, lane, place.get(part, dof)) for part in OWN_ROWS]
         self._take = np.concatenate([np.array(joint), motor_rows(chunk, lane, at_site)])
         self._rows = np.empty((len(self._take) + self.effect.n_states, len(lane)))
         self._added = {name: index(part, lane, dof) for name, part in _ADDED.items()}
@@ -96,9 +94,7 @@ class ActingTerm:
 
 def _drives(e: Term, chunk: Chunk, dofs: np.ndarray) -> Drives:
     """The motors that count at a term's sites."""
-    if e.kind != "actuator":
-        return drives(chunk.robot, dofs, None)
-    return drives(chunk.robot, dofs, np.array([chunk.robot.index("actuator", s) for s in e.sites(chunk.robot)]))
+    return drives(chunk.robot, dofs, e.motors(chunk.robot))
 
 
 def _fixed(chunk: Chunk, there: Instances, motors: Drives) -> SiteFields:

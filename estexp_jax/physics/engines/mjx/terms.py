@@ -16,8 +16,10 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Arrays, BodyForce, CommandLaw, JointForce, JointState, Term
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.effects.sites import actuator_dofs, driven_actuators
+from estexp_jax.physics.engines.mjx.weight import torques_of_weight
 from estexp_jax.physics.engines.motors import (
     Drives,
     drives,
@@ -29,7 +31,7 @@ from estexp_jax.physics.engines.motors import (
 from estexp_jax.physics.model.robot import Robot
 
 Hidden = dict[str, Arrays]
-"""Hidden variables (n_sites,) of each effect that has some, by its name."""
+"""Hidden variables (n_elements,) of each effect that has some, by its name."""
 
 
 class MjxStepStart(NamedTuple):
@@ -89,7 +91,7 @@ def hidden_at_rest(robot: Robot, catalogue: Catalogue, values: Values, now: MjxS
     """Hidden variables of a robot that has been where it is, under this command, for long."""
     hidden: Hidden = {}
     for e in stateful(catalogue):
-        p = _columns(values[e.name])
+        p = _at_elements(e, robot, values)
         if isinstance(e, Term):
             q, w = _coordinates(robot, e.dofs(robot), now)
             hidden[e.name] = e.initial(p, q, w)
@@ -108,9 +110,9 @@ def apply_effects(
     step = _Step(robot, now, model, nominal, jnp.zeros(robot.model.nv, now.qvel.dtype))
     for e in catalogue:
         if isinstance(e, Term) and e.sites(robot):
-            p = _columns(values[e.name])
+            p = _at_elements(e, robot, values)
             dofs = e.dofs(robot)
-            there = drives(robot, dofs, _actuators(robot, e))
+            there = drives(robot, dofs, e.motors(robot))
             does, state = e.act(p, _joint_state(step, dofs, there), hidden.get(e.name, ()))
             hidden |= {e.name: state} if e.n_states else {}
             step = _applied(step, does, dofs, there)
@@ -123,14 +125,12 @@ def _columns(values: jax.Array) -> Arrays:
     return tuple(values[:, i] for i in range(values.shape[1]))
 
 
+def _at_elements(e: Term | CommandLaw, robot: Robot, values: Values) -> Arrays:
+    return _columns(element_values(e, robot, values[e.name]))
+
+
 def _coordinates(robot: Robot, dofs: np.ndarray, now: MjxStepStart) -> tuple[jax.Array, jax.Array]:
     return now.qpos[robot.model.jnt_qposadr[robot.model.dof_jntid[dofs]]], now.qvel[dofs]
-
-
-def _actuators(robot: Robot, e: Term) -> np.ndarray | None:
-    if e.kind != "actuator":
-        return None
-    return np.array([robot.index("actuator", site) for site in e.sites(robot)], dtype=int)
 
 
 def _with_command_laws(
@@ -144,7 +144,7 @@ def _with_command_laws(
     idle = jnp.zeros_like(ctrl).at[driven].set(idle_commands(model, driven, *_coordinates(robot, dofs, now)))
     for e in laws:
         a = e.actuators(robot)
-        command, state = e.act(_columns(values[e.name]), ctrl[a], idle[a], now.dt, hidden.get(e.name, ()))
+        command, state = e.act(_at_elements(e, robot, values), ctrl[a], idle[a], now.dt, hidden.get(e.name, ()))
         ctrl = ctrl.at[a].set(command)
         hidden = hidden | ({e.name: state} if e.n_states else {})
     return now._replace(ctrl=ctrl), hidden
@@ -162,6 +162,11 @@ def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
         each = motor_torques(robot, model, now.qpos, now.qvel, now.ctrl)[robot.model.jnt_dofadr]
         joint = number.astype(jnp.int32) - 1
         return jnp.where(joint >= 0, each[jnp.clip(joint, 0, robot.model.njnt - 1)], 0.0)
+
+    def load() -> jax.Array:
+        driven = np.array(driven_actuators(robot), dtype=int)
+        each = motor_torque(model, driven, *_coordinates(robot, actuator_dofs(robot), now), command[driven])
+        return jnp.abs(each).sum()
 
     def motion_of(number: jax.Array) -> tuple[jax.Array, jax.Array]:
         scalar = np.array(robot.scalar_joints, dtype=int)
@@ -182,6 +187,8 @@ def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
         torque_of=torque_of,
         motion_of=motion_of,
         asked=lambda: there.asked(model, q, w, command),
+        load=load,
+        gravity=lambda: torques_of_weight(robot, model, now.qpos)[dofs],
     )
 
 
