@@ -54,8 +54,8 @@ class CommandLimit(CommandLaw):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         who = f"all servos ({site}) follow their goals" if site == ALL_ALIKE else f"the servo {site} follows its goal"
         return (
-            f"{who} no faster than {values['v']:.3g} a second, reached at no more than {values['a']:.3g} a second "
-            f"squared (in control units)"
+            f"{who} no faster than {values['v']:.3g} control units a second, gaining or losing no more than "
+            f"{values['a']:.3g} a second in a second"
         )
 
     def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
