@@ -6,7 +6,7 @@ Every subclass is written for one robot; populations are batches of values, mapp
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import jax
@@ -15,7 +15,8 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.effect import NEVER, Array, Arrays, Effect, Parameter, neutral_values
-from estexp_jax.physics.effects.elements import elements_of
+from estexp_jax.physics.effects.elements import elements_of, site_rows
+from estexp_jax.physics.effects.mounts import STILL, MountState
 from estexp_jax.physics.model.robot import Robot
 
 __all__ = [
@@ -59,6 +60,19 @@ def _nothing() -> Array:
     return 0.0
 
 
+def _still() -> MountState:
+    return STILL
+
+
+class DisplayedState(NamedTuple):
+    """A hidden variable of a term at one of its elements that a sensor shows: times `factor`, beside its own."""
+
+    column: int  #: of `sensordata`
+    state: int
+    element: int
+    factor: float
+
+
 class JointState(NamedTuple):
     """What a term sees of its sites' joints at the beginning of a physics step.
 
@@ -80,6 +94,7 @@ class JointState(NamedTuple):
     asked: Callable[[], tuple[Array, Array]]  #: -> torque that the motor's command asks for in all, and beyond rest
     load: Callable[[], Array] = _nothing  #: -> sum of |torque| of all motors that drive a joint, each taken alone
     gravity: Callable[[], Array] = _nothing  #: -> torque that gravity puts on the joint, N m or N
+    mount: Callable[[], MountState] = _still  #: -> the body at the term's site, which carries the joint
 
 
 class JointForce(NamedTuple):
@@ -126,9 +141,18 @@ class Term(Effect):
 
     def motors(self, robot: Robot) -> np.ndarray | None:
         """Index of the actuator at each element, (n_elements,); None where its elements are joints."""
-        if self.kind == "joint":
+        if self.kind in ("joint", "body"):
             return None
         return np.array([robot.index("actuator", name) for name in elements_of(self, robot)], dtype=int)
+
+    def bodies(self, robot: Robot) -> np.ndarray:
+        """Index of the body at whose site each element is, (n_elements,), of a term of bodies."""
+        index = np.array([robot.index("body", site) for site in self.sites(robot)], dtype=int)
+        return index[site_rows(self, robot)]
+
+    def displayed(self, robot: Robot) -> Sequence[DisplayedState]:
+        """What sensors show of hidden variables, beside `motor_torque_state`."""
+        return ()
 
     def dofs(self, robot: Robot) -> np.ndarray:
         """Velocity address of the joint at each element, (n_elements,): itself, or the one that an actuator drives."""

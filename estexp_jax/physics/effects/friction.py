@@ -24,12 +24,12 @@ def friction_advice(recordings: Sequence[Recording]) -> tuple[str, ...]:
 
 def reported_shape(values: Mapping[str, float], amount: str) -> dict[str, float]:
     """The values that friction is reported with: its amount, with its asymmetry and its onset where it has any."""
-    shown = {amount: values[amount]}
+    reported = {amount: values[amount]}
     if abs(values.get("a", 0.0)) > _ONE_WAY:
-        shown["a"] = values["a"]
+        reported["a"] = values["a"]
     if values.get("w_0", 0.0) > _AT_ONCE:
-        shown["w_0"] = values["w_0"]
-    return shown
+        reported["w_0"] = values["w_0"]
+    return reported
 
 
 def shape_in_words(values: Mapping[str, float]) -> str:

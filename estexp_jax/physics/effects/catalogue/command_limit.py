@@ -37,7 +37,7 @@ class CommandLimit(CommandLaw):
         Parameter("v", "control unit/s", neutral=NEVER),
         Parameter("a", "control unit/s2", neutral=NEVER),
     )
-    equation: ClassVar[str] = "u = g, g follows the command with |dg/dt| <= v, |d2g/dt2| <= a"
+    equation: ClassVar[str] = "u = g, dg/dt = r, |r| <= v, |dr/dt| <= a, g on its way to the command"
     source: ClassVar[str] = (
         "trapezoidal velocity profile: Siciliano et al., Robotics (2009), section 4.2.1; as in ROBOTIS, XL330-M288, "
         "Profile Velocity(112) and Profile Acceleration(108)"

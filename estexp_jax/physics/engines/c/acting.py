@@ -12,8 +12,9 @@ from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.c.acting_motors import Chunk
 from estexp_jax.physics.engines.c.body_forces import ActingBodyForce
+from estexp_jax.physics.engines.c.carried_momenta import CarriedMomenta
 from estexp_jax.physics.engines.c.command_laws import ActingCommandLaw
-from estexp_jax.physics.engines.c.instances import instances_of
+from estexp_jax.physics.engines.c.instances import at_work, instances_of
 from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.engines.c.laws import feels_gravity
 from estexp_jax.physics.engines.c.step_table import StepTable
@@ -34,7 +35,10 @@ class ActingEffects:
 
     def __init__(self, robot: Robot, catalogue: Catalogue, models: LaneModels, values: Values) -> None:
         """With edited models, and values (lanes, n_sites, n_parameters) of each effect."""
-        self._chunk = Chunk(robot, models, StepTable(robot.model, models.lanes))
+        asks = [e for e in catalogue if isinstance(e, Term) and (feels_gravity(e) or e.kind == "body")]
+        works = any(at_work(e, np.asarray(values[e.name])).any() for e in asks)
+        carried = CarriedMomenta(models) if works else None
+        self._chunk = Chunk(robot, models, StepTable(robot.model, models.lanes), carried)
         self.laws: list[ActingCommandLaw] = []
         self.terms: list[ActingTerm] = []
         self.body_forces: list[ActingBodyForce] = []
@@ -60,11 +64,6 @@ class ActingEffects:
         return self._chunk.table
 
     @property
-    def weighed(self) -> bool:
-        """Whether a term asks for the torque of gravity, which then must stand in the table."""
-        return any(feels_gravity(term.effect) for term in self.terms)
-
-    @property
     def written(self) -> set[str]:
         """Parts of the table that terms have changed so far."""
         return set[str]().union(*(term.written for term in self.terms))
@@ -79,6 +78,9 @@ class ActingEffects:
         table["share"][:], table["rotor_inertia"][:] = 1.0, self._armature
         for part in ("force", "damping", "friction", "gravity"):
             table[part][:] = 0.0
+        if (carried := self._chunk.carried) is not None:
+            carried.update(qpos)
+            table["gravity"][:] = carried.gravity_torques()
         return table
 
     def switches(self, enable: np.ndarray) -> np.ndarray:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, JointState
+from estexp_jax.physics.effects.mounts import STILL, MountState
 from estexp_jax.physics.engines.motors import asked_torques, limited_commands, motor_torque
 
 OWN_ROWS = ("qpos", "qvel", "dt", "rotor_inertia", "gravity")
@@ -81,15 +83,19 @@ class TermInputs(NamedTuple):
     gravity: Any
     on: Any
     motors: MotorState
+    mount: MountState
     state: Arrays
 
     @classmethod
-    def of_rows(cls, x: Any, motors: int, there: Any) -> TermInputs:
-        """From rows (rows, n): `OWN_ROWS`; commands, switches and shares of the motors; hidden variables."""
+    def of_rows(cls, x: Any, motors: int, there: Any, mounts: int) -> TermInputs:
+        """From rows (rows, n): `OWN_ROWS`; of the motors commands, switches, shares; of a mount; hidden variables."""
         own, n = x[: len(OWN_ROWS)], len(OWN_ROWS)
         ctrl, on, share = (x[n + i * motors : n + (i + 1) * motors] for i in range(3))
         switched = jnp.max(on * there, axis=0) if motors else jnp.zeros_like(x[0])
-        return cls(*own, switched, MotorState(ctrl, on * share), tuple(x[n + 3 * motors :]))
+        rest = tuple(x[n + 3 * motors :])
+        q, w, dt, armature, gravity = own
+        mount = mount_of_rows(rest[:mounts]) if mounts else STILL
+        return cls(q, w, dt, armature, gravity, switched, MotorState(ctrl, on * share), mount, rest[mounts:])
 
 
 class RobotInputs(NamedTuple):
@@ -104,6 +110,17 @@ class RobotInputs(NamedTuple):
         """From rows (rows, n): q and w of the joints; commands, switches and shares of the motors."""
         ctrl, on, share = (x[2 * joints + i * motors : 2 * joints + (i + 1) * motors] for i in range(3))
         return cls(x[:joints], x[joints : 2 * joints], MotorState(ctrl, on * share))
+
+
+MOUNT_ROWS = 21
+"""Numbers of a mount."""
+
+
+def mount_of_rows(x: Sequence[Any]) -> MountState:
+    """A mount of its numbers, one after the other."""
+    coupling, arm, momentum, first, gravity = ((x[a], x[a + 1], x[a + 2]) for a in (0, 3, 6, 15, 18))
+    xx, yy, zz, xy, xz, yz = x[9:15]
+    return MountState(coupling, arm, momentum, (xx, yy, zz, xy, xz, yz), first, gravity)
 
 
 @jax.jit  # traced once, although terms ask many times
@@ -172,4 +189,5 @@ def joint_state(site: SiteFields, now: TermInputs, robot: RobotFields | None, mo
         asked=asked,
         load=load,
         gravity=lambda: now.gravity,
+        mount=lambda: now.mount,
     )

@@ -10,7 +10,6 @@ import mujoco.batch
 import numpy as np
 
 from estexp_jax.physics.engines.c.acting import ActingEffects, LaneHidden
-from estexp_jax.physics.engines.c.gravity_torques import GravityTorques
 from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.engines.c.motor_scales import MotorScales
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps
@@ -45,7 +44,6 @@ class LaneSteps:
         names = (*_STATE, "ctrl", "qfrc_applied", "xfrc_applied", "sensordata")
         self._data = {name: models.batch.bind(name) for name in names}
         self._place = models.batch.bind("xipos") if acting.body_forces else None
-        self._weights = GravityTorques(models) if acting.weighed else None
         self._motors = MotorScales(models)
         fields = (*_PER_STEP.values(), "dof_armature", "dof_M0")
         self._own = {name: np.array(models.read(name)) for name in fields}
@@ -117,9 +115,6 @@ class LaneSteps:
             self._pull()
             return {}
         table = acting.begin(data["qpos"], data["qvel"], ctrl, enable, length)
-        if self._weights is not None:
-            self._call(self._batch.forward, np.flatnonzero(self._alive), stage=mujoco.mjtStage.mjSTAGE_POS)
-            table["gravity"][:] = self._weights.torques()
         after, written = acting.act(hidden), acting.written
         data["ctrl"][:], data["qfrc_applied"][:] = table["ctrl"], table["force"]
         for part in written & set(_PER_STEP):

@@ -15,9 +15,10 @@ from estexp_jax.physics.engines.c.acting_motors import (
     motor_fields,
     motor_rows,
 )
+from estexp_jax.physics.engines.c.carried_momenta import carried_dofs
 from estexp_jax.physics.engines.c.instances import Instances
 from estexp_jax.physics.engines.c.law_inputs import OWN_ROWS, SiteFields
-from estexp_jax.physics.engines.c.laws import couples_joints, rest_program, term_program
+from estexp_jax.physics.engines.c.laws import couples_joints, mount_rows, rest_program, term_program
 from estexp_jax.physics.engines.c.step_table import StepTable
 from estexp_jax.physics.engines.motors import Drives, drives
 
@@ -53,7 +54,12 @@ class ActingTerm:
         place = {"qpos": model.jnt_qposadr[model.dof_jntid[dof]], "dt": np.zeros_like(dof)}
         joint = [index(part, lane, place.get(part, dof)) for part in OWN_ROWS]
         self._take = np.concatenate([np.array(joint), motor_rows(chunk, lane, at_site)])
-        self._rows = np.empty((len(self._take) + self.effect.n_states, len(lane)))
+        self._mounts = mount_rows(self.effect)
+        self._rows = np.empty((len(self._take) + self._mounts + self.effect.n_states, len(lane)))
+        if self._mounts:
+            body = self.effect.bodies(chunk.robot)[self.site]
+            self._carrying = (lane, body, dof), carried_dofs(chunk.robot, body)
+        self._carried = chunk.carried
         self._added = {name: index(part, lane, dof) for name, part in _ADDED.items()}
         #: For each motor of a site: which instances have it, and where its command and its share stand.
         self._motors = [
@@ -71,8 +77,13 @@ class ActingTerm:
         """Act in a step; hidden variables (variables, n) after it, of those before."""
         n = len(self.lane)
         table.take(self._take, self._rows[: len(self._take)])
+        own = len(self._take) + self._mounts
+        if self._mounts and self._carried is not None:
+            (lane, body, dof), there = self._carrying
+            speed = table["qvel"][lane] * there
+            self._rows[len(self._take) : own] = self._carried.mounts(lane, body, dof, speed)
         if before is not None:
-            self._rows[len(self._take) :] = before
+            self._rows[own:] = before
         does = iter(self._law(self._rows, *([self._whole.rows(table)] if self._whole else [])))
         for name in self._names:
             if name == "command":

@@ -13,9 +13,11 @@ from estexp_jax.lanes.layout import Layout
 from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.step import LaneState
 from estexp_jax.physics.effects.base import JointState, Term
+from estexp_jax.physics.effects.mounts import MountState
 from estexp_jax.physics.effects.sites import actuator_dofs, driven_actuators
 from estexp_jax.physics.engines.lanes.gravity_torques import gravity_torques
 from estexp_jax.physics.engines.lanes.motors import MotorInputs, Motors
+from estexp_jax.physics.engines.lanes.mounts import mount_states_in_lanes
 from estexp_jax.physics.engines.motors import drives
 from estexp_jax.physics.model.robot import Robot
 
@@ -79,6 +81,9 @@ class JointStates:
             found = gravity_torques(self._layout, self._params, state)
             return jnp.stack([found[int(d)] + jnp.zeros_like(q[0]) for d in dofs])
 
+        def mount() -> MountState:
+            return mount_states_in_lanes(self._robot, self._layout, self._params, state, term.bodies(self._robot), dofs)
+
         def motion_of(number: Any) -> tuple[Any, Any]:
             at: Any = jnp.zeros_like(q)
             rate: Any = jnp.zeros_like(q)
@@ -112,6 +117,7 @@ class JointStates:
             asked=asked,
             load=load,
             gravity=gravity,
+            mount=mount,
         )
 
 

@@ -18,13 +18,14 @@ from estexp_jax.physics.effects.base import Arrays, BodyForce, CommandLaw, Joint
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.effects.sites import actuator_dofs, driven_actuators
-from estexp_jax.physics.engines.mjx.weight import torques_of_weight
+from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.mjx.carried import mount_states, torques_of_weight
 from estexp_jax.physics.engines.motors import (
     Drives,
     drives,
     idle_commands,
     limited_commands,
+    motor_load,
     motor_torque,
     motor_torques,
 )
@@ -113,7 +114,7 @@ def apply_effects(
             p = _at_elements(e, robot, values)
             dofs = e.dofs(robot)
             there = drives(robot, dofs, e.motors(robot))
-            does, state = e.act(p, _joint_state(step, dofs, there), hidden.get(e.name, ()))
+            does, state = e.act(p, _joint_state(step, e, dofs, there), hidden.get(e.name, ()))
             hidden |= {e.name: state} if e.n_states else {}
             step = _applied(step, does, dofs, there)
     model = step.model if step.share is nominal else step.scaled()
@@ -150,7 +151,7 @@ def _with_command_laws(
     return now._replace(ctrl=ctrl), hidden
 
 
-def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
+def _joint_state(step: _Step, e: Term, dofs: np.ndarray, there: Drives) -> JointState:
     robot, model, now = step.robot, step.scaled(), step.now
     q, w = _coordinates(robot, dofs, now)
     command = limited_commands(model, now.ctrl)
@@ -162,11 +163,6 @@ def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
         each = motor_torques(robot, model, now.qpos, now.qvel, now.ctrl)[robot.model.jnt_dofadr]
         joint = number.astype(jnp.int32) - 1
         return jnp.where(joint >= 0, each[jnp.clip(joint, 0, robot.model.njnt - 1)], 0.0)
-
-    def load() -> jax.Array:
-        driven = np.array(driven_actuators(robot), dtype=int)
-        each = motor_torque(model, driven, *_coordinates(robot, actuator_dofs(robot), now), command[driven])
-        return jnp.abs(each).sum()
 
     def motion_of(number: jax.Array) -> tuple[jax.Array, jax.Array]:
         scalar = np.array(robot.scalar_joints, dtype=int)
@@ -187,8 +183,9 @@ def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
         torque_of=torque_of,
         motion_of=motion_of,
         asked=lambda: there.asked(model, q, w, command),
-        load=load,
+        load=lambda: motor_load(robot, model, now.qpos, now.qvel, command),
         gravity=lambda: torques_of_weight(robot, model, now.qpos)[dofs],
+        mount=lambda: mount_states(robot, model, e.bodies(robot), dofs, now.qpos, now.qvel),
     )
 
 
