@@ -17,7 +17,7 @@ from typing import final
 
 INTERRUPTED = 3
 """The exit code."""
-TOLD = "\nestexp: interrupted; the same command with --resume goes on"
+MESSAGE = "\nestexp: interrupted; the same command with --resume goes on"
 _SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 _PATIENCE = 8.0
 """Seconds that ending may take by itself."""
@@ -70,7 +70,7 @@ class Interruptible:
 def end_now() -> None:
     """End the process with the exit code of an interruption, without the interpreter's own way of ending."""
     try:
-        print(TOLD, file=sys.stderr, flush=True)
+        print(MESSAGE, file=sys.stderr, flush=True)
         sys.stdout.flush()
     finally:
         os._exit(INTERRUPTED)

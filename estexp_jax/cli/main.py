@@ -10,7 +10,7 @@ from inspect import cleandoc
 from typing import Annotated, Any, Union
 
 import estexp_jax
-from estexp_jax.cli.interruption import INTERRUPTED, TOLD, Interruptible
+from estexp_jax.cli.interruption import INTERRUPTED, MESSAGE, Interruptible
 from estexp_jax.errors import InputError, name_too_long
 
 COMMANDS = (
@@ -89,7 +89,7 @@ def _ended(arguments: list[str]) -> int:
 
 
 def _interrupted() -> int:
-    print(TOLD, file=sys.stderr)
+    print(MESSAGE, file=sys.stderr)
     return INTERRUPTED
 
 

@@ -22,18 +22,20 @@ cli.program()
 """
 WAITS = "    print('running', flush=True)\n    time.sleep(60)"
 SWALLOWS = """    interruption._PATIENCE = 0.5
-    print('running', flush=True)
     while True:
         try:
+            print('running', flush=True)
             time.sleep(60)
         except KeyboardInterrupt:
             print('swallowed', flush=True)"""
-FAILS = """    print('running', flush=True)
-    try:
+FAILS = """    try:
+        print('running', flush=True)
         time.sleep(60)
     except KeyboardInterrupt:
         raise ImportError("lost on the way")"""
 LOADS = "    import a_slow_module"
+HEARD = "import signal\nfor s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP): signal.signal(s, signal.SIG_DFL)\n"
+"""Signals as at a terminal, whatever the tests themselves run under."""
 IGNORES = """    print('running', flush=True)
     time.sleep(1)
     return 0"""
@@ -41,7 +43,7 @@ IGNORES = """    print('running', flush=True)
 
 def _end(body: str, number: int, root: Path, *, times: int = 1, first: str = "") -> tuple[int, str]:
     """Exit code and messages of a command that is sent a signal while it runs."""
-    command = [sys.executable, "-c", first + HEAD.format(body=body)]
+    command = [sys.executable, "-c", HEARD + first + HEAD.format(body=body)]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, cwd=root, **pipes) as process:
         assert process.stdout is not None and process.stdout.readline() == "running\n"
