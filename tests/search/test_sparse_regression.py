@@ -1,25 +1,28 @@
 """Sparse regression by evidence, on data whose truth is known."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from estexp_jax.search.sparse_regression import SparseRegression
 
 
-def _regression(j: np.ndarray, r: np.ndarray, **changed: object) -> SparseRegression:
+def _regression(j: np.ndarray, r: np.ndarray, **changed: Any) -> SparseRegression:
     n = j.shape[1]
-    parts = {
-        "matrix": j.T @ j,
-        "vector": j.T @ r,
-        "observations": float(len(r)),
-        "precision": np.zeros(n),
-        "groups": [np.array([k]) for k in range(n)],
-        "slots": list(range(n)),
-        "low": np.full(n, -np.inf),
-        "high": np.full(n, np.inf),
-        "n_parameters": np.ones(n),
-        "log_odds": np.full(n, -2.0),
-    }
-    return SparseRegression(**(parts | changed))
+    plain = SparseRegression(
+        matrix=j.T @ j,
+        vector=j.T @ r,
+        observations=float(len(r)),
+        precision=np.zeros(n),
+        groups=[np.array([k]) for k in range(n)],
+        slots=list(range(n)),
+        low=np.full(n, -np.inf),
+        high=np.full(n, np.inf),
+        n_parameters=np.ones(n),
+        log_odds=np.full(n, -2.0),
+    )
+    return replace(plain, **changed)
 
 
 def _data(seed: int = 0, n: int = 30) -> tuple[np.ndarray, np.ndarray]:
