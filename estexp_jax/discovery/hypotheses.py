@@ -112,6 +112,10 @@ class Hypothesis:
         """The vector (n_free,) at which nothing differs from the nominal model."""
         return np.array([f.neutral for f in self.free])
 
+    def bounds(self) -> np.ndarray:
+        """The lowest and the highest values (2, n_free)."""
+        return np.array([[f.low for f in self.free], [f.high for f in self.free]])
+
     def with_values(self, place: Place, values: Sequence[float]) -> np.ndarray:
         """The vector (n_free,) at which one effect has these values, within its bounds, and nothing else differs."""
         start = self.start()

@@ -44,7 +44,7 @@ def keeping(problem: Problem, parameters: Hypothesis, chosen: Fit, places: Seque
     """A hypothesis with some of a fit's places only, started from what these were; a value of the model stays bent."""
     hypothesis = claiming(problem.replayer.robot, parameters, places)
     known = dict(zip(_keys(chosen.hypothesis), chosen.vector, strict=True))
-    low, high = np.array([[f.low, f.high] for f in hypothesis.free]).T
+    low, high = hypothesis.bounds()
     kept = [known.get(k, f.neutral) for k, f in zip(_keys(hypothesis), hypothesis.free, strict=True)]
     return hypothesis, [np.clip(kept, low, high)]
 
@@ -86,7 +86,7 @@ def beside(fitted: Fit, other: Fit) -> np.ndarray:
     free = fitted.hypothesis.free
     ordinary = np.array([np.isfinite(f.spread) for f in free], dtype=bool)
     theirs = [known.get(k, v) for k, v in zip(_keys(fitted.hypothesis), fitted.vector, strict=True)]
-    low, high = np.array([[f.low, f.high] for f in free]).T
+    low, high = fitted.hypothesis.bounds()
     return np.where(ordinary, np.clip(theirs, low, high), fitted.vector)
 
 

@@ -56,6 +56,7 @@ def slack_of(derivative: np.ndarray, precision: np.ndarray, offset: np.ndarray) 
         precision: (n,) of the prior, in the unit in which residuals' squares are costs.
         offset: (n,) of the values from the prior's centre, at the point where they were derived.
     """
-    j = derivative.reshape(-1, derivative.shape[-1]).astype(np.float64)
+    samples = int(np.prod(derivative.shape[:-1]))  # not -1: where a manifest tells every value, n is 0
+    j = derivative.reshape(samples, derivative.shape[-1]).astype(np.float64)
     basis, kept = directions((j / np.sqrt(precision))[None])
     return Slack(basis, kept, j @ offset, np.linalg.solve(j.T @ j + np.diag(precision), j.T))

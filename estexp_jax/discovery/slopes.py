@@ -174,8 +174,8 @@ def rescaled(fitted: Fit) -> list[np.ndarray]:
     Along that valley slopes by differences seem steep where it is flat, and no step follows it far.
     """
     free = fitted.hypothesis.free
-    base, ordinary = np.array([f.present for f in free]), np.array([np.isfinite(f.spread) for f in free])
-    grows = (base > 0.0) | np.array([_is_force(f) for f in free])
+    base, ordinary = np.array([f.present for f in free]), np.array([np.isfinite(f.spread) for f in free], dtype=bool)
+    grows = (base > 0.0) | np.array([_is_force(f) for f in free], dtype=bool)
     sign = np.array([-1.0 if f.loss else 1.0 for f in free])
     total = base + sign * fitted.vector
     weight = np.where(ordinary & grows, 1.0 / np.array([f.spread for f in free]) ** 2, 0.0)
@@ -184,7 +184,7 @@ def rescaled(fitted: Fit) -> list[np.ndarray]:
     factor = float(np.sum(weight * base * total) / np.sum(weight * total**2))
     if abs(factor - 1.0) < _FACTOR:
         return []
-    low, high = np.array([[f.low, f.high] for f in free]).T
+    low, high = fitted.hypothesis.bounds()
     return [np.where(grows, np.clip(sign * (factor * total - base), low, high), fitted.vector)]
 
 

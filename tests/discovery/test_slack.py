@@ -27,6 +27,14 @@ def setting():
     return problem, fits
 
 
+def test_where_every_value_is_told_nothing_is_taken_out():
+    """A manifest may tell all that could have been fitted."""
+    slack = slack_of(np.zeros((3, 20, 0)), np.empty(0), np.empty(0))
+    residual = np.random.default_rng(5).standard_normal((2, 3, 20))
+    np.testing.assert_array_equal(slack.taken_out(residual), residual)
+    assert slack.offsets(residual).shape == (2, 0)
+
+
 def test_what_is_left_is_the_least_that_fitted_values_leave():
     rng = np.random.default_rng(76)
     derivative, residual = rng.standard_normal((3, 20, 4)), rng.standard_normal((3, 20)) + 0.5
