@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -14,6 +14,12 @@ MOST_NUMBERS = 250_000_000
 """Limit of values in one log (2 GB): a small hostile file can claim, or unpack to, far more."""
 MOST_COLUMNS = 10_000
 """Limit of columns in one log."""
+
+
+PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")
+"""How our column names begin, besides `time`."""
+CLOCKS = ("log", "publish", "header")
+"""Clocks of the messages in a log of topics."""
 
 
 @final
@@ -27,9 +33,13 @@ class Table:
         unusable: non-numeric columns, each with the error to raise if it is read. Unused text columns are allowed.
         row_numbers: (rows,) number of each row in the file; None: 1, 2, 3, ...
         label: name of the recording, with an extension; empty: the file's name.
-        parts: names of single values in list columns, such as `action.elbow_flex.pos`, each with its column and index;
-            empty where the data set has no such names.
+        parts: names of single values in list columns, such as `action.elbow_flex.pos`, each with its column and index
+            (None in a column of one number a row); empty where the data set has no such names.
         notes: remarks of the reader, for the user.
+        units: of columns whose unit the file itself states, such as `deg`.
+        stamps: columns that held time stamps or durations; they are in s, stamps from the first one on.
+        restarts: rows, from 0, at which the logger began anew.
+        unread: columns that are there, but were not asked for.
     """
 
     source: str
@@ -37,13 +47,29 @@ class Table:
     unusable: Mapping[str, InputError] = field(default_factory=dict)
     row_numbers: np.ndarray | None = None
     label: str = ""
-    parts: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    parts: Mapping[str, tuple[str, int | None]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    stamps: frozenset[str] = frozenset()
+    restarts: tuple[int, ...] = ()
+    unread: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all columns, usable or not."""
-        return (*self.columns, *self.unusable)
+        """Names of all columns, usable or not, read or not."""
+        return (*self.columns, *self.unusable, *self.unread)
+
+    def base(self, name: str) -> str:
+        """The column that holds what `name` names: itself, or the list column that it is a part of."""
+        return self.parts[name][0] if name in self.parts and name not in self.columns else name
+
+    def rows_from(self, first: int, last: int | None = None) -> Table:
+        """The same table without the rows before `first` and from `last` on."""
+        numbers, whole = self.row_numbers, slice(first, last)
+        length = max((len(values) for values in self.columns.values()), default=0)
+        numbers = np.arange(1, length + 1) if numbers is None else numbers
+        cut = {name: v[whole] if len(v) == length else v for name, v in self.columns.items()}
+        return replace(self, columns=cut, row_numbers=numbers[whole], restarts=())
 
     def place(self, row: int, column: str) -> str:
         """Location of a cell, for messages: file, row (a CSV's header is row 1) and column.
@@ -76,6 +102,7 @@ class Table:
             if index is not None:
                 raise InputError("has one value a row, so no index", where=where, right="leave `index` out")
             return values
+        index = 0 if index is None and values.shape[1] == 1 else index
         if index is None or not 0 <= index < values.shape[1]:
             what = f"has {values.shape[1]} values a row" + ("" if index is None else f", none at index {index}")
             raise InputError(what, where=where, right=f"give an index from 0 to {values.shape[1] - 1} in a manifest")
@@ -91,12 +118,21 @@ class Selection:
         episode: of a LeRobot data set, from 0; None: its only one.
         clock: of an MCAP file's messages: `log` (when the logger got them), `publish` (when they were sent) or
             `header` (the stamp in the message).
-        wanted: columns that will be used; None: read all. Formats without random access are read in full.
+        wanted: columns that will be used; None: read all. Formats without random access are read in full, and columns
+            with our own names are read in any case.
+        clocks: of columns that have another clock than the file's others.
     """
 
     episode: int | None = None
     clock: str = "log"
     wanted: frozenset[str] | None = None
+    clocks: Mapping[str, str] = field(default_factory=dict)
+
+    def asks_for(self, name: str) -> bool:
+        """Whether a column is read: wanted, or one of ours, or one with parts or values that are wanted."""
+        if self.wanted is None or name == "time" or name.startswith(PREFIXES):
+            return True
+        return name in self.wanted or any(other.startswith(f"{name}.") for other in self.wanted)
 
 
 def check_size(count: int, where: str) -> None:

@@ -1,0 +1,133 @@
+"""Decode the messages of robot logs; what is encoded in another way than is read here is refused by its name."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from typing import Any
+
+MOST_MESSAGE_BYTES = 2**26
+"""Size limit of an unpacked message; those of joints have some hundred bytes, pictures a few MB."""
+
+_MOST_WINDOW = 2**27
+_ZSTD, _LZ4 = b"\x28\xb5\x2f\xfd", b"\x04\x22\x4d\x18"
+_JOINT_STATE = "sensor_msgs/msg/JointState"
+# https://docs.ros2.org/latest/api/sensor_msgs/msg/JointState.html, for files that carry no definition of it.
+_JOINT_STATE_TEXT = f"""std_msgs/Header header
+string[] name
+float64[] position
+float64[] velocity
+float64[] effort
+{"=" * 80}
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+"""
+
+# The first two bytes of a message: Table 60 of the DDS-XTypes specification 1.3 (big endian is even, little odd), and
+# the numbers of before (https://www.omg.org/spec/DDS-XTYPES/1.3).
+_PLAIN = (0x00, 0x01)
+_ENCAPSULATIONS = {
+    0x02: "PL_CDR (a parameter list)",
+    0x04: "XML",
+    0x06: "CDR2 (XCDR2)",
+    0x08: "D_CDR2 (XCDR2, delimited)",
+    0x0A: "PL_CDR2 (XCDR2, a parameter list)",
+    0x10: "CDR2 (XCDR2)",
+    0x12: "PL_CDR2 (XCDR2, a parameter list)",
+    0x14: "D_CDR2 (XCDR2, delimited)",
+}
+
+
+def decoder_of(encoding: str, schema: Any) -> Callable[[bytes], Any]:
+    """The function that decodes the messages of a channel; it raises ValueError on those that are not as it says.
+
+    Args:
+        encoding: of the messages, as the channel states it: `json`, `cdr` or `protobuf`.
+        schema: the channel's schema, with `name`, `encoding` and `data`, or None.
+
+    Raises:
+        ValueError: the encoding is not supported.
+    """
+    if encoding == "json":
+        return _decode_json
+    if encoding == "protobuf" and schema is not None:
+        return _protobuf_decoder(schema)
+    if encoding != "cdr" or schema is None:
+        raise ValueError(f"messages in '{encoding}' are not read; JSON and ROS 2 (CDR) are, protobuf with its schema")
+    decode = _ros2_decoder(schema)
+
+    def decode_cdr(data: bytes) -> Any:
+        return decode(plain_cdr(unpacked(data)))
+
+    return decode_cdr
+
+
+def unpacked(data: bytes) -> bytes:
+    """A message's bytes; those that the recorder compressed one by one (rosbag2's message mode) are unpacked.
+
+    Raises:
+        ValueError: it unpacks to more than `MOST_MESSAGE_BYTES`, or is damaged.
+    """
+    if data[:4] == _ZSTD:
+        import zstandard
+
+        # As a stream, since decompress() allocates what the data's header claims.
+        with zstandard.ZstdDecompressor(max_window_size=_MOST_WINDOW).stream_reader(data) as reader:
+            found = reader.read(MOST_MESSAGE_BYTES + 1)
+    elif data[:4] == _LZ4:
+        from lz4.frame import LZ4FrameDecompressor
+
+        found = LZ4FrameDecompressor().decompress(data, max_length=MOST_MESSAGE_BYTES + 1)
+    else:
+        return data
+    if len(found) > MOST_MESSAGE_BYTES:
+        raise ValueError(f"a compressed message unpacks to more than {MOST_MESSAGE_BYTES:,} bytes")
+    return found
+
+
+def plain_cdr(data: bytes) -> bytes:
+    """The same bytes, if they are encoded as plain CDR, version 1.
+
+    Raises:
+        ValueError: the message begins with the mark of another encoding, which it names, or of none.
+    """
+    if len(data) >= 4 and data[0] == 0 and data[1] in _PLAIN:
+        return data
+    name = _ENCAPSULATIONS.get(data[1] & ~1) if len(data) >= 4 and data[0] == 0 else None
+    what = f"it is encoded as {name}" if name else f"it begins with {data[:4].hex(' ')}, the mark of no CDR"
+    raise ValueError(f"{what}; plain CDR (XCDR1) is read: record with another middleware setting, or convert the bag")
+
+
+def _decode_json(data: bytes) -> Any:
+    return json.loads(unpacked(data))
+
+
+def _ros2_decoder(schema: Any) -> Callable[[bytes], Any]:
+    text = schema.data.decode("utf-8", "replace")
+    if schema.name == _JOINT_STATE and (schema.encoding != "ros2msg" or not text.strip()):
+        text = _JOINT_STATE_TEXT
+    elif schema.encoding != "ros2msg":
+        raise ValueError(f"their definition is in '{schema.encoding}'; ros2msg is read")
+    if re.search(r"\[\s*0+\s*\]", text):
+        # Such an array takes no bytes, so a message could claim any number of them.
+        raise ValueError("their definition has an array of no length")
+    from mcap_ros2._dynamic import generate_dynamic
+
+    return generate_dynamic(schema.name, text)[schema.name]
+
+
+def _protobuf_decoder(schema: Any) -> Callable[[bytes], Any]:
+    if schema.encoding != "protobuf":
+        raise ValueError(f"their definition is in '{schema.encoding}'; protobuf is read")
+    try:
+        from mcap_protobuf.decoder import DecoderFactory
+    except ImportError:
+        raise ValueError(
+            "messages in 'protobuf' need the extra `protobuf`: pip install 'estexp_jax[protobuf]'"
+        ) from None
+    decode = DecoderFactory().decoder_for("protobuf", schema)
+    if decode is None:
+        raise ValueError("their definition does not hold their kind")
+    return decode

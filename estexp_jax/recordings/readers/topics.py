@@ -1,0 +1,246 @@
+"""Messages of several topics, each with a clock of its own, merged into one table.
+
+Each row is a time at which a requested topic has a message. The columns of topics without a message at that time are
+empty, which means no sample, or the last command.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, final
+
+import numpy as np
+
+from estexp_jax.errors import InputError, listing
+from estexp_jax.recordings.readers.messages import (
+    Step,
+    follow,
+    message_number,
+    name_at,
+    nanoseconds,
+    numbers_in,
+    path_in,
+)
+from estexp_jax.recordings.table import MOST_COLUMNS, Selection, Table, check_size
+
+Decode = Callable[[Any], Any]
+_MOST_MESSAGES = 50_000_000
+_UNSET_NS = 1_000_000_000
+"""A stamp of 0 was never set if all others are later than this; else the clock begins there."""
+_STAMPS = (("header", "stamp"), ("timestamp",))  # of ROS, of Foxglove
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Samples of one column in order of the file: time in ns and value; how many messages had no stamp."""
+
+    clock: str
+    times: array = field(default_factory=lambda: array("q"))
+    values: array = field(default_factory=lambda: array("d"))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class _Channel:
+    """One publisher of a topic.
+
+    Attributes:
+        topic: its topic.
+        decode: of its messages; None: they are not read.
+        paths: the path after the topic of each of its columns, with its steps once a message contained it.
+        names: at an index path, the name of the value that it led to first.
+        why_not: why its messages cannot be read; empty: they can, or nobody asked for them.
+    """
+
+    topic: str
+    decode: Decode | None
+    paths: dict[str, tuple[Step, ...] | None]
+    names: dict[str, str | None] = field(default_factory=dict)
+    why_not: list[str] = field(default_factory=list)
+
+
+@final
+class TopicMerger:
+    """Takes messages one by one, keeps the samples asked for, and merges them into a table."""
+
+    def __init__(self, source: str, selection: Selection) -> None:
+        """Nothing is merged yet.
+
+        Args:
+            source: the log, for messages.
+            selection: which columns are wanted, and by which clocks.
+        """
+        self._source, self._selection = source, selection
+        self._channels: dict[Hashable, _Channel] = {}
+        self._samples: dict[str, _Samples] = {}
+        self._n_messages = 0
+
+    def open(self, key: Hashable, topic: str, make: Callable[[], Decode]) -> bool:
+        """Make a channel known, once; whether its messages are wanted.
+
+        Args:
+            key: of the channel; two channels may have one topic.
+            topic: its topic.
+            make: makes the decoder of its messages; may raise anything if it cannot.
+        """
+        if key not in self._channels:
+            wanted = self._selection.wanted
+            rests = [p[len(topic) :] for p in wanted or () if p.startswith(topic) and p[len(topic) :][:1] in ("[", ".")]
+            channel = _Channel(topic, None, dict.fromkeys(rests))
+            if wanted is None or rests:
+                try:
+                    channel = _Channel(topic, make(), dict.fromkeys(rests))
+                except Exception as error:  # a definition that cannot be parsed may raise anything
+                    channel.why_not.append(_reason(error))
+            self._channels[key] = channel
+        return self._channels[key].decode is not None and not self._channels[key].why_not
+
+    def add(self, key: Hashable, data: Any, log_ns: int, publish_ns: int) -> None:
+        """Keep a message's samples.
+
+        Raises:
+            InputError: it cannot be decoded, has no time on its clock, or an index leads to another joint than before.
+        """
+        self._n_messages += 1
+        if self._n_messages > _MOST_MESSAGES:
+            raise InputError(f"has more than {_MOST_MESSAGES:,} messages", where=self._source, right="a shorter log")
+        channel = self._channels[key]
+        where = f"{self._source}, topic '{channel.topic}'"
+        try:
+            message = channel.decode(data) if channel.decode else None
+            for rest in numbers_in(message) if self._selection.wanted is None else ():
+                if len(self._samples) < MOST_COLUMNS:
+                    channel.paths.setdefault(rest)
+        except Exception as error:  # a decoder may raise anything on damaged bytes
+            what = f"a message cannot be decoded: {_reason(error)}"
+            if self._selection.wanted is not None:
+                raise InputError(what, where=where) from None
+            channel.why_not.append(what)
+            return
+        for rest, steps in channel.paths.items():
+            if steps is None:
+                steps = channel.paths[rest] = path_in(message, rest)
+            value = message_number(follow(message, steps)) if steps is not None else None
+            if steps is not None and value is not None:
+                self._check_name(channel, message, rest, steps, where)
+                self._add_sample(f"{channel.topic}{rest}", message, value, (log_ns, publish_ns), where)
+
+    def _check_name(self, channel: _Channel, message: Any, rest: str, steps: tuple[Step, ...], where: str) -> None:
+        if not any(isinstance(step, int) for step in steps):
+            return
+        name = name_at(message, steps)
+        first = channel.names.setdefault(rest, name)
+        if name != first:
+            what = f"the order of the names changes: {rest} is '{first}' in one message and '{name}' in another"
+            raise InputError(
+                what, where=where, right=f"the name instead of the index, as in {rest.split('[')[0]}[name]"
+            )
+
+    def _add_sample(self, name: str, message: Any, value: float, recorded: tuple[int, int], where: str) -> None:
+        if name not in self._samples:
+            self._samples[name] = _Samples(self._selection.clocks.get(name, self._selection.clock))
+        samples = self._samples[name]
+        time: int | None = recorded[samples.clock == "publish"]
+        if samples.clock == "header":
+            time = next((t for path in _STAMPS if (t := nanoseconds(follow(message, path))) is not None), None)
+        if time is None or not -(2**62) < time < 2**62:
+            right = 'a stamp in each message\'s header; else clock = "log", for the file or for this column'
+            raise InputError(f"a message has no time on the clock '{samples.clock}'", where=where, right=right)
+        samples.times.append(time)
+        samples.values.append(value)
+
+    def table(self, notes: list[str]) -> Table:
+        """All samples, with times in s from the first row on.
+
+        Args:
+            notes: remarks of the reader.
+
+        Raises:
+            InputError: no column can be read, or none of a column's messages has a stamp.
+        """
+        samples = {name: _stamped(name, each, self._source) for name, each in self._with_clock_set(notes).items()}
+        every = np.unique(np.concatenate([t for t, _ in samples.values()])) if samples else np.empty(0, dtype=np.int64)
+        check_size(len(every) * len(samples), self._source)
+        filled: dict[str, np.ndarray] = {"time": 1e-9 * (every - every[:1])}
+        for name, (stamps, values) in samples.items():
+            filled[name] = np.full(len(every), np.nan)
+            filled[name][np.searchsorted(every, stamps)] = values
+        n_repeated = max((len(stamps) - len(np.unique(stamps)) for stamps, _ in samples.values()), default=0)
+        if n_repeated:
+            notes.append(
+                f"{n_repeated} messages have the time of another one of their topic; the last of each time counts"
+            )
+        unread = [c.topic for c in self._channels.values() if not c.paths and not c.why_not]
+        if unread and self._selection.wanted is not None:
+            notes.append(f"topics that were not asked for: {listing(dict.fromkeys(unread))}")
+        unusable = self._missing(samples)
+        if unusable and not samples:
+            raise next(iter(unusable.values()))
+        return Table(self._source, filled, unusable, notes=tuple(notes))
+
+    def _with_clock_set(self, notes: list[str]) -> dict[str, _Samples]:
+        """The samples without those whose stamp was never set, which are told."""
+        first = min((t for s in self._samples.values() for t in (_first_set(s.times),) if t is not None), default=None)
+        if first is None or first <= _UNSET_NS:
+            return self._samples
+        kept: dict[str, _Samples] = {}
+        for name, each in self._samples.items():
+            times, values = np.frombuffer(each.times, dtype=np.int64), np.frombuffer(each.values)
+            unset = times == 0
+            if unset.any():
+                kept[name] = _Samples(
+                    each.clock, array("q", times[~unset].tobytes()), array("d", values[~unset].tobytes())
+                )
+                what = (
+                    f"{name}: {int(unset.sum())} of {len(times)} messages have the stamp 0 on the clock '{each.clock}'"
+                )
+                if unset.all():
+                    other = "header" if each.clock == "log" else "log"
+                    right = f'another clock for it: {{ column = "{name}", clock = "{other}" }}, or for the whole file'
+                    raise InputError(f"{what}: it was never set", where=self._source, right=right)
+                notes.append(f"{what}: they are left out")
+        return {**self._samples, **kept}
+
+    def _missing(self, samples: Mapping[str, Any]) -> dict[str, InputError]:
+        """Errors for requested columns that do not exist, and for topics that cannot be read."""
+        errors: dict[str, InputError] = {}
+        channels, wanted = self._channels.values(), self._selection.wanted
+        for name in sorted((wanted or frozenset()) - set(samples) - {"time"}):
+            asked = [c for c in channels if c.paths and name.startswith(c.topic)]
+            if not asked:
+                right = f"a path such as /joint_states.position[0]; topics are: {self._topics() or 'none'}"
+                errors[name] = InputError(f"no topic for '{name}'", where=self._source, right=right)
+            else:
+                reasons = [reason for channel in asked for reason in channel.why_not]
+                what = reasons[0] if reasons else "no message has a number there"
+                right = "see what the topic holds with --init"
+                errors[name] = InputError(what, where=f"{self._source}, '{name}'", right=right)
+        if wanted is None:
+            for channel in channels:
+                for reason in channel.why_not[:1]:
+                    errors[channel.topic] = InputError(reason, where=f"{self._source}, topic '{channel.topic}'")
+        return errors
+
+    def _topics(self) -> str:
+        return listing(dict.fromkeys(channel.topic for channel in self._channels.values()))
+
+
+def _first_set(times: array) -> int | None:
+    stamps = np.frombuffer(times, dtype=np.int64)
+    stamps = stamps[stamps != 0]
+    return int(stamps.min()) if len(stamps) else None
+
+
+def _stamped(name: str, samples: _Samples, source: str) -> tuple[np.ndarray, np.ndarray]:
+    times = np.frombuffer(samples.times, dtype=np.int64)
+    if len(times) > 2 and not times.any():
+        right = f'another clock: clock = "{"header" if samples.clock == "log" else "log"}"'
+        raise InputError(f"{name}: all stamps are 0 on the clock '{samples.clock}'", where=source, right=right)
+    return times, np.frombuffer(samples.values)
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(f"{error or type(error).__name__}".split())[:300]
