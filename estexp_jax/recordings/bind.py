@@ -13,15 +13,13 @@ import numpy as np
 from estexp_jax.errors import InputError, known, listing, printable
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
+from estexp_jax.recordings.clocks import check_overlap, first_command, longest_run, row_times, sampled_span
 from estexp_jax.recordings.columns import LARGEST, Source
 from estexp_jax.recordings.mend import strictly_increasing
 from estexp_jax.recordings.readers.read import read_table
-from estexp_jax.recordings.table import Selection, Table
+from estexp_jax.recordings.table import PREFIXES, Selection, Table
 
-_PREFIXES = ("ctrl.", "enable.", "sensor.", "qpos.", "qvel.")
 _READING_KINDS = ("sensor", "qpos", "qvel")
-_SHORTEST = 1e-12
-"""Time steps below this, s, count as zero: no clock resolves less."""
 COORDINATES = {
     mujoco.mjtJoint.mjJNT_FREE: (7, 6),
     mujoco.mjtJoint.mjJNT_BALL: (4, 3),
@@ -55,8 +53,13 @@ def read_recording(
     Raises:
         InputError: the file cannot be read, or its contents do not fit the robot; names file, row and column.
     """
-    requested = frozenset(source.column for source in (mapping or {}).values() if source.column) or None
-    table = read_table(path, replace(selection, wanted=requested))
+    sources = (mapping or {}).values()
+    requested = frozenset(column for source in sources for column in source.columns) or None
+    clocks = {source.column: source.clock for source in sources if source.column and source.clock}
+    for source in sources:
+        if source.column in clocks and source.clock != clocks[source.column]:
+            raise InputError(f"'{source.column}' is read by two clocks", where=str(path), right="one clock a column")
+    table = read_table(path, replace(selection, wanted=requested, clocks=clocks))
     return bind_columns(robot, table, role=role, mapping=mapping, settings=settings, mend=mend)
 
 
@@ -74,7 +77,7 @@ def check_names(robot: Robot, names: Iterable[str], where: str) -> None:
     choices = column_names(robot)
     for name in names:
         if name not in choices:
-            kind = next((prefix for prefix in _PREFIXES if name.startswith(prefix)), "")
+            kind = next((prefix for prefix in PREFIXES if name.startswith(prefix)), "")
             right = known(choice for choice in choices if choice.startswith(kind))
             if robot.remedy and kind in ("ctrl.", "enable.", "sensor."):
                 right += f"; {robot.remedy}"
@@ -95,38 +98,52 @@ def bind_columns(
     A column is used if `mapping` names it as a source, or if it has one of our names that is not mapped. Our names are
     `time`, `ctrl.<actuator>`, `enable.<actuator>`, `sensor.<sensor>`, `qpos.<joint>` and `qvel.<joint>`, with
     `.0 .1 ...` where there are several values. Other columns are ignored and listed in the notes. An empty command or
-    switch repeats the last one; a motor is on until a switch says otherwise.
+    switch repeats the last one; a motor is on until a switch says otherwise. Rows before the first command of every
+    actuator are left out.
 
     Args: as for `read_recording`.
 
     Raises:
-        InputError: time is missing or does not increase; an actuator has no commands, or its first is empty; there is
-            no reading; a name is not on the robot; or a used column holds a text or an infinite value.
+        InputError: time is missing or does not increase; an actuator has no commands; two columns have clocks that do
+            not overlap; there is no reading; a name is not on the robot; or a used column holds a text or infinity.
     """
     sources = _sources(robot, table, mapping or {})
-    clock_note = ""
+    notes: list[str] = []
+    if "time" in sources:
+        table, note = longest_run(table, sources["time"])
+        notes += [note] if note else []
     if mend and "time" in sources:
-        table, clock_note = strictly_increasing(table, sources["time"])
+        table, note = strictly_increasing(table, sources["time"])
+        notes += [note] if note else []
     time = _time(table, sources)
     sizes = {"ctrl": robot.model.nu, "enable": robot.model.nu, "sensor": robot.model.nsensordata}
     sizes |= {"qpos": robot.model.nq, "qvel": robot.model.nv}
     arrays = {kind: np.full((len(time), size), np.nan) for kind, size in sizes.items()}
     arrays["enable"][:] = 1.0
+    spans, commands = {}, {}
     for name, (kind, index) in _column_places(robot).items():
         if name in sources:
             values = _read_values(table, name, sources[name], len(time))
+            column = sources[name].column
+            if column is not None and kind != "enable" and (span := sampled_span(column, time, values)) is not None:
+                spans[name] = span
+            commands |= {name: values} if kind == "ctrl" else {}
             arrays[kind][:, index] = _fill_commands(table, name, sources[name], values, kind)
         elif kind == "ctrl":
             right = "every actuator needs its command: a column, a mapping, or a constant { value = 0.0 } in a manifest"
             right += f"; columns are: {_column_list(table)}"
             raise InputError(f"no column '{name}'", where=table.source, right=right)
+    check_overlap(spans, table.source)
+    first, note = first_command(commands, time, table.source)
+    notes += [note] if note else []
+    time, arrays = time[first:], {kind: values[first:] for kind, values in arrays.items()}
     if not any(np.isfinite(arrays[kind]).any() for kind in _READING_KINDS):
         names = ", ".join(name for name in _column_places(robot) if _kind(name) in _READING_KINDS)
         right = f"at least one column with samples of: {names}"
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
-    notes = (*((clock_note,) if clock_note else ()), *table.notes, *_notes(table, sources))
+    notes += [*table.notes, *_notes(table, sources)]
     name = printable(table.label or Path(table.source).name)
-    return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=notes)
+    return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=tuple(notes))
 
 
 def _column_places(robot: Robot) -> dict[str, tuple[str, int]]:
@@ -155,13 +172,13 @@ def _column_list(table: Table) -> str:
 def _sources(robot: Robot, table: Table, mapping: Mapping[str, Source]) -> dict[str, Source]:
     """The source of each of our columns that is in this log."""
     check_names(robot, mapping, "mapping")
-    theirs = {source.column for source in mapping.values()}
+    theirs = {column for source in mapping.values() for column in source.columns}
     choices = set(column_names(robot))
     own: dict[str, Source] = {}
     for name in table.names:
         if name not in choices and name in theirs:
             continue
-        if name in choices or name.startswith(_PREFIXES):
+        if name in choices or name.startswith(PREFIXES):
             check_names(robot, [name], f"{table.source}, column '{name}'")
             own[name] = Source(column=name)
     return own | dict(mapping)
@@ -186,24 +203,7 @@ def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
     if "time" not in sources:
         right = f"seconds, strictly increasing; map it if it has another name; columns are: {_column_list(table)}"
         raise InputError("no column 'time'", where=table.source, right=right)
-    source = sources["time"]
-    if source.column is None:
-        raise InputError("time cannot be a constant", where=table.source, right="map a column of the log")
-    values = source.read(table, 0)
-    if len(values) < 2:
-        raise InputError(f"has {len(values)} rows", where=table.source, right="at least two")
-    usable = np.abs(values) <= LARGEST
-    if not usable.all():
-        where = table.place(int(np.argmin(usable)), source.column)
-        raise InputError("the time is empty or not finite", where=where, right="every row needs its time")
-    steps = np.diff(values)
-    steps[(steps > 0.0) & (steps < _SHORTEST)] = 0.0
-    if (steps <= 0.0).any():
-        row = int(np.argmax(steps <= 0.0)) + 1
-        verb = "stands still" if steps[row - 1] == 0.0 else "runs backwards"
-        what = f"time {verb}: {float(values[row])!r} s after {float(values[row - 1])!r} s"
-        raise InputError(what, where=table.place(row, source.column), right="strictly increasing times")
-    return values
+    return row_times(table, sources["time"])
 
 
 def _fill_commands(table: Table, name: str, source: Source, values: np.ndarray, kind: str) -> np.ndarray:
@@ -212,9 +212,6 @@ def _fill_commands(table: Table, name: str, source: Source, values: np.ndarray, 
         return values
     column = source.column or name
     empty = np.isnan(values)
-    if kind == "ctrl" and empty[0]:
-        right = "the first command; later empty cells repeat the last"
-        raise InputError(f"the first command of {name} is empty", where=table.place(0, column), right=right)
     if kind == "enable":
         wrong = ~empty & (values != 0.0) & (values != 1.0)
         if wrong.any():
@@ -226,7 +223,7 @@ def _fill_commands(table: Table, name: str, source: Source, values: np.ndarray, 
 
 
 def _notes(table: Table, sources: Mapping[str, Source]) -> tuple[str, ...]:
-    used = {source.column for source in sources.values()}
+    used = {column for source in sources.values() for column in source.columns}
     used |= {column for part, (column, _) in table.parts.items() if part in used}
     ignored = [name for name in table.names if name not in used]
     return (f"ignored columns: {listing(ignored)}",) if ignored else ()

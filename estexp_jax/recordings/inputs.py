@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
@@ -11,7 +11,12 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings import read_manifest, read_recording
+from estexp_jax.recordings.bind import bind_columns
+from estexp_jax.recordings.checks.inspect import CLOCK_KINDS, judge
 from estexp_jax.recordings.columns import Source, parse_map
+from estexp_jax.recordings.frames import Frame, Log, frame_table
+from estexp_jax.recordings.readers.read import is_log_folder
+from estexp_jax.recordings.settings import apply_settings
 
 
 @final
@@ -30,15 +35,15 @@ class Inputs:
     recordings: tuple[Recording, ...]
 
 
-def is_manifest(files: Sequence[str]) -> bool:
+def is_manifest(files: Sequence[Log]) -> bool:
     """Whether the files named begin with a manifest."""
-    return bool(files) and Path(files[0]).suffix.lower() == ".toml"
+    return bool(files) and isinstance(files[0], str) and Path(files[0]).suffix.lower() == ".toml"
 
 
 def read_inputs(
-    files: Sequence[str], *, test: Sequence[str] = (), maps: Sequence[str] = (), mend: bool = False
+    files: Sequence[Log], *, test: Sequence[Log] = (), maps: Sequence[str] = (), mend: bool = False
 ) -> Inputs:
-    """Read what a command line names.
+    """Read what a command line names, or a caller from Python gives.
 
     Args:
         files: a `recordings.toml` alone, or an MJCF and logs.
@@ -49,23 +54,43 @@ def read_inputs(
     Raises:
         InputError: nothing to read, a folder, a manifest together with other things, or a file that cannot be read.
     """
-    folder = next((Path(file) for file in files if Path(file).is_dir()), None)
+    folders = [(k, Path(file)) for k, file in enumerate(files) if isinstance(file, str) and Path(file).is_dir()]
+    folder = next((path for k, path in folders if k == 0 or not is_log_folder(path)), None)
     if folder is not None:
         manifest = folder / "recordings.toml"
         right = f"the manifest in it, {manifest}" if manifest.is_file() else "a manifest, or a model and its logs"
         raise InputError("is a folder", where=str(folder), right=right)
     if is_manifest(files):
+        manifest = str(files[0])
         if len(files) > 1 or test or maps:
             right = "it names logs, roles and columns itself; or give an MJCF and logs instead"
-            raise InputError("a manifest stands alone", where=files[0], right=right)
-        read = read_manifest(files[0], mend=mend)
-        return Inputs(read.model, read.robot, read.recordings)
+            raise InputError("a manifest stands alone", where=manifest, right=right)
+        read = read_manifest(manifest, mend=mend)
+        return _inputs(read.model, read.robot, read.recordings, mend)
     if len(files) + len(test) < 2 or not files:
         raise InputError("no recordings given", right="a recordings.toml, or an MJCF model and at least one log")
-    robot, mapping = Robot.from_xml(files[0]), parse_maps(maps)
-    roles = [(path, "train") for path in files[1:]] + [(path, "test") for path in test]
-    recordings = tuple(read_recording(robot, path, role=role, mapping=mapping, mend=mend) for path, role in roles)
-    return Inputs(Path(files[0]), robot, recordings)
+    model, mapping = str(files[0]), parse_maps(maps)
+    robot = Robot.from_xml(model)
+    roles = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
+    recordings = tuple(_recording(robot, log, role, mapping, mend) for log, role in roles)
+    return _inputs(Path(model), robot, recordings, mend)
+
+
+def _recording(robot: Robot, log: Log, role: str, mapping: Mapping[str, Source], mend: bool) -> Recording:
+    if isinstance(log, Frame):
+        return bind_columns(robot, frame_table(log), role=role, mapping=mapping, mend=mend)
+    return read_recording(robot, log, role=role, mapping=mapping, mend=mend)
+
+
+def _inputs(model: Path, robot: Robot, recordings: Sequence[Recording], judged_later: bool) -> Inputs:
+    """What was read; where nobody judges it later, with remarks on clocks that do not agree."""
+    return Inputs(model, robot, tuple(r if judged_later else _with_clock_remarks(robot, r) for r in recordings))
+
+
+def _with_clock_remarks(robot: Robot, recording: Recording) -> Recording:
+    judged = judge(apply_settings(robot, recording.settings, where=recording.name), recording)
+    remarks = [f"{fault['name']}: {fault['sentence']}" for fault in judged["faults"] if fault["kind"] in CLOCK_KINDS]
+    return replace(recording, notes=(*recording.notes, *remarks))
 
 
 def parse_maps(maps: Sequence[str]) -> dict[str, Source]:

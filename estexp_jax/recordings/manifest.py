@@ -13,9 +13,8 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.bind import check_names, read_recording
 from estexp_jax.recordings.columns import Source, parse_number, parse_source
-from estexp_jax.recordings.readers.read import CLOCKS
 from estexp_jax.recordings.settings import apply_settings
-from estexp_jax.recordings.table import Selection
+from estexp_jax.recordings.table import CLOCKS, Selection
 
 ROLES = ("train", "test")
 _MOST_BYTES = 16 * 2**20
@@ -114,7 +113,7 @@ def _columns(value: object, robot: Robot, where: str) -> dict[str, Source]:
             raise InputError(f"'{key}' is a nested table", where=where, right=right)
     check_names(robot, table, where)
     sources = {key: parse_source(entry, f"{where}, '{key}'") for key, entry in table.items()}
-    if "time" in sources and sources["time"].column is None:
+    if "time" in sources and sources["time"].value is not None:
         raise InputError("time cannot be a constant", where=where, right="name a column of the logs")
     return sources
 

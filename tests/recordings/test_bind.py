@@ -72,6 +72,16 @@ def test_empty_commands_and_switches_hold_the_last(pendulum):
     np.testing.assert_array_equal(recording.enable, [[1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
 
 
+def test_rows_before_the_first_command_are_left_out_and_told(pendulum):
+    table = _table(**{"ctrl.servo.1": [NAN, 2.0, NAN], "enable.servo.1": [0.0, NAN, NAN]})
+    recording = bind_columns(pendulum, table)
+    np.testing.assert_array_equal(recording.time, [0.1, 0.3])
+    np.testing.assert_array_equal(recording.ctrl[:, 0], [2.0, 2.0])
+    np.testing.assert_array_equal(recording.enable[:, 0], [0.0, 0.0])
+    np.testing.assert_array_equal(recording.sensor[:, 0], [0.2, 0.3])
+    assert recording.notes == ("1 rows (0.1 s) before the first command of servo.1 are left out",)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -80,7 +90,8 @@ def test_empty_commands_and_switches_hold_the_last(pendulum):
         ({"time": [0.0, 0.0, 0.1]}, r"log\.csv, row 3, column 'time': time stands still"),
         ({"time": [0.0, NAN, 0.1]}, r"log\.csv, row 3, column 'time': the time is empty"),
         ({"ctrl.servo.1": None}, r"log\.csv: no column 'ctrl\.servo\.1'.*columns are: time, ctrl\.actuator_1"),
-        ({"ctrl.servo.1": [NAN, 1.0, 1.0]}, r"log\.csv, row 2, column 'ctrl\.servo\.1': the first command"),
+        ({"ctrl.servo.1": [NAN, NAN, NAN]}, r"log\.csv: every command of ctrl\.servo\.1 is empty"),
+        ({"ctrl.servo.1": [NAN, NAN, 1.0]}, r"log\.csv: has 1 rows from the first command of ctrl\.servo\.1 on"),
         (
             {"ctrl.knee": [1.0, 1.0, 1.0]},
             r"log\.csv, column 'ctrl\.knee'.*known are: ctrl\.servo\.1, ctrl\.actuator_1$",

@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recordings.checks import signals
+from estexp_jax.recordings.checks.clock_units import likely_clock_unit
 
 FULL_TURNS = 4.0 * math.pi
 """A hinge angle above this, rad, is more likely in degrees than beyond two turns."""
@@ -35,12 +36,17 @@ class Fault:
     sentence: str
 
 
-def clock_faults(clock: Mapping[str, Any]) -> Iterator[Fault]:
-    """A clock in a wrong unit, uneven, or with gaps."""
-    period = clock["period_s"]
-    if period >= 0.5 or period < 1e-6:
+def clock_faults(clock: Mapping[str, Any], times: np.ndarray) -> Iterator[Fault]:
+    """A clock in a wrong unit, uneven, or with gaps.
+
+    Args:
+        clock: as `judge` gives it.
+        times: (rows,) s.
+    """
+    period, unit = clock["period_s"], likely_clock_unit(times)
+    if unit or period >= 0.5 or period < 1e-6:
         what = f"rows are {period:.3g} s apart; is the clock in another unit?"
-        yield Fault("time_unit", "time", f'{what} Give it: unit = "ms"')
+        yield Fault("time_unit", "time", f'{what} Give it: unit = "{unit}"' if unit else f"{what} Give its scale")
     often = clock["gaps"] > 0.05 * clock["steps"]
     if clock["gaps"] and not often:
         first = clock["gap_list"][0]

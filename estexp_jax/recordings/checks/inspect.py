@@ -11,12 +11,14 @@ import numpy as np
 
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.recordings.checks import excitation, faults, servo_faults, signals
+from estexp_jax.recordings.checks import clock_agreement, excitation, faults, servo_faults, signals
 
 GAP = 3.0
 """A clock step longer than this many median periods is a gap."""
 MOST_GAPS = 20
 """How many gaps are listed; all are counted."""
+CLOCK_KINDS = frozenset({"time_unit", "ahead", "clock_drift"})
+"""Faults of clocks that would be taken for physics."""
 
 # A joint counts as excited when its readings span more than this: about a degree, a millimetre, and a speed above the
 # noise of a differentiated encoder.
@@ -186,7 +188,7 @@ def _lag(robot: Robot, recording: Recording, actuator: int, values: np.ndarray) 
 def _faults(
     robot: Robot, recording: Recording, readings: dict[str, np.ndarray], summaries: Any
 ) -> Iterator[faults.Fault]:
-    yield from faults.clock_faults(_most_even_clock(recording, readings, summaries["clock"]))
+    yield from faults.clock_faults(_most_even_clock(recording, readings, summaries["clock"]), recording.time)
     kinds: dict[str, str] = {}
     for joint in range(robot.model.njnt):
         columns = _columns_of_joint(robot, joint, readings)
@@ -200,7 +202,11 @@ def _faults(
         rows = np.flatnonzero(np.isfinite(values))
         yield from faults.reading_faults(column, kinds.get(column, ""), recording.time[rows], values[rows], rows)
     for follower in _position_servos(robot, readings):
-        yield from servo_faults.follower_faults(robot, recording, follower, readings[follower.column])
+        values = readings[follower.column]
+        yield from servo_faults.follower_faults(robot, recording, follower, values)
+        moved = servo_faults.follows_commands(robot, recording, follower.actuator, values)
+        if len(moved[0]) >= 20:
+            yield from clock_agreement.agreement_faults(follower.column, *moved)
     for index, name in enumerate(robot.names("actuator")):
         yield from servo_faults.command_faults(robot, recording, index, name, summaries["commands"][name])
 
