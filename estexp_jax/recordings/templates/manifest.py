@@ -4,33 +4,24 @@ from __future__ import annotations
 
 import json
 import os
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import final
 
-import mujoco
 import numpy as np
 
-from estexp_jax.errors import InputError
+from estexp_jax.errors import InputError, printable
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import check_names, column_names
+from estexp_jax.recordings.checks.clock_units import CLOCK_UNITS, likely_clock_unit
 from estexp_jax.recordings.inputs import is_manifest, parse_maps
-from estexp_jax.recordings.readers.read import read_table
+from estexp_jax.recordings.readers.messages import MOST_VALUES
+from estexp_jax.recordings.readers.read import holds_episodes, read_table
 from estexp_jax.recordings.table import Selection
+from estexp_jax.recordings.templates.guess import Guess, guesses
+from estexp_jax.recordings.templates.names import NamedColumn
 from estexp_jax.runs.files import write_text
-
-# Words that logs use. Those of a command are looked for first: `goal_position` is one.
-_COMMAND = {"command", "commanded", "cmd", "ctrl", "control", "goal", "target", "action", "desired", "con"}
-_SWITCH = {"enable", "enabled"}
-_READING = {
-    mujoco.mjtSensor.mjSENS_JOINTPOS: {"position", "pos", "angle", "q", "encoder"},
-    mujoco.mjtSensor.mjSENS_JOINTVEL: {"velocity", "vel", "speed", "qd", "dq"},
-}
-_NAMELESS = _COMMAND.union(
-    _SWITCH, *_READING.values(), {"meas", "measured", "tau", "torque", "joint", "motor", "servo"}
-)
-"""Words that say what a column is, not whose."""
-_CLOCK, _CLOCK_UNITS = {"time", "timestamp", "stamp", "t"}, ("ns", "us", "ms")
 
 
 def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: Sequence[str]) -> None:
@@ -51,79 +42,45 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
         raise InputError("exists already", where=str(path), right="move it away, or check it without --init")
     robot = Robot.from_xml(files[0])
     logs = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
-    names = list(dict.fromkeys(name for log, _ in logs for name in _names(log)))
+    contents = _contents([log for log, _ in logs])
     given = {ours: str(source.column) for ours, source in parse_maps(maps).items()}
     check_names(robot, given, "--map")
-    lines = [*_head(files[0], path.parent), *_columns(robot, names, given), *_recordings(logs, path.parent)]
+    lines = [*_head(files[0], path.parent), *_columns(robot, contents, given), *_recordings(logs, path.parent)]
     write_text(path, "\n".join(lines) + "\n")
 
 
-def _names(log: str) -> tuple[str, ...]:
-    """Names of a log's columns, and of the values in its list columns; of a data set, as its first episode has them."""
-    table = read_table(log, Selection(episode=0 if Path(log).is_dir() else None))
-    named = {column for column, _ in table.parts.values()}
-    return (*(name for name in table.names if name not in named), *table.parts)
+@final
+@dataclass(frozen=True, eq=False)
+class _Contents:
+    """What logs hold.
 
-
-def guess(robot: Robot, names: Iterable[str]) -> dict[str, str]:
-    """Which of a log's columns may be ours, by their names: `ctrl.Elbow` is `command_Elbow`.
-
-    Args:
-        robot: whose columns are wanted.
-        names: the log's columns.
-
-    Returns:
-        Our column to theirs. Ours that the log has under our own name are left out, and so are those that no column
-        resembles.
+    Attributes:
+        columns: of all logs, single values of list columns among them.
+        times: (rows,) values of columns of one number a row, of the first log that has them.
     """
-    names = list(names)
-    free = [name for name in names if name not in column_names(robot)]
-    clocks = [name for name in free if set(_words(name)) & _CLOCK]
-    switches = [name for name in free if set(_words(name)) & _SWITCH]
-    commands = [name for name in free if set(_words(name)) & _COMMAND and name not in switches]
-    found = {"time": clocks[0]} if clocks else {}
-    found |= _matched("ctrl", _actuators(robot), commands) | _matched("enable", _actuators(robot), switches)
-    for kind, words in _READING.items():
-        found |= _matched(
-            "sensor", _sensors(robot, kind), [n for n in free if n not in commands and set(_words(n)) & words]
-        )
-    return {ours: theirs for ours, theirs in found.items() if ours not in names}
+
+    columns: Sequence[NamedColumn]
+    times: Mapping[str, np.ndarray]
 
 
-def _words(name: str) -> list[str]:
-    """`pos_meas1` is pos, meas and 1; `goalPosition` is goal and position."""
-    return [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)]
-
-
-def _owner(name: str) -> list[str]:
-    return [word for word in _words(name) if word not in _NAMELESS]
-
-
-def _actuators(robot: Robot) -> dict[str, str]:
-    """Each actuator and the joint it drives, or itself."""
-    joints = [robot.joint_of_actuator(index) for index in range(robot.model.nu)]
-    pairs = zip(robot.names("actuator"), joints, strict=True)
-    return {name: name if joint is None else robot.names("joint")[joint] for name, joint in pairs}
-
-
-def _sensors(robot: Robot, kind: mujoco.mjtSensor) -> dict[str, str]:
-    """Each sensor of a kind and its joint."""
-    found = np.flatnonzero(robot.model.sensor_type == kind).tolist()
-    joints = {index: robot.names("joint")[robot.model.sensor_objid[index]] for index in found}
-    return {robot.names("sensor")[index]: joint for index, joint in joints.items()}
-
-
-def _matched(prefix: str, elements: Mapping[str, str], columns: Sequence[str]) -> dict[str, str]:
-    """Columns that bear the name of an element or of its joint; if none does and there are as many, in their order."""
-    matched: dict[str, str] = {}
-    for name, joint in elements.items():
-        owners = [owner for owner in (_owner(name), _owner(joint)) if owner]
-        fitting = [column for column in columns if _owner(column) in owners]
-        if len(fitting) == 1:
-            matched[f"{prefix}.{name}"] = fitting[0]
-    if not matched and len(elements) == len(columns):
-        matched = {f"{prefix}.{name}": column for name, column in zip(elements, columns, strict=True)}
-    return matched
+def _contents(logs: Sequence[str]) -> _Contents:
+    """The columns of logs; of a data set, as its first episode has them."""
+    columns: dict[NamedColumn, None] = {}
+    times: dict[str, np.ndarray] = {}
+    for log in logs:
+        table = read_table(log, Selection(episode=0 if holds_episodes(log) else None))
+        named = {column for column, _ in table.parts.values()}
+        for name in (*(name for name in table.names if name not in named), *table.parts):
+            values = table.columns.get(name, np.empty(0))
+            many = values.ndim == 2 and values.shape[1] <= MOST_VALUES
+            columns |= (
+                dict.fromkeys(NamedColumn(name, k) for k in range(values.shape[1]))
+                if many
+                else {NamedColumn(name): None}
+            )
+            if values.ndim == 1 and name not in table.stamps:
+                times.setdefault(name, values)
+    return _Contents(list(columns), times)
 
 
 def _head(model: str, folder: Path) -> list[str]:
@@ -135,31 +92,55 @@ def _head(model: str, folder: Path) -> list[str]:
     ]
 
 
-def _columns(robot: Robot, names: Sequence[str], given: Mapping[str, str]) -> list[str]:
-    guesses, lines = guess(robot, names), []
+def _columns(robot: Robot, contents: _Contents, given: Mapping[str, str]) -> list[str]:
+    found, lines, used = guesses(robot, contents.columns), [], {*given.values(), *column_names(robot)}
+    names = {column.name for column in contents.columns}
     for ours in column_names(robot):
+        guess = found.get(ours)
         if ours in given:
-            lines.append(f"{_key(ours)} = {_source(ours, given[ours])}")
-        elif ours in guesses:
-            lines.append(f"{_key(ours)} = {_source(ours, guesses[ours])}  # a guess, by its name")
+            lines.append(f"{_key(ours)} = {_source(ours, Guess(NamedColumn(given[ours]), ''), contents)[0]}")
+        elif guess is not None and guess.column is not None:
+            source, unit_note = _source(ours, guess, contents)
+            lines.append(f"{_key(ours)} = {source}  # {guess.why}{unit_note}")
+            used |= {guess.column.name, guess.nanoseconds or ""}
+        elif guess is not None:
+            lines.append(f'# {_key(ours)} = "?"  # {printable(guess.why)}')
+        elif ours == "time" and ours in names:
+            source, unit_note = _source(ours, Guess(NamedColumn(ours), ""), contents)
+            lines += [f"time = {source}  # {unit_note.removeprefix('; ')}"] if unit_note else []
         elif ours not in names and (ours == "time" or ours.startswith("ctrl.")):
             lines.append(f'# {_key(ours)} = "?"  # needed; for a constant command: {{ value = 0.0 }}')
         elif ours not in names and ours.startswith("sensor."):
             lines.append(f'# {_key(ours)} = "?"')
-    used = {*given.values(), *guesses.values(), *column_names(robot)}
-    rest = ", ".join(name for name in names if name not in used)
-    return [*lines, f"# Columns of the logs that are not used: {rest or 'none'}"]
+    rest = ", ".join(dict.fromkeys(c.name for c in contents.columns if c.name not in used))
+    return [*lines, f"# Columns of the logs that are not used: {printable(rest) or 'none'}"]
 
 
-def _source(ours: str, theirs: str) -> str:
-    unit = next((unit for unit in _CLOCK_UNITS if ours == "time" and _words(theirs)[-1:] == [unit]), None)
-    return _text(theirs) if unit is None else f'{{ column = {_text(theirs)}, unit = "{unit}" }}'
+def _source(ours: str, guess: Guess, contents: _Contents) -> tuple[str, str]:
+    """What a manifest says of a column, and a remark on its unit."""
+    column = guess.column or NamedColumn("")
+    if guess.nanoseconds is not None:
+        return f"{{ column = {_text(column.name)}, nanoseconds = {_text(guess.nanoseconds)} }}", ""
+    unit, note = column.unit, ""
+    fitting = (
+        CLOCK_UNITS if ours == "time" else ("deg", "deg/s", "rpm", "mm") if ours[:6] == "sensor" else ("deg", "mm")
+    )
+    if unit not in fitting:
+        unit = ""
+    if ours == "time" and not unit and column.name in contents.times:
+        unit = likely_clock_unit(contents.times[column.name])
+        note = "; its unit by its values: check this" if unit else ""
+    extra = [f"index = {column.index}"] if column.index is not None else []
+    extra += [f'unit = "{unit}"'] if unit else []
+    if not extra:
+        return _text(column.name), note
+    return f"{{ column = {_text(column.name)}, {', '.join(extra)} }}", note
 
 
 def _recordings(logs: Sequence[tuple[str, str]], folder: Path) -> list[str]:
     lines: list[str] = []
     for log, role in logs:
-        episode = ["episode = 0"] if Path(log).is_dir() else []
+        episode = ["episode = 0"] if holds_episodes(log) else []
         lines += ["", "[[recording]]", f"file = {_path(log, folder)}", *episode, f'role = "{role}"']
     return lines
 

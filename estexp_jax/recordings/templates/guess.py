@@ -1,0 +1,206 @@
+"""Guess which of a log's columns are ours: by name, or by order where no name says anything, or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import mujoco
+import numpy as np
+
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recordings.bind import column_names
+from estexp_jax.recordings.templates.names import NamedColumn, Quantity, are_numbers, owner_of, owners
+
+_BY_NAME, _BY_END = "a guess, by its name", "a guess, by the end of its name: check this"
+_BY_ORDER, _BY_NUMBER = "by its order: check this", "a guess, by its number: check this"
+_ONLY = "a guess, the only one: check this"
+_READINGS: Mapping[mujoco.mjtSensor, Quantity] = {
+    mujoco.mjtSensor.mjSENS_JOINTPOS: "position",
+    mujoco.mjtSensor.mjSENS_JOINTVEL: "velocity",
+    mujoco.mjtSensor.mjSENS_JOINTACTFRC: "effort",
+}
+
+
+@final
+@dataclass(frozen=True)
+class Guess:
+    """A column that may be one of ours.
+
+    Attributes:
+        column: in the log; None where several may be, or their order is in doubt.
+        why: for the manifest: what the guess rests on, or why there is none.
+        nanoseconds: the column beside it that has a time's nanoseconds.
+    """
+
+    column: NamedColumn | None
+    why: str
+    nanoseconds: str | None = None
+
+
+@final
+@dataclass(frozen=True)
+class _Group:
+    """Elements of one kind and the columns among which theirs are; joints by our column name."""
+
+    joints: Mapping[str, str]
+    columns: Sequence[NamedColumn]
+
+
+def guesses(robot: Robot, columns: Sequence[NamedColumn]) -> dict[str, Guess]:
+    """Which of a log's columns may be ours: `ctrl.Elbow` is `command_Elbow`.
+
+    Names are matched as whole words at the end of a column's name, the longest first. Columns are taken in their order
+    only where no column of their kind bears the name of any joint.
+
+    Args:
+        robot: whose columns are wanted.
+        columns: the log's.
+
+    Returns:
+        Our column to the guess. Ours that the log has under our own name are left out, and so are those that no column
+        resembles.
+    """
+    own = {column.name for column in columns}
+    free = [column for column in columns if column.name not in column_names(robot)]
+    known, found = owners(_known_names(robot)), _clock(free)
+    free = [column for column in free if not (column.is_aside or column.is_clock)]
+    by_order: dict[str, list[tuple[str, NamedColumn]]] = {}
+    for kind, group in _groups(robot, free).items():
+        matched = _by_name(group, known)
+        if matched is None and len(group.columns) == len(group.joints) and not group.joints.keys() & found.keys():
+            by_order[kind] = _in_order(group, known)
+            why = _ONLY if len(group.columns) == 1 else _BY_ORDER
+            matched = {ours: Guess(column, why) for ours, column in by_order[kind]}
+        matched = matched or {}
+        found |= {ours: each for ours, each in matched.items() if ours not in found}
+    found |= _contradicting(by_order)
+    return {ours: each for ours, each in found.items() if ours not in own}
+
+
+def _known_names(robot: Robot) -> dict[str, list[str]]:
+    """The names by which each joint is known, and each actuator that drives none."""
+    names = {joint: [joint] for joint in robot.names("joint")}
+    for actuator, joint in _actuators(robot).items():
+        names.setdefault(joint, []).append(actuator)
+    for kind in _READINGS:
+        for sensor, joint in _sensors(robot, kind).items():
+            names[joint].append(sensor)
+    return names
+
+
+def _actuators(robot: Robot) -> dict[str, str]:
+    """Each actuator and the joint it drives, or itself."""
+    pairs = ((name, robot.joint_of_actuator(index)) for index, name in enumerate(robot.names("actuator")))
+    return {name: name if joint is None else robot.names("joint")[joint] for name, joint in pairs}
+
+
+def _sensors(robot: Robot, kind: mujoco.mjtSensor) -> dict[str, str]:
+    """Each sensor of a kind and its joint."""
+    found = np.flatnonzero(robot.model.sensor_type == kind).tolist()
+    return {robot.names("sensor")[i]: robot.names("joint")[robot.model.sensor_objid[i]] for i in found}
+
+
+def _commanded(robot: Robot) -> dict[str, Quantity]:
+    """What each actuator is commanded: the position or velocity of a servo, else an effort."""
+    model, found = robot.model, {}
+    for index, name in enumerate(robot.names("actuator")):
+        bias = model.actuator_biasprm[index]
+        servo = model.actuator_biastype[index] == mujoco.mjtBias.mjBIAS_AFFINE
+        found[name] = "position" if servo and bias[1] else "velocity" if servo and bias[2] else "effort"
+    return found
+
+
+def _groups(robot: Robot, free: Sequence[NamedColumn]) -> dict[str, _Group]:
+    """Elements and the columns that may be theirs, by kind and quantity; a later one takes what an earlier left."""
+    joints, wanted = _actuators(robot), _commanded(robot)
+    commands = [column for column in free if column.is_command]
+    groups: dict[str, _Group] = {}
+    for quantity in dict.fromkeys(wanted.values()):
+        ours = {f"ctrl.{name}": joints[name] for name in joints if wanted[name] == quantity}
+        groups[f"ctrl {quantity}"] = _Group(ours, [c for c in commands if c.quantity == quantity])
+        groups[f"ctrl, any {quantity}"] = _Group(ours, [c for c in commands if not c.quantity])
+    switches = {f"enable.{name}": joint for name, joint in joints.items()}
+    groups["enable"] = _Group(switches, [c for c in free if c.is_switch])
+    readings = [column for column in free if not column.is_command and not column.is_switch]
+    for kind, quantity in _READINGS.items():
+        ours = {f"sensor.{name}": joint for name, joint in _sensors(robot, kind).items()}
+        groups[f"sensor {quantity}"] = _Group(ours, [c for c in readings if c.quantity == quantity])
+        if quantity == "position":
+            groups["sensor"] = _Group(
+                ours, [c for c in readings if not c.quantity and owner_of(c, owners(_known_names(robot)))]
+            )
+    return {kind: group for kind, group in groups.items() if group.joints}
+
+
+def _by_name(group: _Group, known: Mapping[tuple[str, ...], str]) -> dict[str, Guess] | None:
+    """The columns that bear a joint's name; where several bear it as well, none. None if no column bears any."""
+    bearing = [(column, *owner) for column in group.columns if (owner := owner_of(column, known)) is not None]
+    if not bearing:
+        return None
+    numbers = are_numbers([column.owner[-length:] for column, _, length in bearing])
+    if numbers:
+        # The first is 0 in one place and 1 in another: numbers are names only where they are the same ones.
+        of_log = {c.owner[-1:] for c in group.columns if c.owner}
+        if of_log != {spelled for joint in group.joints.values() for spelled in _numbers(joint, known)}:
+            return None
+    found: dict[str, Guess] = {}
+    for ours, joint in group.joints.items():
+        fitting = [(length, -len(column.words), column) for column, owner, length in bearing if owner == joint]
+        if not fitting:
+            continue
+        best = max(entry[:2] for entry in fitting)
+        columns = [entry[2] for entry in fitting if entry[:2] == best]
+        if len(columns) > 1:
+            found[ours] = Guess(None, f"which of these? {', '.join(column.name for column in columns[:8])}")
+            continue
+        rest = set(columns[0].owner[: -best[0]]) - _shared([column for column, _, _ in bearing])
+        found[ours] = Guess(columns[0], _BY_NUMBER if numbers else _BY_END if rest else _BY_NAME)
+    return found
+
+
+def _numbers(joint: str, known: Mapping[tuple[str, ...], str]) -> list[tuple[str, ...]]:
+    """The number by which a joint is known, if it is."""
+    return [spelled for spelled, owner in known.items() if owner == joint and are_numbers([spelled])][:1]
+
+
+def _in_order(group: _Group, known: Mapping[tuple[str, ...], str]) -> list[tuple[str, NamedColumn]]:
+    """Our columns with the log's: numbered ones in the order of their numbers, others as they stand."""
+    ours, columns = list(group.joints), list(group.columns)
+    numbers = {name: number[0][0] for name, joint in group.joints.items() if (number := _numbers(joint, known))}
+    if len(numbers) == len(ours) and are_numbers([column.owner[-1:] for column in columns]):
+        ours.sort(key=lambda name: int(numbers[name]))
+        columns.sort(key=lambda column: int(column.owner[-1]))
+    return list(zip(ours, columns, strict=True))
+
+
+def _shared(columns: Sequence[NamedColumn]) -> set[str]:
+    """Words that all columns have, such as their topic."""
+    return set.intersection(*(set(column.owner) for column in columns)) if len(columns) > 1 else set()
+
+
+def _contradicting(by_order: Mapping[str, Sequence[tuple[str, NamedColumn]]]) -> dict[str, Guess]:
+    """Guesses by order that contradict each other: the log has the same names in two orders."""
+    found: dict[str, Guess] = {}
+    entries = list(by_order.values())
+    for k, one in enumerate(entries):
+        for two in entries[k + 1 :]:
+            first, second = ([column.owner for _, column in each] for each in (one, two))
+            if first != second and sorted(first) == sorted(second) and len(set(first)) > 1:
+                why = "open: the log has its joints in another order here than there"
+                found |= {ours: Guess(None, f"{why} ({column.name}?)") for ours, column in (*one, *two)}
+    return found
+
+
+def _clock(free: Sequence[NamedColumn]) -> dict[str, Guess]:
+    """The log's time, or its seconds with the nanoseconds in a column of their own."""
+    names = {column.name: None for column in free}
+    for name in names:
+        for seconds, nanoseconds in (("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec"), ("seconds", "nanos")):
+            other = name[: len(name) - len(seconds)] + nanoseconds
+            if name.endswith(seconds) and not name.endswith(nanoseconds) and other in names:
+                return {"time": Guess(NamedColumn(name), _BY_NAME, other)}
+    clocks = [column for column in free if column.is_clock and column.index is None]
+    exact = [column for column in clocks if column.name.lower() in ("timestamp", "t", "stamp")]
+    return {"time": Guess((exact or clocks)[0], _BY_NAME)} if clocks else {}
