@@ -9,6 +9,7 @@ from estexp_jax.api.options.check import CheckOptions
 from estexp_jax.api.options.keywords import front_door
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recordings.frames import Logs, logs_of
 from estexp_jax.recordings.inputs import Inputs, is_manifest, read_inputs
 from estexp_jax.recordings.templates.manifest import write_manifest
 from estexp_jax.recordings.templates.model import write_first_model
@@ -19,23 +20,23 @@ from estexp_jax.runs import open_run
 @front_door(CheckOptions)
 def check(
     model: str | Path,
-    recordings: Sequence[str | Path] = (),
+    recordings: Logs = (),
     *,
-    test: Sequence[str | Path] = (),
+    test: Logs = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
 ) -> CheckResult:
     """Read and judge recordings: clock, units, sensors, saturation, lags, which joints move enough to tell what.
 
     Args:
         model: the nominal MJCF; or a `recordings.toml` that names model, recordings and columns.
-        recordings: logs, one file each.
-        test: logs that are kept for the test.
+        recordings: a log or several: paths, a glob, data frames, dictionaries of arrays.
+        test: logs that are kept for the test; as recordings.
         map: `ours=theirs` for logs with other column names.
 
     Raises:
         InputError: a keyword is wrong, or a file cannot be read.
     """
-    files, tests = [str(model), *(str(path) for path in recordings)], [str(path) for path in test]
+    files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
     return check_inputs(read_inputs(files, test=tests, maps=list(map), mend=True))
 
 

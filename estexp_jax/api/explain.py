@@ -14,6 +14,7 @@ from estexp_jax.discovery.explain import explain as explain_case
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.engines.choice import left_out_by
+from estexp_jax.recordings.frames import Logs, logs_of
 from estexp_jax.recordings.inputs import Inputs, read_inputs
 from estexp_jax.recordings.roles import assign_roles
 from estexp_jax.recordings.settings import apply_settings
@@ -35,9 +36,9 @@ from estexp_jax.runs import (
 @front_door(ExplainOptions)
 def explain(
     model: str | Path,
-    recordings: Sequence[str | Path] = (),
+    recordings: Logs = (),
     *,
-    test: Sequence[str | Path] = (),
+    test: Logs = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
     window: float | str = 2.0,
     most: int = 5,
@@ -50,8 +51,9 @@ def explain(
 
     Args:
         model: the nominal MJCF; or a `recordings.toml` that names model, recordings and columns.
-        recordings: logs to learn from, one file each.
-        test: logs to prove it on. Without any, the last recording is kept back; of a single one, its last 30 %.
+        recordings: a log to learn from or several: paths, a glob, data frames, dictionaries of arrays.
+        test: logs to prove it on; as recordings. Without any, the last recording is kept back; of a single one, its
+            last 30 %.
         map: `ours=theirs` for logs with other column names.
         window: length of the windows compared, s; infinite or `full` for whole recordings.
         most: largest number of effects in an explanation.
@@ -63,7 +65,7 @@ def explain(
     Raises:
         InputError: a keyword, a value or a file is wrong, or the model cannot be simulated.
     """
-    files, tests = [str(model), *(str(path) for path in recordings)], [str(path) for path in test]
+    files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
     inputs = read_inputs(files, test=tests, maps=list(map))
     config = explain_config_of(window, most, effects, seed, engine)
     return run_explanation(inputs, config, {}, progress or (lambda _: None))

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.errors import InputError
+from estexp_jax.recordings.readers.arrow import table_of
 from estexp_jax.recordings.readers.parquet import EPISODE, episodes, part_names, read_columns, read_info
+from estexp_jax.recordings.readers.stamps import is_stamp
 from estexp_jax.recordings.table import Selection, Table
 
 _PLACEHOLDER = re.compile(r"\{(chunk_index|file_index|episode_chunk|episode_index)(?::0?(\d{1,2})d)?\}")
@@ -36,9 +38,21 @@ def read_lerobot(folder: Path, selection: Selection) -> Table:
     info = read_info(folder)
     episode = _chosen_episode(info, selection.episode, folder)
     source = f"{folder}, episode {episode}"
-    columns, unusable = read_columns(_data_files(folder, info, episode), episode, source)
+    arrays, columns = read_columns(_data_files(folder, info, episode), episode, source, selection.asks_for)
     label = f"{folder.resolve().name}_episode_{episode}.parquet"
-    return Table(source, columns, unusable, label=label, parts=part_names(info, columns))
+    notes = _clock_notes(info, arrays.get("timestamp", np.empty(0)))
+    return table_of(arrays, columns, source, label=label, parts=part_names(info, arrays), notes=notes)
+
+
+def _clock_notes(info: Mapping[str, Any], times: np.ndarray) -> tuple[str, ...]:
+    """A remark on time stamps that were counted, not measured."""
+    fps = info.get("fps")
+    if not isinstance(fps, int | float) or not fps > 0 or len(times) < 3 or is_stamp(times):
+        return ()
+    if np.abs(times - times[0] - np.arange(len(times)) / fps).max() > 1e-3 / fps:
+        return ()
+    what = f"its time stamps are the frames' numbers over {fps:g} Hz, not measured: delays and lags cannot be trusted"
+    return (f"{what}; log when each reading was taken",)
 
 
 def _chosen_episode(info: Mapping[str, Any], episode: int | None, folder: Path) -> int:
@@ -100,7 +114,7 @@ def _file_indices(folder: Path, episode: int) -> dict[str, int] | None:
     """Chunk and file of an episode from `meta/episodes`; None if it is not listed there."""
     for path in sorted((folder / "meta" / "episodes").glob("*/*.parquet"))[:_MOST_FILES]:
         try:
-            columns, _ = read_columns([path], episode, str(path), (EPISODE, _CHUNK, _FILE))
+            columns, _ = read_columns([path], episode, str(path), (EPISODE, _CHUNK, _FILE).__contains__)
         except InputError:  # a damaged or incomplete index: the data files are searched instead
             continue
         indices = [columns.get(name, np.empty(0)) for name in (_CHUNK, _FILE)]

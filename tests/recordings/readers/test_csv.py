@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.errors import InputError
+from estexp_jax.recordings.columns import Source
 from estexp_jax.recordings.readers.read import read_table
 
 
@@ -38,14 +39,93 @@ def test_text_is_found_beyond_the_first_chunk_of_rows(tmp_path):
         read_table(_write(tmp_path / "a.csv", "time,x\n" + "\n".join(rows))).column("x")
 
 
+GOOD = {"time": [0.0, 0.1, 0.2], "x": [1.5, -2.0, 0.25]}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time,x\n0,1.5\n.1,-2\n.2,.25\n",
+        "time;x\n0;1,5\n0,1;-2\n,2;2,5e-1\n",  # decimal commas
+        "time;x\n0;1.5\n0.1;-2\n0.2;0.25\n",
+        "time\tx\n0\t1.5\n0.1\t-2\n0.2\t0.25\n",
+        "# my log\n# of today\n\ntime,x\n0,1.5\n# a remark\n0.1,-2\n0.2,0.25\n",
+        "# time,x\n0,1.5\n0.1,-2\n0.2,0.25\n",  # as numpy.savetxt has it
+        "% time,x\n0,1.5\n0.1,-2\n0.2,0.25\n",
+        "time,x\ns,rad\n0,1.5\n0.1,-2\n0.2,0.25\n",
+        "time,x\n[s],[-]\n0,1.5\n0.1,-2\n0.2,0.25\n",
+        "time,x,\n0,1.5,\n0.1,-2,\n0.2,0.25,\n",
+        "time,x\n0,1.5,\n0.1,-2,\n0.2,0.25,\n",
+        "time,x,\n0,1.5\n0.1,-2\n0.2,0.25\n",
+        "time,x\r\n0,1.5\r\n0.1,-2\r\n0.2,0.25\r\n",
+        "time,x\n0,1.5\n0.1,-2\ntime,x\n0.2,0.25\n",
+        "time,x,state,state\n0,1.5,a,b\n0.1,-2,a,b\n0.2,0.25,a,b\n",
+        "time,x\n0,1.5\n0.1,-2\n0.2,0.25\n0.3,",
+        "time,x\n0,1.5\n0.1,-2\n0.2,0.25\n0.3,1",
+        'time,x\n0,1.5\n0.1,-2\n0.2,0.25\n0.3,"1',
+        "time,x\n2026-03-01T10:00:00,1.5\n2026-03-01T10:00:00.100,-2\n2026-03-01T10:00:00.2000,.25\n",
+        "time,x\n2026-03-01 10:00:00.9Z,1.5\n2026-03-01 11:00:01+01:00,-2\n2026-03-01 10:00:01.1Z,.25\n",
+    ],
+)
+def test_forms_of_text_logs(tmp_path, text):
+    table = read_table(_write(tmp_path / "a.csv", text))
+    for name, values in GOOD.items():
+        np.testing.assert_allclose(table.column(name), values, atol=1e-12)
+
+
+def test_tab_separated_files_may_say_so_by_their_name(tmp_path):
+    np.testing.assert_array_equal(read_table(_write(tmp_path / "a.tsv", "time\n0\n1\n")).column("time"), [0, 1])
+
+
+def test_absent_samples_and_switches(tmp_path):
+    table = read_table(_write(tmp_path / "a.csv", "x,on\n1,True\nNA,false\nn/a,FALSE\nnull,true\n-,1\n2,0\n"))
+    np.testing.assert_array_equal(table.column("x"), [1, np.nan, np.nan, np.nan, np.nan, 2])
+    np.testing.assert_array_equal(table.column("on"), [1, 0, 0, 1, 1, 0])
+
+
+def test_units_that_the_file_states_are_kept_and_told(tmp_path):
+    table = read_table(_write(tmp_path / "a.csv", "time,x,y,z [deg/s]\n[ms],deg,V,\n0,1,2,3\n"))
+    assert dict(table.units) == {"time": "ms", "x": "deg", "z [deg/s]": "deg/s"}
+    assert table.notes == ("row 2 holds units: time in ms, x in deg",)
+    np.testing.assert_allclose(Source("x").read(table, 1), [np.pi / 180])
+    np.testing.assert_allclose(Source("x", scale=2.0, scaled=True).read(table, 1), [2.0])
+
+
+def test_a_last_row_that_was_cut_is_left_out_and_told(tmp_path):
+    whole = "time,x,y\n" + "".join(f"{k / 100},{float(np.sin(k))!r},{float(np.cos(k))!r}\n" for k in range(12))
+    for stop in range(len("time,x,y\n") + 1, len(whole)):
+        table = read_table(_write(tmp_path / "a.csv", whole[:stop]))
+        rows = len(table.column("y"))
+        if rows > 4:
+            np.testing.assert_array_equal(table.column("y"), np.cos(np.arange(rows)))
+            assert rows in (whole[:stop].count("\n") - 1, whole[:stop].count("\n"))
+
+
+def test_columns_of_one_name_matter_only_where_they_are_needed(tmp_path):
+    table = read_table(_write(tmp_path / "a.csv", "a,b,b\n1,2,3\n"))
+    assert table.notes == ("two columns have one name, so neither is read: b",)
+    with pytest.raises(InputError, match=r"a\.csv, row 1: two columns are called 'b'"):
+        table.column("b")
+
+
+def test_mixed_decimal_marks_are_refused(tmp_path):
+    table = read_table(_write(tmp_path / "a.csv", "a;b\n1,234;1\n0.5;2\n"))
+    with pytest.raises(InputError, match=r"row 3, column 'a': '0\.5' is after a decimal point or comma of the other"):
+        table.column("a")
+
+
+def test_logs_that_begin_anew_say_where(tmp_path):
+    table = read_table(_write(tmp_path / "a.csv", "time,x\ns,rad\n0,1\n1,2\ntime,x\ns,rad\n0,3\n"))
+    assert table.restarts == (2,) and table.row_numbers is not None and table.row_numbers.tolist() == [3, 4, 7]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "row 1: has no header"),
         ("a,b\n1,2\n1\n", "row 3: 1 cells under a header of 2 columns"),
         ("a,b\n1,2,3\n", "row 2: 3 cells under a header of 2 columns"),
-        ("a,a\n1,2\n", "row 1: two columns are called 'a'"),
-        ("a;b\n1;2\n", "row 1: columns are not separated by commas"),
+        ("1,2\n3,4\n", "row 1: has no header: the first line holds '1,2'"),
         ('a,b\n1,"2\n', "row 2: is not well-formed CSV"),
     ],
 )

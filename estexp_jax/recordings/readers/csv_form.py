@@ -1,0 +1,140 @@
+"""How a text log is written: what separates its columns, where its header is, which lines are none of its rows."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from estexp_jax.errors import InputError
+from estexp_jax.recordings.readers.stamps import parsed_stamps
+
+ABSENT = frozenset({"", "na", "n/a", "nan", "null", "none", "-", "--"})
+"""Cells, in small letters, that mean no sample."""
+SWITCHES = {"true": 1.0, "false": 0.0}
+"""Cells, in small letters, that mean on and off."""
+COMMENTS = ("#", "%", "//")
+"""How lines begin that are none of the table."""
+_SEPARATORS = (",", ";", "\t")
+_MOST_LINES, _LONGEST = 20, 2**24
+_UNITS: Mapping[str, str] = {
+    **{unit: unit for unit in ("rad", "deg", "rad/s", "deg/s", "rpm", "s", "ms", "us", "ns", "m", "mm")},
+    **dict.fromkeys(("°", "degree", "degrees"), "deg"),
+    **dict.fromkeys(("°/s", "degrees/s"), "deg/s"),
+    **dict.fromkeys(("µs", "\u03bcs", "usec", "microseconds"), "us"),
+    **{"sec": "s", "seconds": "s", "msec": "ms", "milliseconds": "ms", "nsec": "ns", "nanoseconds": "ns"},
+}
+
+
+@final
+@dataclass(frozen=True)
+class CsvForm:
+    """The form of one file.
+
+    Attributes:
+        separator: of the cells.
+        names: of the columns, as the header has them; empty ones are no columns.
+        skipped: how many lines come before the first row of cells.
+        header_line: number of the header's line, from 1.
+    """
+
+    separator: str
+    names: tuple[str, ...]
+    skipped: int
+    header_line: int
+
+
+def form_of(path: Path) -> CsvForm:
+    """Find out the form from the beginning of a file.
+
+    Raises:
+        InputError: it has no header.
+        UnicodeDecodeError: it is not UTF-8.
+    """
+    lines, table = _head(path)
+    if not table:
+        raise InputError("has no header", where=f"{path}, row 1", right="the first line names the columns")
+    first, rows = table[0], [lines[k] for k in table]
+    where = f"{path}, row {first + 1}"
+    separator = "\t" if path.suffix.lower() == ".tsv" else _separator(rows)
+    names = _cells(lines[first], separator)
+    if not any(names):
+        raise InputError("has no header", where=where, right="the first line names the columns")
+    if not all(_is_value(name) for name in names):
+        return CsvForm(separator, names, first + 1, first + 1)
+    comment = max((k for k in range(first) if lines[k].strip()), default=None)
+    if comment is not None:  # as numpy.savetxt writes it
+        named = _cells(re.sub(r"^\s*(#+|%+|//)", "", lines[comment]), separator)
+        if len(named) == len(names) and not any(_is_value(name) for name in named):
+            return CsvForm(separator, named, first, comment + 1)
+    right = "the first line names the columns"
+    raise InputError(f"has no header: the first line holds '{lines[first][:80]}'", where=where, right=right)
+
+
+def _head(path: Path) -> tuple[list[str], list[int]]:
+    """The first lines of a file, and which of them are of the table, its header first."""
+    lines, table = list[str](), list[int]()
+    with path.open(newline="", encoding="utf-8-sig") as stream:
+        while len(table) < _MOST_LINES and (line := stream.readline(_LONGEST)):
+            if line.strip() and not is_comment(line):
+                table.append(len(lines))
+            lines.append(line.rstrip("\r\n"))
+            if len(lines) > 100 * _MOST_LINES and not table:
+                break
+    return lines, table
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a comment."""
+    return line.lstrip().startswith(COMMENTS)
+
+
+def units_in(cells: Sequence[str], names: Sequence[str]) -> dict[str, str] | None:
+    """The units in a row below the header, by column, those that a manifest knows; None if it is a row of values."""
+    stripped = [cell.strip() for cell in cells]
+    if not any(stripped) or any(_is_value(cell) for cell in stripped if cell):
+        return None
+    pairs = zip(names, stripped, strict=False)
+    return {name: unit for name, cell in pairs if name and (unit := _UNITS.get(cell.strip("[]() ").lower()))}
+
+
+def units_of(names: Sequence[str]) -> dict[str, str]:
+    """The units that names such as `knee [deg]` state."""
+    found: dict[str, str] = {}
+    for name in names:
+        match = re.search(r"[\[(]([^\[\]()]+)[\])]$", name)
+        if match and (unit := _UNITS.get(match[1].strip().lower())):
+            found[name] = unit
+    return found
+
+
+def _is_value(cell: str) -> bool:
+    """Whether a cell is a number, a switch, a time stamp, or says that there is no sample."""
+    if not cell or cell.lower() in SWITCHES or (cell.lower() in ABSENT):
+        return True
+    try:
+        float(cell.replace(",", ".") if cell.count(",") == 1 else cell)
+    except ValueError:
+        return parsed_stamps([cell]) is not None
+    return True
+
+
+def _separator(lines: Sequence[str]) -> str:
+    """The separator by which the first lines have most cells, alike in most of them."""
+    best, most = ",", (0.0, 1)
+    for separator in _SEPARATORS:
+        widths = [len(_cells(line, separator)) for line in lines]
+        alike = sum(width == widths[0] for width in widths) / len(widths)
+        if widths[0] > 1 and (alike > 0.5, widths[0]) > most:
+            best, most = separator, (alike > 0.5, widths[0])
+    return best
+
+
+def _cells(line: str, separator: str) -> tuple[str, ...]:
+    try:
+        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator), []))
+    except csv.Error:
+        return (line,)
