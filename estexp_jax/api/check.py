@@ -11,6 +11,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.frames import Logs, logs_of
 from estexp_jax.recordings.inputs import Inputs, is_manifest, read_inputs
+from estexp_jax.recordings.templates.doubts import doubts
 from estexp_jax.recordings.templates.manifest import write_manifest
 from estexp_jax.recordings.templates.model import write_first_model
 from estexp_jax.report.check.result import CheckResult, check_inputs, write_check
@@ -78,7 +79,10 @@ def _begin_manifest(options: CheckOptions, tests: Sequence[str], say: Callable[[
     write_manifest(path, options.files, tests, options.map)
     say(f"{path}: written; see that its guesses are right")
     try:
-        return read_inputs([str(path)], mend=True)
+        inputs = read_inputs([str(path)], mend=True)
+        for sentence in dict.fromkeys(doubt for r in inputs.recordings for doubt in doubts(inputs.robot, r)):
+            say(f"In doubt: {sentence}")
+        return inputs
     except InputError as error:
         say(f"It is still to be completed: {error}")
         return None
