@@ -45,11 +45,15 @@ def read_mcaps(paths: Sequence[Path], source: str, selection: Selection) -> Tabl
     definitions: dict[str, set[bytes]] = {}
     for number, path in enumerate(paths):
         with mcap_chunks.opened(path) as stream:
+            wanted: dict[int, bool] = {}
             for schema, channel, message in _messages(stream, path, notes):
-                key = (number, channel.id)
-                if merger.open(key, channel.topic, partial(decoder_of, channel.message_encoding, schema)):
-                    definitions.setdefault(channel.topic, set()).add(schema.data if schema else b"")
-                    merger.add(key, message.data, message.log_time, message.publish_time)
+                if channel.id not in wanted:
+                    decode = partial(decoder_of, channel.message_encoding, schema)
+                    wanted[channel.id] = merger.open((number, channel.id), channel.topic, decode)
+                    if wanted[channel.id]:
+                        definitions.setdefault(channel.topic, set()).add(schema.data if schema else b"")
+                if wanted[channel.id]:
+                    merger.add((number, channel.id), message.data, message.log_time, message.publish_time)
     for topic in sorted(topic for topic, texts in definitions.items() if len(texts) > 1):
         notes.append(f"topic {topic} has channels with different definitions; each is read by its own")
     return merger.table(notes)

@@ -78,13 +78,19 @@ def path_in(message: Any, rest: str) -> tuple[Step, ...] | None:
 
 def follow(message: Any, steps: Sequence[Step]) -> Any:
     """The value at the end of a path; None if this message has none."""
-    value, parents = message, [message]
+    values = walked(message, steps)
+    return None if values is None else values[-1]
+
+
+def walked(message: Any, steps: Sequence[Step]) -> list[Any] | None:
+    """The message and what each step of a path leads to; None if this message has no such path."""
+    values = [message]
     for step in steps:
-        value = _after(step, value, parents)
+        value = _after(step, values[-1], values)
         if value is None:
             return None
-        parents.append(value)
-    return value
+        values.append(value)
+    return values
 
 
 def name_at(message: Any, steps: Sequence[Step]) -> str | None:
@@ -92,7 +98,7 @@ def name_at(message: Any, steps: Sequence[Step]) -> str | None:
     value, parents, name = message, [message], None
     for step in steps:
         if isinstance(step, int) and _is_list(value):
-            names = _names_of(value, parents[:-1])
+            names = names_beside(value, parents[:-1])
             name = names[step] if names is not None and step < len(names) else name
         value = _after(step, value, parents)
         if value is None:
@@ -103,6 +109,8 @@ def name_at(message: Any, steps: Sequence[Step]) -> str | None:
 
 def message_number(value: Any) -> float | None:
     """A number, or a stamp of seconds and nanoseconds in s, as a float; None for other values."""
+    if type(value) is float:
+        return value
     if isinstance(value, bool | int | float | np.number | np.bool_):
         try:
             return float(value)
@@ -136,7 +144,7 @@ def numbers_in(message: Any, parents: tuple[Any, ...] = ()) -> Iterator[str]:
         for key in fields:
             yield from (f".{key}{rest}" for rest in numbers_in(_get(message, key), (*parents, message)))
     elif _is_list(message) and len(message) <= MOST_VALUES:
-        names = _names_of(message, parents)
+        names = names_beside(message, parents)
         for index, value in enumerate(message):
             plain = names is None or names[index].isdecimal() or re.search(r"[\[\]]", names[index])
             key = index if plain or names is None else names[index]
@@ -160,10 +168,16 @@ def _index(step: Named, values: Any, parents: Sequence[Any]) -> int | None:
     """Where a name stands in this message; ROS does not guarantee a constant order."""
     if step.depth < 0:
         return next((k for k, value in enumerate(values) if _get(value, step.field) == step.name), None)
+    names = listed_names(step, values, parents)
+    return names.index(step.name) if names is not None and step.name in names else None
+
+
+def listed_names(step: Named, values: Any, parents: Sequence[Any]) -> list[str] | None:
+    """The list of names that a step goes by, in this message; None if it has no such list of the values' length."""
     names = _get(parents[step.depth], step.field)
-    if not isinstance(names, list | tuple) and not _is_list(names):
-        return None
-    return list(names).index(step.name) if len(names) == len(values) and step.name in names else None
+    if type(names) is not list:
+        names = list(names) if isinstance(names, tuple) or (names is not _ABSENT and _is_list(names)) else None
+    return names if names is not None and _is_list(values) and len(names) == len(values) else None
 
 
 def _named(name: str, values: Any, parents: Sequence[Any]) -> Named | None:
@@ -177,9 +191,12 @@ def _named(name: str, values: Any, parents: Sequence[Any]) -> Named | None:
     return None
 
 
-def _names_of(values: Any, parents: Sequence[Any]) -> list[str] | None:
+def names_beside(values: Any, parents: Sequence[Any]) -> list[str] | None:
     """The names of a list's values, all different; None if they have none."""
-    own = [_get(value, _OWN_NAME) for value in values] if len(values) <= MOST_VALUES else []
+    if not _is_list(values) or not len(values):
+        return None
+    named = len(values) <= MOST_VALUES and _field_names(values[0]) is not None
+    own = [_get(value, _OWN_NAME) for value in values] if named else []
     if own and all(isinstance(name, str) for name in own):
         return own if len(set(own)) == len(own) else None
     for parent in reversed(parents):
@@ -197,11 +214,7 @@ def _lists_of_names(parent: Any, length: int) -> list[str]:
         texts = _get(parent, field)
         if length and _is_list(texts) and len(texts) == length and all(isinstance(text, str) for text in texts):
             found.append(field)
-    return sorted(found, key=_is_called_otherwise)
-
-
-def _is_called_otherwise(field: str) -> bool:
-    return "name" not in field.lower()
+    return sorted(found, key=lambda field: "name" not in field.lower())
 
 
 def _get(value: Any, key: str) -> Any:

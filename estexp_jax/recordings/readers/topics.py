@@ -8,58 +8,19 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
 
 from estexp_jax.errors import InputError, listing
-from estexp_jax.recordings.readers.messages import (
-    Step,
-    follow,
-    message_number,
-    name_at,
-    nanoseconds,
-    numbers_in,
-    path_in,
-)
+from estexp_jax.recordings.readers.channels import Channel, Decode, Samples
+from estexp_jax.recordings.readers.messages import follow, nanoseconds, numbers_in
 from estexp_jax.recordings.table import MOST_COLUMNS, Selection, Table, check_size
 
-Decode = Callable[[Any], Any]
 _MOST_MESSAGES = 50_000_000
 _UNSET_NS = 1_000_000_000
 """A stamp of 0 was never set if all others are later than this; else the clock begins there."""
 _STAMPS = (("header", "stamp"), ("timestamp",))  # of ROS, of Foxglove
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class _Samples:
-    """Samples of one column in order of the file: time in ns and value; how many messages had no stamp."""
-
-    clock: str
-    times: array = field(default_factory=lambda: array("q"))
-    values: array = field(default_factory=lambda: array("d"))
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class _Channel:
-    """One publisher of a topic.
-
-    Attributes:
-        topic: its topic.
-        decode: of its messages; None: they are not read.
-        paths: the path after the topic of each of its columns, with its steps once a message contained it.
-        names: at an index path, the name of the value that it led to first.
-        why_not: why its messages cannot be read; empty: they can, or nobody asked for them.
-    """
-
-    topic: str
-    decode: Decode | None
-    paths: dict[str, tuple[Step, ...] | None]
-    names: dict[str, str | None] = field(default_factory=dict)
-    why_not: list[str] = field(default_factory=list)
 
 
 @final
@@ -74,8 +35,8 @@ class TopicMerger:
             selection: which columns are wanted, and by which clocks.
         """
         self._source, self._selection = source, selection
-        self._channels: dict[Hashable, _Channel] = {}
-        self._samples: dict[str, _Samples] = {}
+        self._channels: dict[Hashable, Channel] = {}
+        self._samples: dict[str, Samples] = {}
         self._n_messages = 0
 
     def open(self, key: Hashable, topic: str, make: Callable[[], Decode]) -> bool:
@@ -89,10 +50,10 @@ class TopicMerger:
         if key not in self._channels:
             wanted = self._selection.wanted
             rests = [p[len(topic) :] for p in wanted or () if p.startswith(topic) and p[len(topic) :][:1] in ("[", ".")]
-            channel = _Channel(topic, None, dict.fromkeys(rests))
+            channel = Channel(topic, None, dict.fromkeys(rests))
             if wanted is None or rests:
                 try:
-                    channel = _Channel(topic, make(), dict.fromkeys(rests))
+                    channel = Channel(topic, make(), dict.fromkeys(rests))
                 except Exception as error:  # a definition that cannot be parsed may raise anything
                     channel.why_not.append(_reason(error))
             self._channels[key] = channel
@@ -108,49 +69,38 @@ class TopicMerger:
         if self._n_messages > _MOST_MESSAGES:
             raise InputError(f"has more than {_MOST_MESSAGES:,} messages", where=self._source, right="a shorter log")
         channel = self._channels[key]
+        if channel.why_not:
+            return
         where = f"{self._source}, topic '{channel.topic}'"
         try:
             message = channel.decode(data) if channel.decode else None
             for rest in numbers_in(message) if self._selection.wanted is None else ():
                 if len(self._samples) < MOST_COLUMNS:
-                    channel.paths.setdefault(rest)
+                    channel.expect(rest)
         except Exception as error:  # a decoder may raise anything on damaged bytes
             what = f"a message cannot be decoded: {_reason(error)}"
             if self._selection.wanted is not None:
                 raise InputError(what, where=where) from None
             channel.why_not.append(what)
             return
-        for rest, steps in channel.paths.items():
-            if steps is None:
-                steps = channel.paths[rest] = path_in(message, rest)
-            value = message_number(follow(message, steps)) if steps is not None else None
-            if steps is not None and value is not None:
-                self._check_name(channel, message, rest, steps, where)
-                self._add_sample(f"{channel.topic}{rest}", message, value, (log_ns, publish_ns), where)
+        times: dict[str, int | None] = {"log": log_ns, "publish": publish_ns}
+        for rest, value in channel.samples_in(message, where):
+            samples = channel.samples.get(rest) or self._samples_of(channel, rest)
+            if samples.clock not in times:
+                times["header"] = _stamp(message)
+            time = times[samples.clock]
+            if time is None or not -(2**62) < time < 2**62:
+                right = 'a stamp in each message\'s header; else clock = "log", for the file or for this column'
+                raise InputError(f"a message has no time on the clock '{samples.clock}'", where=where, right=right)
+            samples.times.append(time)
+            samples.values.append(value)
 
-    def _check_name(self, channel: _Channel, message: Any, rest: str, steps: tuple[Step, ...], where: str) -> None:
-        if not any(isinstance(step, int) for step in steps):
-            return
-        name = name_at(message, steps)
-        first = channel.names.setdefault(rest, name)
-        if name != first:
-            what = f"the order of the names changes: {rest} is '{first}' in one message and '{name}' in another"
-            raise InputError(
-                what, where=where, right=f"the name instead of the index, as in {rest.split('[')[0]}[name]"
-            )
-
-    def _add_sample(self, name: str, message: Any, value: float, recorded: tuple[int, int], where: str) -> None:
-        if name not in self._samples:
-            self._samples[name] = _Samples(self._selection.clocks.get(name, self._selection.clock))
-        samples = self._samples[name]
-        time: int | None = recorded[samples.clock == "publish"]
-        if samples.clock == "header":
-            time = next((t for path in _STAMPS if (t := nanoseconds(follow(message, path))) is not None), None)
-        if time is None or not -(2**62) < time < 2**62:
-            right = 'a stamp in each message\'s header; else clock = "log", for the file or for this column'
-            raise InputError(f"a message has no time on the clock '{samples.clock}'", where=where, right=right)
-        samples.times.append(time)
-        samples.values.append(value)
+    def _samples_of(self, channel: Channel, rest: str) -> Samples:
+        """The samples of a column, which all channels of its topic share."""
+        name = f"{channel.topic}{rest}"
+        clock = self._selection.clocks.get(name, self._selection.clock)
+        channel.samples[rest] = self._samples.setdefault(name, Samples(clock))
+        return channel.samples[rest]
 
     def table(self, notes: list[str]) -> Table:
         """All samples, with times in s from the first row on.
@@ -173,7 +123,7 @@ class TopicMerger:
             notes.append(
                 f"{n_repeated} messages have the time of another one of their topic; the last of each time counts"
             )
-        unread = [c.topic for c in self._channels.values() if not c.paths and not c.why_not]
+        unread = [c.topic for c in self._channels.values() if not c.has_columns and not c.why_not]
         if unread and self._selection.wanted is not None:
             notes.append(f"topics that were not asked for: {listing(dict.fromkeys(unread))}")
         unusable = self._missing(samples)
@@ -181,17 +131,17 @@ class TopicMerger:
             raise next(iter(unusable.values()))
         return Table(self._source, filled, unusable, notes=tuple(notes))
 
-    def _with_clock_set(self, notes: list[str]) -> dict[str, _Samples]:
+    def _with_clock_set(self, notes: list[str]) -> dict[str, Samples]:
         """The samples without those whose stamp was never set, which are told."""
         first = min((t for s in self._samples.values() for t in (_first_set(s.times),) if t is not None), default=None)
         if first is None or first <= _UNSET_NS:
             return self._samples
-        kept: dict[str, _Samples] = {}
+        kept: dict[str, Samples] = {}
         for name, each in self._samples.items():
             times, values = np.frombuffer(each.times, dtype=np.int64), np.frombuffer(each.values)
             unset = times == 0
             if unset.any():
-                kept[name] = _Samples(
+                kept[name] = Samples(
                     each.clock, array("q", times[~unset].tobytes()), array("d", values[~unset].tobytes())
                 )
                 what = (
@@ -209,7 +159,7 @@ class TopicMerger:
         errors: dict[str, InputError] = {}
         channels, wanted = self._channels.values(), self._selection.wanted
         for name in sorted((wanted or frozenset()) - set(samples) - {"time"}):
-            asked = [c for c in channels if c.paths and name.startswith(c.topic)]
+            asked = [c for c in channels if c.has_columns and name.startswith(c.topic)]
             if not asked:
                 right = f"a path such as /joint_states.position[0]; topics are: {self._topics() or 'none'}"
                 errors[name] = InputError(f"no topic for '{name}'", where=self._source, right=right)
@@ -228,13 +178,18 @@ class TopicMerger:
         return listing(dict.fromkeys(channel.topic for channel in self._channels.values()))
 
 
+def _stamp(message: Any) -> int | None:
+    """The time in a message's header, ns; None if it has none."""
+    return next((t for path in _STAMPS if (t := nanoseconds(follow(message, path))) is not None), None)
+
+
 def _first_set(times: array) -> int | None:
     stamps = np.frombuffer(times, dtype=np.int64)
     stamps = stamps[stamps != 0]
     return int(stamps.min()) if len(stamps) else None
 
 
-def _stamped(name: str, samples: _Samples, source: str) -> tuple[np.ndarray, np.ndarray]:
+def _stamped(name: str, samples: Samples, source: str) -> tuple[np.ndarray, np.ndarray]:
     times = np.frombuffer(samples.times, dtype=np.int64)
     if len(times) > 2 and not times.any():
         right = f'another clock: clock = "{"header" if samples.clock == "log" else "log"}"'
