@@ -11,7 +11,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.frames import Logs, logs_of
 from estexp_jax.recordings.inputs import Inputs, is_manifest, read_inputs
-from estexp_jax.recordings.templates.doubts import doubts
+from estexp_jax.recordings.templates.alternatives import better_mappings
 from estexp_jax.recordings.templates.manifest import write_manifest
 from estexp_jax.recordings.templates.model import write_first_model
 from estexp_jax.report.check.result import CheckResult, check_inputs, write_check
@@ -80,7 +80,7 @@ def _begin_manifest(options: CheckOptions, tests: Sequence[str], say: Callable[[
     say(f"{path}: written; see that its guesses are right")
     try:
         inputs = read_inputs([str(path)], mend=True)
-        for sentence in dict.fromkeys(doubt for r in inputs.recordings for doubt in doubts(inputs.robot, r)):
+        for sentence in dict.fromkeys(found for r in inputs.recordings for found in better_mappings(inputs.robot, r)):
             say(f"In doubt: {sentence}")
         return inputs
     except InputError as error:

@@ -82,11 +82,11 @@ def check_overlap(spans: Mapping[str, SampledSpan], where: str) -> None:
         InputError: two columns are further apart than either is long.
     """
     for one, two in combinations(spans.values(), 2):
-        early, late = (one, two) if one.first <= two.first else (two, one)
-        gap, longest = late.first - early.last, max(early.last - early.first, late.last - late.first, 1.0)
-        if gap > (longest if early.count > 1 and late.count > 1 else max(longest, _LATE_S)):
-            what = f"the clocks of {early.column} ({early.first:.4g} to {early.last:.4g} s) and {late.column}"
-            what += f" ({late.first:.6g} to {late.last:.6g} s) do not overlap"
+        early, later = (one, two) if one.first <= two.first else (two, one)
+        gap, longest = later.first - early.last, max(early.last - early.first, later.last - later.first, 1.0)
+        if gap > (longest if early.count > 1 and later.count > 1 else max(longest, _LATE_S)):
+            what = f"the clocks of {early.column} ({early.first:.4g} to {early.last:.4g} s) and {later.column}"
+            what += f" ({later.first:.6g} to {later.last:.6g} s) do not overlap"
             right = 'stamp both by one clock: in a log of topics choose clock = "log", for the file or for a column'
             raise InputError(what, where=where, right=right)
 
@@ -103,8 +103,8 @@ def longest_run(table: Table, clock: Source) -> tuple[Table, str]:
     breaks = [row for row in table.restarts if 0 < row < len(time) and not time[row] > time[row - 1]]
     if not breaks:
         return table, ""
-    starts, stops = [0, *breaks], [*breaks, len(time)]
-    first, last = max(zip(starts, stops, strict=True), key=_length)
+    firsts, ends = [0, *breaks], [*breaks, len(time)]
+    first, last = max(zip(firsts, ends, strict=True), key=_length)
     note = f"the log begins anew {len(breaks)} times, and so does its clock; its longest part is read"
     return table.rows_from(first, last), f"{note}, from {table.place(first, clock.column)}, {last - first} rows"
 

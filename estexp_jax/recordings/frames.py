@@ -12,7 +12,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, abbreviated
 from estexp_jax.recordings.readers.arrow import arrays_of, columns_of, table_of
-from estexp_jax.recordings.readers.npz import fields_of, plain_table
+from estexp_jax.recordings.readers.npz import array_columns, plain_table
 from estexp_jax.recordings.table import Table, check_size
 
 
@@ -56,11 +56,12 @@ def logs_of(given: Logs, prefix: str = "frame") -> list[Log]:
     Raises:
         InputError: it is none of these, or no file fits a glob.
     """
-    logs: list[Log] = []
-    several = isinstance(given, Iterable) and not (isinstance(given, str | Path) or _is_frame(given))
-    if several and isinstance(given, Mapping):
+    if isinstance(given, str | Path) or _is_frame(given):
+        given = [given]
+    if isinstance(given, Mapping):
         return [Frame(frame, str(name)) for name, frame in given.items()]
-    for each in given if several else [given]:
+    logs: list[Log] = []
+    for each in given if isinstance(given, Iterable) else [given]:
         if isinstance(each, str | Path):
             logs += _paths(str(each))
         elif _is_frame(each):
@@ -96,7 +97,7 @@ def frame_table(frame: Frame) -> Table:
     """
     data = frame.data
     if isinstance(data, np.ndarray):
-        columns = fields_of(frame.name, data, alone=True)
+        columns = array_columns(frame.name, data, alone=True)
         return plain_table(columns, {}, frame.name, label=frame.name)
     if isinstance(data, Mapping):
         arrays = {str(name): np.asarray(values) for name, values in data.items()}

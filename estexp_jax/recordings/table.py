@@ -65,11 +65,11 @@ class Table:
 
     def rows_from(self, first: int, last: int | None = None) -> Table:
         """The same table without the rows before `first` and from `last` on."""
-        numbers, whole = self.row_numbers, slice(first, last)
+        row_numbers, whole = self.row_numbers, slice(first, last)
         length = max((len(values) for values in self.columns.values()), default=0)
-        numbers = np.arange(1, length + 1) if numbers is None else numbers
+        row_numbers = np.arange(1, length + 1) if row_numbers is None else row_numbers
         cut = {name: v[whole] if len(v) == length else v for name, v in self.columns.items()}
-        return replace(self, columns=cut, row_numbers=numbers[whole], restarts=())
+        return replace(self, columns=cut, row_numbers=row_numbers[whole], restarts=())
 
     def place(self, row: int, column: str) -> str:
         """Location of a cell, for messages: file, row (a CSV's header is row 1) and column.

@@ -12,7 +12,8 @@ NAN = np.nan
 
 
 def _spans(**columns):
-    return {name: sampled_span(name, np.array(t, float), np.array(v, float)) for name, (t, v) in columns.items()}
+    spans = {name: sampled_span(name, np.array(t, float), np.array(v, float)) for name, (t, v) in columns.items()}
+    return {name: span for name, span in spans.items() if span is not None}
 
 
 @pytest.mark.parametrize(

@@ -42,9 +42,9 @@ def moves_before_commands(time: np.ndarray, command: np.ndarray, reading: np.nda
     period = float(np.median(np.diff(time)))
     changes = np.flatnonzero(np.abs(np.diff(command)) > 1e-9 * max(float(np.ptp(command)), 1e-12)) + 1
     rests = np.diff(time[changes], prepend=time[0])
-    starts = changes[(rests > _REST_S) & (changes < len(time) - 1)]
+    onsets = changes[(rests > _REST_S) & (changes < len(time) - 1)]
     leads: list[float] = []
-    for row in starts.tolist():
+    for row in onsets.tolist():
         before = slice(
             int(np.searchsorted(time, time[row] - _REST_S)), int(np.searchsorted(time, time[row] - _BEFORE_S))
         )
@@ -84,11 +84,11 @@ def lag_drift(time: np.ndarray, command: np.ndarray, reading: np.ndarray) -> tup
     # Theil and Sen: the median of the slopes of all pairs, which single wrong lags do not move.
     one, two = np.triu_indices(len(lags), 1)
     t, lag = np.array(middles), np.array(lags)
-    slopes = (lag[two] - lag[one]) / (t[two] - t[one])
-    drift = float(np.median(slopes))
+    pair_slopes = (lag[two] - lag[one]) / (t[two] - t[one])
+    drift = float(np.median(pair_slopes))
     scatter = float(np.median(np.abs(lag - np.median(lag) - drift * (t - np.median(t)))))
     change = abs(drift) * duration
-    agreeing = float(np.mean(np.sign(slopes) == np.sign(drift)))
+    agreeing = float(np.mean(np.sign(pair_slopes) == np.sign(drift)))
     if abs(drift) < _LEAST_DRIFT or change < max(_LEAST_CHANGE_S, 4.0 * scatter) or agreeing < 0.85:
         return 0.0, 0.0
     return drift, change

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import math
 import os
 import re
 from collections import Counter, deque
@@ -16,12 +15,12 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.errors import InputError, listing
-from estexp_jax.recordings.readers.csv_form import ABSENT, SWITCHES, CsvForm, form_of, is_comment, units_in, units_of
-from estexp_jax.recordings.readers.stamps import is_stamp, parsed_stamps, seconds
+from estexp_jax.recordings.readers.csv_column import TextColumn
+from estexp_jax.recordings.readers.csv_form import CsvForm, form_of, is_comment, units_in, units_of
+from estexp_jax.recordings.readers.stamps import is_stamp, seconds
 from estexp_jax.recordings.table import Selection, Table, check_size, check_width
 
 _ROWS_AT_A_TIME, _FEW_ROWS = 10_000, 3
-_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
 
 @final
@@ -109,45 +108,8 @@ class _Lines:
     def _note_units(self, units: dict[str, str], line: int) -> None:
         if not self.restarts:
             self.units |= units
-            told = ", ".join(f"{name} in {unit}" for name, unit in units.items())
-            self.notes.append(f"row {line} holds units{': ' if told else ''}{told}")
-
-
-@final
-@dataclass(eq=False)
-class _Column:
-    """The values of one column, in pieces, or the first fault in it."""
-
-    name: str
-    pieces: list[np.ndarray] = field(default_factory=list)
-    error: InputError | None = None
-    marks: set[str] = field(default_factory=set)
-
-    def add(self, cells: Sequence[str], lines: Sequence[int], path: Path, decimal_comma: bool) -> None:
-        """Add the cells of some rows."""
-        if self.error is not None:
-            return
-        values, wrong = _parse_numbers(cells, self.marks if decimal_comma else None)
-        if wrong is not None:
-            stamps = parsed_stamps(["" if cell.strip().lower() in ABSENT else cell.strip() for cell in cells])
-            if stamps is None or not all(is_stamp(piece) or np.isnan(piece).all() for piece in self.pieces):
-                self.error = self._fault(cells[wrong], lines[wrong], path)
-                return
-            values = stamps
-        self.pieces.append(values)
-
-    def _fault(self, cell: str, line: int, path: Path) -> InputError:
-        what, right = f"'{cell[:80]}' is not a number", "a number, or an empty cell for no sample"
-        if self.marks >= {",", "."}:
-            what, right = f"'{cell[:80]}' is after a decimal point or comma of the other kind", "one kind in a column"
-        return InputError(what, where=f"{path}, row {line}, column '{self.name}'", right=right)
-
-    def values(self) -> np.ndarray:
-        """All values, of time stamps too."""
-        if any(is_stamp(piece) for piece in self.pieces):
-            none = np.datetime64("NaT", "ns")
-            return np.concatenate([p if is_stamp(p) else np.full(len(p), none) for p in self.pieces])
-        return np.concatenate([np.empty(0), *self.pieces])
+            listed = ", ".join(f"{name} in {unit}" for name, unit in units.items())
+            self.notes.append(f"row {line} holds units{': ' if listed else ''}{listed}")
 
 
 def read_csv(path: Path, selection: Selection) -> Table:
@@ -192,8 +154,8 @@ def _table(lines: _Lines, reader: Any, path: Path) -> Table:
     unusable = {
         name: InputError(f"two columns are called '{name}'", where=where, right="each name once") for name in twice
     }
-    columns = [_Column(name) for name in names]
-    numbers, count, rows = [np.empty(0, dtype=np.int64)], 0, lines.rows(reader)
+    columns = [TextColumn(name) for name in names]
+    row_numbers, count, rows = [np.empty(0, dtype=np.int64)], 0, lines.rows(reader)
     while chunk := list(islice(rows, _ROWS_AT_A_TIME)):
         count += len(chunk)
         check_size(count * len(names), str(path))
@@ -201,7 +163,7 @@ def _table(lines: _Lines, reader: Any, path: Path) -> Table:
         for column, cells in zip(columns, zip(*(cells for _, cells in chunk), strict=True), strict=True):
             if column.name and column.name not in twice:
                 column.add(cells, of_chunk, path, lines.form.separator != ",")
-        numbers.append(np.array(of_chunk, dtype=np.int64))
+        row_numbers.append(np.array(of_chunk, dtype=np.int64))
     unusable |= {column.name: column.error for column in columns if column.error is not None}
     arrays = {c.name: c.values() for c in columns if c.name and c.name not in unusable}
     stamps = frozenset(name for name, values in arrays.items() if is_stamp(values))
@@ -212,40 +174,9 @@ def _table(lines: _Lines, reader: Any, path: Path) -> Table:
         str(path),
         arrays,
         unusable,
-        np.concatenate(numbers),
+        np.concatenate(row_numbers),
         notes=tuple(lines.notes),
         units=units_of(names) | lines.units,
         stamps=stamps,
         restarts=tuple(lines.restarts),
     )
-
-
-def _parse_numbers(cells: Sequence[str], marks: set[str] | None) -> tuple[np.ndarray, int | None]:
-    """The cells as numbers, and the index of the first that is none.
-
-    Args:
-        cells: of one column.
-        marks: which decimal marks the column has had, where the comma may be one; it is added to.
-    """
-    if marks is None:
-        try:
-            return np.array(list(map(float, cells)), dtype=np.float64), None
-        except ValueError:
-            pass
-    values: list[float] = []
-    for index, cell in enumerate(cells):
-        text = cell.strip()
-        if marks is not None:
-            marks |= {mark for mark in ".," if mark in text}
-            text = text.replace(",", ".") if _COMMA.fullmatch(text) and "." not in marks else text
-        small = text.lower()
-        if small in ABSENT or small in SWITCHES:
-            values.append(SWITCHES.get(small, math.nan))
-            continue
-        try:
-            values.append(float(text))
-        except ValueError:
-            return np.array(values), index
-        if marks is not None and marks >= {",", "."}:
-            return np.array(values), index
-    return np.array(values, dtype=np.float64), None

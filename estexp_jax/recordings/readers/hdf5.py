@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.recordings.readers.npz import fields_of, plain_table
+from estexp_jax.recordings.readers.npz import array_columns, plain_table
 from estexp_jax.recordings.table import MOST_COLUMNS, Selection, Table, check_size, check_width
 
 _EPISODE = re.compile(r"(?:demo|episode|traj)_?(\d+)")
@@ -46,7 +46,7 @@ def read_hdf5(path: Path, selection: Selection) -> Table:
                     unusable[name] = InputError(f"is no column of numbers: {why}", where=where)
                 else:
                     check_size(sum(v.size for v in columns.values()) + data.size * max(1, len(data.dtype)), where)
-                    columns |= fields_of(name, _values(data), alone=False)
+                    columns |= array_columns(name, _values(data), alone=False)
                 check_width(len(columns) + len(unusable), str(path))
     except InputError:
         raise

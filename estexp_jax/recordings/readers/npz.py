@@ -42,7 +42,7 @@ def read_npz(path: Path, selection: Selection) -> Table:
                         warnings.simplefilter("ignore")  # NumPy's, of headers in the manner of Python 2
                         whole = _read_column(archive, info, taken, f"{path}, column '{name}'")
                     alone = len(members) == 1
-                    columns |= fields_of(name, whole, alone)
+                    columns |= array_columns(name, whole, alone)
                 except _BROKEN as error:
                     unusable[name] = InputError(f"is no column: {error}", where=f"{path}, column '{name}'")
     except _BROKEN:
@@ -50,13 +50,13 @@ def read_npz(path: Path, selection: Selection) -> Table:
     return plain_table(columns, unusable, str(path))
 
 
-def fields_of(name: str, values: np.ndarray, alone: bool) -> dict[str, np.ndarray]:
+def array_columns(name: str, values: np.ndarray, alone: bool) -> dict[str, np.ndarray]:
     """The columns of an array: itself, or of a structured one `array.field`, or `field` if it is alone."""
     if values.dtype.names is None:
         return {name: values}
     found: dict[str, np.ndarray] = {}
     for field in values.dtype.names:
-        found |= fields_of(field if alone else f"{name}.{field}", values[field], False)
+        found |= array_columns(field if alone else f"{name}.{field}", values[field], False)
     return found
 
 

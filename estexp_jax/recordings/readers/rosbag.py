@@ -20,7 +20,7 @@ _MOST_BYTES = 2**24
 
 
 def is_bag_folder(path: Path) -> bool:
-    """Whether a folder is a bag of rosbag2, also of one whose recorder died before it wrote the description.
+    """Whether a folder is a bag of rosbag2, also of one whose recorder died before it wrote the metadata.
 
     Its files are then known by the folder's name: other logs in one folder are several recordings.
     """
@@ -99,10 +99,10 @@ def _files(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:
 
 def _in_order(folder: Path, files: list[Path]) -> list[Path]:
     """The files that the bag's description names, in its order; all where it names none."""
-    description = folder / _METADATA
-    if not description.is_file() or description.stat().st_size > _MOST_BYTES:
+    metadata = folder / _METADATA
+    if not metadata.is_file() or metadata.stat().st_size > _MOST_BYTES:
         return files
-    text = description.read_text(encoding="utf-8", errors="replace")
+    text = metadata.read_text(encoding="utf-8", errors="replace")
     named = [
         Path(name.strip("'\"")).name for name in re.findall(r"^\s*-\s+(\S+\.mcap(?:\.zstd)?['\"]?)\s*$", text, re.M)
     ]

@@ -49,7 +49,7 @@ def _stamp(text: str) -> np.datetime64:
         raise ValueError("no date with a time")
     whole, dot, rest = text.replace(",", ".").partition(".")
     digits = rest[: len(rest) - len(rest.lstrip("0123456789"))] if dot else ""
-    moment = datetime.fromisoformat(whole + rest[len(digits) :])
-    if moment.tzinfo is not None:
-        moment = moment.astimezone(UTC).replace(tzinfo=None)
-    return np.datetime64(moment, "ns") + np.timedelta64(int(digits[:9].ljust(9, "0") or 0), "ns")
+    instant = datetime.fromisoformat(whole + rest[len(digits) :])
+    if instant.tzinfo is not None:
+        instant = instant.astimezone(UTC).replace(tzinfo=None)
+    return np.datetime64(instant, "ns") + np.timedelta64(int(digits[:9].ljust(9, "0") or 0), "ns")

@@ -102,7 +102,7 @@ def _sensors(robot: Robot, kind: mujoco.mjtSensor) -> dict[str, str]:
     return {robot.names("sensor")[i]: robot.names("joint")[robot.model.sensor_objid[i]] for i in found}
 
 
-def _commanded(robot: Robot) -> dict[str, Quantity]:
+def _command_quantities(robot: Robot) -> dict[str, Quantity]:
     """What each actuator is commanded: the position or velocity of a servo, else an effort."""
     model, found = robot.model, {}
     for index, name in enumerate(robot.names("actuator")):
@@ -114,7 +114,7 @@ def _commanded(robot: Robot) -> dict[str, Quantity]:
 
 def _groups(robot: Robot, free: Sequence[NamedColumn]) -> dict[str, _Group]:
     """Elements and the columns that may be theirs, by kind and quantity; a later one takes what an earlier left."""
-    joints, wanted = _actuators(robot), _commanded(robot)
+    joints, wanted = _actuators(robot), _command_quantities(robot)
     commands = [column for column in free if column.is_command]
     groups: dict[str, _Group] = {}
     for quantity in dict.fromkeys(wanted.values()):
@@ -139,11 +139,11 @@ def _by_name(group: _Group, known: Mapping[tuple[str, ...], str]) -> dict[str, G
     bearing = [(column, *owner) for column in group.columns if (owner := owner_of(column, known)) is not None]
     if not bearing:
         return None
-    numbers = are_numbers([column.owner[-length:] for column, _, length in bearing])
-    if numbers:
+    by_number = are_numbers([column.owner[-length:] for column, _, length in bearing])
+    if by_number:
         # The first is 0 in one place and 1 in another: numbers are names only where they are the same ones.
         of_log = {c.owner[-1:] for c in group.columns if c.owner}
-        if of_log != {spelled for joint in group.joints.values() for spelled in _numbers(joint, known)}:
+        if of_log != {spelled for joint in group.joints.values() for spelled in _number_words(joint, known)}:
             return None
     found: dict[str, Guess] = {}
     for ours, joint in group.joints.items():
@@ -156,11 +156,11 @@ def _by_name(group: _Group, known: Mapping[tuple[str, ...], str]) -> dict[str, G
             found[ours] = Guess(None, f"which of these? {', '.join(column.name for column in columns[:8])}")
             continue
         rest = set(columns[0].owner[: -best[0]]) - _shared([column for column, _, _ in bearing])
-        found[ours] = Guess(columns[0], _BY_NUMBER if numbers else _BY_END if rest else _BY_NAME)
+        found[ours] = Guess(columns[0], _BY_NUMBER if by_number else _BY_END if rest else _BY_NAME)
     return found
 
 
-def _numbers(joint: str, known: Mapping[tuple[str, ...], str]) -> list[tuple[str, ...]]:
+def _number_words(joint: str, known: Mapping[tuple[str, ...], str]) -> list[tuple[str, ...]]:
     """The number by which a joint is known, if it is."""
     return [spelled for spelled, owner in known.items() if owner == joint and are_numbers([spelled])][:1]
 
@@ -168,9 +168,9 @@ def _numbers(joint: str, known: Mapping[tuple[str, ...], str]) -> list[tuple[str
 def _in_order(group: _Group, known: Mapping[tuple[str, ...], str]) -> list[tuple[str, NamedColumn]]:
     """Our columns with the log's: numbered ones in the order of their numbers, others as they stand."""
     ours, columns = list(group.joints), list(group.columns)
-    numbers = {name: number[0][0] for name, joint in group.joints.items() if (number := _numbers(joint, known))}
-    if len(numbers) == len(ours) and are_numbers([column.owner[-1:] for column in columns]):
-        ours.sort(key=lambda name: int(numbers[name]))
+    by_number = {name: number[0][0] for name, joint in group.joints.items() if (number := _number_words(joint, known))}
+    if len(by_number) == len(ours) and are_numbers([column.owner[-1:] for column in columns]):
+        ours.sort(key=lambda name: int(by_number[name]))
         columns.sort(key=lambda column: int(column.owner[-1]))
     return list(zip(ours, columns, strict=True))
 

@@ -16,11 +16,12 @@ COMMAND = frozenset(
 """Words of a command. They count more than others: `goal_position` is one."""
 SWITCH = frozenset({"enable", "enabled"})
 """Words of a motor's switch."""
-_QUANTITIES: Mapping[str, Quantity] = {
-    **dict.fromkeys("position positions pos angle angles q qpos encoder theta".split(), "position"),
-    **dict.fromkeys("velocity velocities vel speed speeds qd dq qvel omega".split(), "velocity"),
-    **dict.fromkeys("effort efforts torque torques tau force".split(), "effort"),
+_QUANTITY_WORDS: Mapping[Quantity, str] = {
+    "position": "position positions pos angle angles q qpos encoder theta",
+    "velocity": "velocity velocities vel speed speeds qd dq qvel omega",
+    "effort": "effort efforts torque torques tau force",
 }
+_QUANTITIES = {word: quantity for quantity, text in _QUANTITY_WORDS.items() for word in text.split()}
 _UNITS = {
     **dict.fromkeys(("deg", "degree", "degrees"), "deg"),
     **dict.fromkeys(("rpm", "mm", "ms", "us", "ns", "rad", "s", "sec", "secs", "seconds"), ""),

@@ -15,7 +15,7 @@ def _same(message):
     return message
 
 
-def _merged(messages, wanted=WANTED, **selection):
+def _merged(messages, wanted: frozenset[str] | None = WANTED, **selection):
     """The table of (topic, log time in ns, message), each published 5 ns before."""
     merger, notes = TopicMerger("a.log", Selection(wanted=wanted, **selection)), []
     for topic, time, message in messages:

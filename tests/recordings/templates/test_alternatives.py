@@ -8,7 +8,7 @@ import pytest
 
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.recordings.templates.doubts import doubts
+from estexp_jax.recordings.templates.alternatives import better_mappings
 
 ARM = """
 <mujoco><option timestep="0.002" integrator="implicitfast"/><default><geom contype="0" conaffinity="0"/></default>
@@ -56,7 +56,7 @@ def test_what_fits_far_better_is_told(motor, change, told):
     for name, how in change.items():
         values = getattr(recording, name)
         recording = replace(recording, **{name: values[:, how] if isinstance(how, list) else values * (1.0, how)})
-    found = doubts(_arm(motor), recording)
+    found = better_mappings(_arm(motor), recording)
     if motor == "position" or not told:  # torques of some tenths of a second tell less than servos
         assert len(found) == len(told)
     for sentence, either in zip(found, told, strict=False):
@@ -66,4 +66,4 @@ def test_what_fits_far_better_is_told(motor, change, told):
 def test_what_cannot_be_replayed_is_not_doubted():
     recording = _recording("position")
     silent = replace(recording, sensor=np.where([[True, False]], np.nan, recording.sensor))
-    assert doubts(_arm("position"), silent) == []
+    assert better_mappings(_arm("position"), silent) == []

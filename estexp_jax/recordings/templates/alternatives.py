@@ -36,17 +36,17 @@ class _Mapping:
         commands: for each command the index of the command that it is.
         reading_scales: factors on the joints' readings.
         command_scales: factors on the commands.
-        told: what differs from the mapping as it is.
+        difference: what differs from the mapping as it is.
     """
 
     readings: tuple[int, ...]
     commands: tuple[int, ...]
     reading_scales: tuple[float, ...]
     command_scales: tuple[float, ...]
-    told: str = ""
+    difference: str = ""
 
 
-def doubts(robot: Robot, recording: Recording) -> list[str]:
+def better_mappings(robot: Robot, recording: Recording) -> list[str]:
     """What of a mapping the nominal model contradicts, as sentences; none where it cannot be tested.
 
     Args:
@@ -75,8 +75,9 @@ def doubts(robot: Robot, recording: Recording) -> list[str]:
         least, other = min(others, key=_first, default=(math.inf, best))
         if not (least < _FAR_BETTER * error and error > _NOT_EXACT):
             break
-        found.append(f"the nominal model predicts the log {error / least:.2g} times better {other.told}: check this")
-        best, error = replace(other, told=""), least
+        better = f"the nominal model predicts the log {error / least:.2g} times better"
+        found.append(f"{better} {other.difference}: check this")
+        best, error = replace(other, difference=""), least
     return found
 
 
@@ -119,20 +120,20 @@ def _others(
 ) -> Iterator[_Mapping]:
     """The mappings that differ from one by an exchange of two columns, a sign, or a unit of those that may have it."""
     for i, j in combinations(range(len(readings)), 2):
-        told = f"with {readings[i]} and {readings[j]} exchanged"
-        yield replace(now, readings=_exchanged(now.readings, i, j), told=told)
+        difference = f"with {readings[i]} and {readings[j]} exchanged"
+        yield replace(now, readings=_exchanged(now.readings, i, j), difference=difference)
     for i, j in combinations(range(len(commands)), 2):
-        told = f"with {commands[i]} and {commands[j]} exchanged"
-        yield replace(now, commands=_exchanged(now.commands, i, j), told=told)
+        difference = f"with {commands[i]} and {commands[j]} exchanged"
+        yield replace(now, commands=_exchanged(now.commands, i, j), difference=difference)
     for factor, how in ((-1.0, "scale = -1.0"), (_DEGREE, 'unit = "deg"')):
         for i, name in enumerate(readings):
             if factor < 0.0 or name in in_degrees:
                 scales = _scaled(now.reading_scales, i, factor)
-                yield replace(now, reading_scales=scales, told=f"with {how} for {name}")
+                yield replace(now, reading_scales=scales, difference=f"with {how} for {name}")
         for i, name in enumerate(commands):
             if factor < 0.0 or name in in_degrees:
                 scales = _scaled(now.command_scales, i, factor)
-                yield replace(now, command_scales=scales, told=f"with {how} for {name}")
+                yield replace(now, command_scales=scales, difference=f"with {how} for {name}")
 
 
 def _exchanged(order: tuple[int, ...], i: int, j: int) -> tuple[int, ...]:
