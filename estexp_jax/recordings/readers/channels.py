@@ -151,7 +151,9 @@ class Channel:
         """
         for rest in list(self.missing):
             steps = path_in(message, rest)
-            if steps is not None:
+            if steps == () and (number := message_number(message)) is not None:  # the message itself is one
+                yield rest, number
+            elif steps:
                 del self.missing[rest]
                 self.groups.setdefault(steps[:-1], _Group(steps[:-1])).add(rest, steps[-1])
         for group in self.groups.values():

@@ -60,18 +60,28 @@ def form_of(path: Path) -> CsvForm:
     first, rows = table[0], [lines[k] for k in table]
     where = f"{path}, row {first + 1}"
     separator = "\t" if path.suffix.lower() == ".tsv" else _separator(rows)
-    names = _cells(lines[first], separator)
+    names, height = _header(lines[first:], separator)
     if not any(names):
         raise InputError("has no header", where=where, right="the first line names the columns")
     if not all(_is_value(name) for name in names):
-        return CsvForm(separator, names, first + 1, first + 1)
+        return CsvForm(separator, names, first + height, first + 1)
     comment = max((k for k in range(first) if lines[k].strip()), default=None)
     if comment is not None:  # as numpy.savetxt writes it
         named = _cells(re.sub(r"^\s*(#+|%+|//)", "", lines[comment]), separator)
         if len(named) == len(names) and not any(_is_value(name) for name in named):
             return CsvForm(separator, named, first, comment + 1)
     right = "the first line names the columns"
-    raise InputError(f"has no header: the first line holds '{lines[first][:80]}'", where=where, right=right)
+    raise InputError(f"has no header: the first line holds '{lines[first].strip()[:80]}'", where=where, right=right)
+
+
+def _header(lines: Sequence[str], separator: str) -> tuple[tuple[str, ...], int]:
+    """The cells of the first row, and how many lines it takes: a quoted name may hold line breaks."""
+    reader = csv.reader(lines, delimiter=separator)
+    try:
+        cells = next(reader, [])
+    except csv.Error:
+        return _cells(lines[0], separator), 1
+    return tuple(cell.strip() for cell in cells), reader.line_num
 
 
 def _head(path: Path) -> tuple[list[str], list[int]]:
@@ -81,7 +91,7 @@ def _head(path: Path) -> tuple[list[str], list[int]]:
         while len(table) < _MOST_LINES and (line := stream.readline(_LONGEST)):
             if line.strip() and not is_comment(line):
                 table.append(len(lines))
-            lines.append(line.rstrip("\r\n"))
+            lines.append(line)
             if len(lines) > 100 * _MOST_LINES and not table:
                 break
     return lines, table
@@ -135,6 +145,6 @@ def _separator(lines: Sequence[str]) -> str:
 
 def _cells(line: str, separator: str) -> tuple[str, ...]:
     try:
-        return tuple(cell.strip() for cell in next(csv.reader([line], delimiter=separator), []))
+        return tuple(cell.strip() for cell in next(csv.reader([line.rstrip("\r\n")], delimiter=separator), []))
     except csv.Error:
-        return (line,)
+        return (line.strip(),)

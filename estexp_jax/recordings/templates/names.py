@@ -95,7 +95,8 @@ class NamedColumn:
     @property
     def quantity(self) -> Quantity:
         """What it is a value of: the last word that says so; empty where none does."""
-        return next((_QUANTITIES[word] for word in reversed(self.words) if word in _QUANTITIES), "")
+        spoken: list[Quantity] = [_QUANTITIES[word] for word in self.words if word in _QUANTITIES]
+        return spoken[-1] if spoken else ""
 
     @property
     def unit(self) -> str:

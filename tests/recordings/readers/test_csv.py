@@ -73,6 +73,11 @@ def test_forms_of_text_logs(tmp_path, text):
         np.testing.assert_allclose(table.column(name), values, atol=1e-12)
 
 
+def test_a_quoted_name_may_hold_line_breaks(tmp_path):
+    table = read_table(_write(tmp_path / "a.csv", 'time,"left\narm"\n0,1\n1,2\n'))
+    assert table.names == ("time", "left\narm") and table.column("time").tolist() == [0.0, 1.0]
+
+
 def test_tab_separated_files_may_say_so_by_their_name(tmp_path):
     np.testing.assert_array_equal(read_table(_write(tmp_path / "a.tsv", "time\n0\n1\n")).column("time"), [0, 1])
 

@@ -91,3 +91,7 @@ def test_a_message_without_the_joint_is_no_sample():
     both = [({"name": ["elbow"], "q": [1.0]}), ({"name": ["finger", "thumb"], "q": [9.0, 7.0]})]
     table = _merged([("/s", k, both[k % 2]) for k in range(6)], frozenset({"/s.q[elbow]"}))
     assert table.column("/s.q[elbow]").tolist() == [1.0, 1.0, 1.0]
+
+
+def test_a_message_may_be_a_number_itself():
+    assert _merged([("/x", 1, 2.5), ("/x", 2, False), ("/x", 3, "text")], None).column("/x").tolist() == [2.5, 0.0]
