@@ -21,7 +21,9 @@ _QUANTITY_WORDS: Mapping[Quantity, str] = {
     "velocity": "velocity velocities vel speed speeds qd dq qvel omega",
     "effort": "effort efforts torque torques tau force",
 }
-_QUANTITIES = {word: quantity for quantity, text in _QUANTITY_WORDS.items() for word in text.split()}
+_QUANTITIES: dict[str, Quantity] = {
+    word: quantity for quantity, text in _QUANTITY_WORDS.items() for word in text.split()
+}
 _UNITS = {
     **dict.fromkeys(("deg", "degree", "degrees"), "deg"),
     **dict.fromkeys(("rpm", "mm", "ms", "us", "ns", "rad", "s", "sec", "secs", "seconds"), ""),
