@@ -51,17 +51,11 @@ def mass_and_bias(
     layout: Layout, params: ModelParameters, inertias: Inertias, moving: BodyMotion
 ) -> tuple[Entries, list[Scalar]]:
     """The mass matrix, armature included, and the force that zero accelerations need."""
-    composite = [_single(group, inertias, moving) for group in layout.groups]
     matrix: Entries = {}
     bias: list[Scalar] = [0] * len(layout.dofs)
+    composite = composites(layout, inertias, moving)
     for group in reversed(layout.groups):
         whole = composite[group.index]
-        for child in layout.children[group.index]:
-            whole = [
-                add(a, sum_over_children(b, child.k, group.k))
-                for a, b in zip(whole, composite[child.index], strict=True)
-            ]
-        composite[group.index] = whole
         mass, first, second, force, torque = whole[0], whole[1:4], whole[4:10], whole[10:13], whole[13:16]
         for joint in group.joints:
             for i in joint.dofs:
@@ -74,6 +68,20 @@ def mass_and_bias(
                 matrix[i, i] = add(matrix[i, i], params.get("dof_armature", layout.dofs[i].addresses))
                 bias[i] = add(dot(linear, force), dot(angular, torque))
     return matrix, bias
+
+
+def composites(layout: Layout, inertias: Inertias, moving: BodyMotion) -> list[list[Scalar]]:
+    """Of each group, its bodies with all that hangs from them: 16 scalars as `_single` has them of one body."""
+    composite = [_single(group, inertias, moving) for group in layout.groups]
+    for group in reversed(layout.groups):
+        whole = composite[group.index]
+        for child in layout.children[group.index]:
+            whole = [
+                add(a, sum_over_children(b, child.k, group.k))
+                for a, b in zip(whole, composite[child.index], strict=True)
+            ]
+        composite[group.index] = whole
+    return composite
 
 
 def _single(group: Group, inertias: Inertias, moving: BodyMotion) -> list[Scalar]:

@@ -126,14 +126,29 @@ MUTE_XML = """
 </mujoco>
 """
 
-MUTE = "mute"
+# A pedestal that the model welds to the world, with an arm on it.
+BOLTED_XML = """
+<mujoco model="bolted">
+  <worldbody>
+    <body name="pedestal" pos="0 0 0.5"><geom type="box" size="0.1 0.1 0.5" mass="20"/>
+      <body name="arm" pos="0 0 0.6"><joint name="pitch" axis="0 1 0" damping="0.1"/>
+        <geom type="capsule" size="0.03" fromto="0 0 0 0.4 0 0" mass="1"/></body>
+    </body>
+  </worldbody>
+  <actuator><motor name="drive" joint="pitch"/></actuator>
+  <sensor><jointpos name="angle" joint="pitch"/></sensor>
+</mujoco>
+"""
+
+MUTE, BOLTED = "mute", "bolted"
 ROBOTS = ("quadruped", "pendulum", "cartpole", "nameless")
 
 
 @cache
 def robot(name: str) -> Robot:
-    """One of `ROBOTS`, `mute` or `slider`, compiled once."""
+    """One of `ROBOTS`, `mute`, `bolted` or `slider`, compiled once."""
     if name == "quadruped":
         return Robot.from_xml(model_path("quadruped"))
-    texts = {"pendulum": PENDULUM, "cartpole": CARTPOLE, "nameless": NAMELESS, "slider": SLIDER, MUTE: MUTE_XML}
+    texts = {"pendulum": PENDULUM, "cartpole": CARTPOLE, "nameless": NAMELESS, "slider": SLIDER}
+    texts |= {MUTE: MUTE_XML, BOLTED: BOLTED_XML}
     return Robot.from_string(texts[name], f"{name}.xml")

@@ -6,7 +6,7 @@ Every subclass is written for one robot; populations are batches of values, mapp
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import jax
@@ -15,6 +15,8 @@ import numpy as np
 from mujoco import mjx
 
 from estexp_jax.physics.effects.effect import NEVER, Array, Arrays, Effect, Parameter, neutral_values
+from estexp_jax.physics.effects.elements import elements_of, site_rows
+from estexp_jax.physics.effects.mounts import STILL, MountState
 from estexp_jax.physics.model.robot import Robot
 
 __all__ = [
@@ -54,6 +56,23 @@ class Edit(Effect):
     stales_inertia: ClassVar[bool] = False
 
 
+def _nothing() -> Array:
+    return 0.0
+
+
+def _still() -> MountState:
+    return STILL
+
+
+class DisplayedState(NamedTuple):
+    """A hidden variable of a term at one of its elements that a sensor shows: times `factor`, beside its own."""
+
+    column: int  #: of `sensordata`
+    state: int
+    element: int
+    factor: float
+
+
 class JointState(NamedTuple):
     """What a term sees of its sites' joints at the beginning of a physics step.
 
@@ -73,6 +92,9 @@ class JointState(NamedTuple):
     torque_of: Callable[[Array], Array]  #: 1 + index of a joint -> motor torque at that joint; 0 for no joint
     motion_of: Callable[[Array], tuple[Array, Array]]  #: 1 + index of a joint -> its (q, w); zeros for no joint
     asked: Callable[[], tuple[Array, Array]]  #: -> torque that the motor's command asks for in all, and beyond rest
+    load: Callable[[], Array] = _nothing  #: -> sum of |torque| of all motors that drive a joint, each taken alone
+    gravity: Callable[[], Array] = _nothing  #: -> torque that gravity puts on the joint, N m or N
+    mount: Callable[[], MountState] = _still  #: -> the body at the term's site, which carries the joint
 
 
 class JointForce(NamedTuple):
@@ -87,12 +109,12 @@ class JointForce(NamedTuple):
 
 
 class Term(Effect):
-    """Acts during each step, elementwise over its sites.
+    """Acts during each step, elementwise over joints or motors: its sites, or all that a site stands for.
 
-    A law is written once for arrays of any one shape: (n_sites,) for one robot on MJX, (n_sites, robots) in an engine
-    that keeps the batch last. So it may use arithmetic and `jnp.where`, but no indices and no sums; engines gather what
-    it sees and scatter what it gives. Friction and damping enter where MuJoCo integrates them implicitly: as explicit
-    forces they would chatter, and differ from the native laws by milliradians at common step sizes.
+    A law is written once for arrays of any one shape: (n_elements,) for one robot on MJX, (n_elements, robots) in an
+    engine that keeps the batch last. So it may use arithmetic and `jnp.where`, but no indices and no sums; engines
+    gather what it sees and scatter what it gives. Friction and damping enter where MuJoCo integrates them implicitly:
+    as explicit forces they would chatter, and differ from the native laws by milliradians at common step sizes.
     """
 
     #: Hidden variables of its own at each site.
@@ -117,10 +139,28 @@ class Term(Effect):
         """The hidden variables of a robot that has been at a position for long."""
         return (jnp.zeros_like(q),) * self.n_states
 
+    def motors(self, robot: Robot) -> np.ndarray | None:
+        """Index of the actuator at each element, (n_elements,); None where its elements are joints."""
+        if self.kind in ("joint", "body"):
+            return None
+        return np.array([robot.index("actuator", name) for name in elements_of(self, robot)], dtype=int)
+
+    def bodies(self, robot: Robot) -> np.ndarray:
+        """Index of the body at whose site each element is, (n_elements,), of a term of bodies."""
+        index = np.array([robot.index("body", site) for site in self.sites(robot)], dtype=int)
+        return index[site_rows(self, robot)]
+
+    def displayed(self, robot: Robot) -> Sequence[DisplayedState]:
+        """What sensors show of hidden variables, beside `motor_torque_state`."""
+        return ()
+
     def dofs(self, robot: Robot) -> np.ndarray:
-        """Velocity address of the joint at each site, (n_sites,): the joint itself, or the one an actuator drives."""
-        index = [robot.index(self.kind, site) for site in self.sites(robot)]
-        joints = [robot.joint_of_actuator(i) for i in index] if self.kind == "actuator" else index
+        """Velocity address of the joint at each element, (n_elements,): itself, or the one that an actuator drives."""
+        motors = self.motors(robot)
+        if motors is None:
+            joints = [robot.index("joint", name) for name in elements_of(self, robot)]
+        else:
+            joints = [robot.joint_of_actuator(int(a)) for a in motors]
         return robot.model.jnt_dofadr[np.array(joints, dtype=int)]
 
 
@@ -157,8 +197,8 @@ class CommandLaw(Effect):
         return (command,) * self.n_states
 
     def actuators(self, robot: Robot) -> np.ndarray:
-        """Index of the actuator at each site, (n_sites,)."""
-        return np.array([robot.index("actuator", site) for site in self.sites(robot)], dtype=int)
+        """Index of the actuator at each element, (n_elements,)."""
+        return np.array([robot.index("actuator", name) for name in elements_of(self, robot)], dtype=int)
 
 
 class CommandShift(Effect):

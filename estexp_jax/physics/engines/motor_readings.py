@@ -1,4 +1,4 @@
-"""Readings of a motor's sensors where it turns a rotor behind a spring or a gap instead of its joint.
+"""Readings that show hidden variables: of a motor's sensors where it turns a rotor instead of its joint, and others.
 
 The joint gets what the rotor passes on, so the engine's own motor stands still; its torque is a hidden variable.
 """
@@ -16,21 +16,24 @@ from estexp_jax.physics.model.robot import Robot
 
 
 class MotorReading(NamedTuple):
-    """A hidden variable at one site, to be added to one value of `sensordata`."""
+    """A hidden variable at one element, to be added to one value of `sensordata`."""
 
     column: int
     effect: str
     state: int
-    row: int  # of the site
+    row: int  # of the element
     factor: float
 
 
 def motor_readings(robot: Robot, catalogue: Catalogue) -> list[MotorReading]:
-    """All that sensors of motors' forces show of a catalogue's rotors."""
+    """All that sensors show of a catalogue's hidden variables, those of motors' forces of its rotors."""
     model, found = robot.model, []
     on_joint = {a: robot.joint_of_actuator(a) for a in driven_actuators(robot)}
     for e in catalogue:
-        if not isinstance(e, Term) or e.motor_torque_state is None:
+        if not isinstance(e, Term):
+            continue
+        found += [MotorReading(s.column, e.name, s.state, s.element, s.factor) for s in e.displayed(robot)]
+        if e.motor_torque_state is None:
             continue
         for row, dof in enumerate(e.dofs(robot)):
             joint = int(model.dof_jntid[dof])

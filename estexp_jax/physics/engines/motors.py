@@ -37,6 +37,13 @@ def motor_torques(robot: Robot, model: mjx.Model, qpos: jax.Array, qvel: jax.Arr
     return _limited(robot.model.jnt_actfrclimited[joint], model.jnt_actfrcrange[joint], torque)
 
 
+def motor_load(robot: Robot, model: mjx.Model, qpos: jax.Array, qvel: jax.Array, ctrl: jax.Array) -> jax.Array:
+    """Sum of |torque| of all motors that drive a joint, each taken alone, N m or N; commands within their ranges."""
+    driven, dofs = np.array(driven_actuators(robot), dtype=int), actuator_dofs(robot)
+    position = qpos[robot.model.jnt_qposadr[robot.model.dof_jntid[dofs]]]
+    return jnp.abs(motor_torque(model, driven, position, qvel[dofs], ctrl[driven])).sum()
+
+
 def motor_torque(model: mjx.Model, a: np.ndarray, q: jax.Array, w: jax.Array, command: jax.Array) -> jax.Array:
     """Torque of motors `a`, each at its own joint's position and speed, under its own command; arrays of any one shape.
 

@@ -70,6 +70,19 @@ def joint_inertia(robot: Robot, joint: int) -> float:
     return float(full[dof, dof])
 
 
+def carried_inertia(robot: Robot, body: int) -> float:
+    """Largest inertia of a body and all that hangs from it about the origin of its frame, at home, kg m2."""
+    model, data = robot.model, mujoco.MjData(robot.model)
+    data.qpos[:] = robot.home()
+    mujoco.mj_kinematics(model, data)
+    total = np.zeros((3, 3))
+    for b in robot.subtree(body):
+        axes, arm = data.ximat[b].reshape(3, 3), data.xipos[b] - data.xpos[body]
+        total += axes @ np.diag(model.body_inertia[b]) @ axes.T
+        total += model.body_mass[b] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return float(np.linalg.eigvalsh(total)[-1])
+
+
 def gravity_torque(robot: Robot, joint: int) -> float:
     """Largest torque gravity puts on a joint over a turn of it (or on a slide along gravity), N m (or N)."""
     model, data = robot.model, mujoco.MjData(robot.model)

@@ -8,12 +8,15 @@ import numpy as np
 
 from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Term
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.c.acting_motors import Chunk
 from estexp_jax.physics.engines.c.body_forces import ActingBodyForce
+from estexp_jax.physics.engines.c.carried_momenta import CarriedMomenta
 from estexp_jax.physics.engines.c.command_laws import ActingCommandLaw
-from estexp_jax.physics.engines.c.instances import instances_of
+from estexp_jax.physics.engines.c.instances import at_work, instances_of
 from estexp_jax.physics.engines.c.lane_models import LaneModels
+from estexp_jax.physics.engines.c.laws import feels_gravity
 from estexp_jax.physics.engines.c.step_table import StepTable
 from estexp_jax.physics.engines.c.terms import ActingTerm
 from estexp_jax.physics.model.robot import Robot
@@ -32,14 +35,18 @@ class ActingEffects:
 
     def __init__(self, robot: Robot, catalogue: Catalogue, models: LaneModels, values: Values) -> None:
         """With edited models, and values (lanes, n_sites, n_parameters) of each effect."""
-        self._chunk = Chunk(robot, models, StepTable(robot.model, models.lanes))
+        asks = [e for e in catalogue if isinstance(e, Term) and (feels_gravity(e) or e.kind == "body")]
+        works = any(at_work(e, np.asarray(values[e.name])).any() for e in asks)
+        carried = CarriedMomenta(models) if works else None
+        self._chunk = Chunk(robot, models, StepTable(robot.model, models.lanes), carried)
         self.laws: list[ActingCommandLaw] = []
         self.terms: list[ActingTerm] = []
         self.body_forces: list[ActingBodyForce] = []
         for e in catalogue:
-            there = (
-                instances_of(e, np.asarray(values[e.name])) if isinstance(e, CommandLaw | Term | BodyForce) else None
-            )
+            if not isinstance(e, CommandLaw | Term | BodyForce):
+                continue
+            own = np.asarray(values[e.name])
+            there = instances_of(e, own if isinstance(e, BodyForce) else element_values(e, robot, own))
             if there is None:
                 continue
             if isinstance(e, CommandLaw):
@@ -69,8 +76,11 @@ class ActingEffects:
         table["qpos"][:], table["qvel"][:], table["ctrl"][:], table["dt"][:, 0] = qpos, qvel, ctrl, dt
         table["on"][:] = self.switches(enable)
         table["share"][:], table["rotor_inertia"][:] = 1.0, self._armature
-        for part in ("force", "damping", "friction"):
+        for part in ("force", "damping", "friction", "gravity"):
             table[part][:] = 0.0
+        if (carried := self._chunk.carried) is not None:
+            carried.update(qpos)
+            table["gravity"][:] = carried.gravity_torques()
         return table
 
     def switches(self, enable: np.ndarray) -> np.ndarray:

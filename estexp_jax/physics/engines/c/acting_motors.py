@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.c.carried_momenta import CarriedMomenta
 from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.engines.c.law_inputs import MotorFields, RobotFields
 from estexp_jax.physics.engines.c.step_table import StepTable
@@ -19,6 +20,7 @@ class Chunk(NamedTuple):
     robot: Robot
     models: LaneModels
     table: StepTable
+    carried: CarriedMomenta | None
 
 
 def motor_fields(models: LaneModels, lane: np.ndarray, motors: np.ndarray) -> MotorFields:

@@ -13,7 +13,7 @@ class Instances(NamedTuple):
     """Sites and lanes where one effect is at work.
 
     Attributes:
-        site: (n,) index of the site.
+        site: (n,) index of the site, or of the element on which it acts.
         lane: (n,).
         p: the parameters, an array (n,) each.
     """
@@ -24,7 +24,7 @@ class Instances(NamedTuple):
 
 
 def instances_of(effect: Effect, values: np.ndarray) -> Instances | None:
-    """Where an effect is at work, from its values (lanes, n_sites, n_parameters); None where it is nowhere."""
+    """Where an effect is at work, from its values (lanes, n_sites, n_parameters), or at elements; None: nowhere."""
     lane, site = np.nonzero(at_work(effect, values))
     if not lane.size:
         return None

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, JointState
+from estexp_jax.physics.effects.mounts import STILL, MountState
 from estexp_jax.physics.engines.motors import asked_torques, limited_commands, motor_torque
+
+OWN_ROWS = ("qpos", "qvel", "dt", "rotor_inertia", "gravity")
+"""Parts of a step's table that a term sees of its own joint, in the order of its first rows."""
 
 
 class MotorFields(NamedTuple):
@@ -75,17 +80,22 @@ class TermInputs(NamedTuple):
     w: Any
     dt: Any
     armature: Any
+    gravity: Any
     on: Any
     motors: MotorState
+    mount: MountState
     state: Arrays
 
     @classmethod
-    def of_rows(cls, x: Any, motors: int, there: Any) -> TermInputs:
-        """From rows (rows, n): q, w, dt, armature; commands, switches and shares of the motors; hidden variables."""
-        ctrl, on, share = (x[4 + i * motors : 4 + (i + 1) * motors] for i in range(3))
+    def of_rows(cls, x: Any, motors: int, there: Any, mounts: int) -> TermInputs:
+        """From rows (rows, n): `OWN_ROWS`; of the motors commands, switches, shares; of a mount; hidden variables."""
+        own, n = x[: len(OWN_ROWS)], len(OWN_ROWS)
+        ctrl, on, share = (x[n + i * motors : n + (i + 1) * motors] for i in range(3))
         switched = jnp.max(on * there, axis=0) if motors else jnp.zeros_like(x[0])
-        state = tuple(x[4 + 3 * motors :])
-        return cls(x[0], x[1], x[2], x[3], switched, MotorState(ctrl, on * share), state)
+        rest = tuple(x[n + 3 * motors :])
+        q, w, dt, armature, gravity = own
+        mount = mount_of_rows(rest[:mounts]) if mounts else STILL
+        return cls(q, w, dt, armature, gravity, switched, MotorState(ctrl, on * share), mount, rest[mounts:])
 
 
 class RobotInputs(NamedTuple):
@@ -100,6 +110,17 @@ class RobotInputs(NamedTuple):
         """From rows (rows, n): q and w of the joints; commands, switches and shares of the motors."""
         ctrl, on, share = (x[2 * joints + i * motors : 2 * joints + (i + 1) * motors] for i in range(3))
         return cls(x[:joints], x[joints : 2 * joints], MotorState(ctrl, on * share))
+
+
+MOUNT_ROWS = 21
+"""Numbers of a mount."""
+
+
+def mount_of_rows(x: Sequence[Any]) -> MountState:
+    """A mount of its numbers, one after the other."""
+    coupling, arm, momentum, first, gravity = ((x[a], x[a + 1], x[a + 2]) for a in (0, 3, 6, 15, 18))
+    xx, yy, zz, xy, xz, yz = x[9:15]
+    return MountState(coupling, arm, momentum, (xx, yy, zz, xy, xz, yz), first, gravity)
 
 
 @jax.jit  # traced once, although terms ask many times
@@ -142,6 +163,12 @@ def joint_state(site: SiteFields, now: TermInputs, robot: RobotFields | None, mo
         torque: Any = _clipped(robot.limited, robot.limits, robot.drives @ each)
         return _picked(jnp.round(number) == robot.joint[:, None], torque)
 
+    def load() -> Any:
+        assert robot is not None and moving is not None
+        q, w = (robot.drives.T @ x for x in (moving.q, moving.w))
+        each: Any = jnp.abs(_torque(robot.motors, moving.motors, q, w))
+        return jnp.sum(each, axis=0)
+
     def motion_of(number: Any) -> tuple[Any, Any]:
         assert robot is not None and moving is not None
         mine = jnp.round(number) == robot.joint[:, None]
@@ -160,4 +187,7 @@ def joint_state(site: SiteFields, now: TermInputs, robot: RobotFields | None, mo
         torque_of=torque_of,
         motion_of=motion_of,
         asked=asked,
+        load=load,
+        gravity=lambda: now.gravity,
+        mount=lambda: now.mount,
     )

@@ -14,12 +14,15 @@ import jax.numpy as jnp
 
 from estexp_jax.physics.effects.base import Arrays, BodyForce, CommandLaw, JointState, Term
 from estexp_jax.physics.engines.c.law_inputs import (
+    MOUNT_ROWS,
+    OWN_ROWS,
     MotorFields,
     RobotFields,
     RobotInputs,
     SiteFields,
     TermInputs,
     joint_state,
+    mount_of_rows,
 )
 from estexp_jax.physics.engines.c.numpy_operations import ANY_LENGTH
 from estexp_jax.physics.engines.c.numpy_programs import NumpyProgram, instances_shape
@@ -54,10 +57,11 @@ def term_program(e: Term, motors: int, others: tuple[int, int] | None) -> TermPr
         others: numbers of joints and motors of the robot, for one that `couples_joints`.
     """
     names: list[str] = []
+    mounts = mount_rows(e)
 
     def act(fixed: tuple[SiteFields, RobotFields | None], rows_in: Any, *robot_rows: Any) -> list[Any]:
         site, robot = fixed
-        now = TermInputs.of_rows(rows_in, motors, site.there)
+        now = TermInputs.of_rows(rows_in, motors, site.there, mounts)
         moving = RobotInputs.of_rows(*robot_rows, *robot.drives.shape) if robot is not None else None
         does, state = e.act(site.p, joint_state(site, now, robot, moving), now.state)
         names[:] = [name for name, x in does._asdict().items() if not isinstance(x, float)]
@@ -67,7 +71,7 @@ def term_program(e: Term, motors: int, others: tuple[int, int] | None) -> TermPr
             rows += list(_further(site, now, x)) if name == "command" else [x]
         return [*rows, *(state if e.n_states else ())]
 
-    rows = [instances_shape(4 + 3 * motors + e.n_states, ANY_LENGTH)]
+    rows = [instances_shape(len(OWN_ROWS) + 3 * motors + mounts + e.n_states, ANY_LENGTH)]
     rows += [instances_shape(2 * others[0] + 3 * others[1], ANY_LENGTH)] if others else []
     fixed = _site_shapes(len(e.parameters), motors), _robot_shapes(*others) if others else None
     return TermProgram(NumpyProgram(act, fixed, *rows), tuple(names))
@@ -100,22 +104,38 @@ def _further(site: SiteFields, now: TermInputs, more: Any) -> Any:
     return limited_commands(site.motors, now.motors.ctrl) + further * site.there
 
 
-@lru_cache(maxsize=_PROGRAMS)
 def couples_joints(e: Term) -> bool:
-    """Whether a term asks for another joint's motion or torque."""
-    asked: list[Any] = []
+    """Whether a term asks for another joint's motion or torque, or for what all motors do."""
+    return not _asked_by(e).isdisjoint(("torque_of", "motion_of", "load"))
 
-    def other(number: Any) -> Any:
-        asked.append(number)
-        return jnp.zeros_like(number)
+
+def mount_rows(e: Term) -> int:
+    """Numbers of a mount that a term is given."""
+    return MOUNT_ROWS if e.kind == "body" else 0
+
+
+def feels_gravity(e: Term) -> bool:
+    """Whether a term asks for the torque that gravity puts on its joint."""
+    return "gravity" in _asked_by(e)
+
+
+@lru_cache(maxsize=_PROGRAMS)
+def _asked_by(e: Term) -> frozenset[str]:
+    """The functions of a joint's state that a term calls."""
+    asked: set[str] = set()
 
     def probe(x: Any) -> Any:
-        of_joint = (lambda q, w: x), other, (lambda number: (other(number), x)), (lambda: (x, x))
-        joint = JointState._make([*[x] * 7, *of_joint])
-        return jax.tree.leaves(e.act((x,) * len(e.parameters), joint, (x,) * e.n_states))
+        def answer(name: str, found: Any) -> Any:
+            asked.add(name)
+            return found
+
+        answers = {"motion_of": (x, x), "asked": (x, x), "mount": mount_of_rows([x] * MOUNT_ROWS)}
+        values = dict.fromkeys(JointState._fields[:7], x)
+        calls = {name: lambda *_, name=name: answer(name, answers.get(name, x)) for name in JointState._fields[7:]}
+        return jax.tree.leaves(e.act((x,) * len(e.parameters), JointState(**values, **calls), (x,) * e.n_states))
 
     jax.eval_shape(probe, jax.ShapeDtypeStruct((1,), float))
-    return bool(asked)
+    return frozenset(asked)
 
 
 @lru_cache(maxsize=_PROGRAMS)

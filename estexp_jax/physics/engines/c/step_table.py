@@ -7,7 +7,7 @@ from typing import final
 import mujoco
 import numpy as np
 
-PARTS = ("qpos", "qvel", "dt", "ctrl", "on", "share", "rotor_inertia", "force", "damping", "friction")
+PARTS = ("qpos", "qvel", "dt", "ctrl", "on", "share", "rotor_inertia", "force", "damping", "friction", "gravity")
 
 
 @final

@@ -15,9 +15,10 @@ from estexp_jax.physics.engines.c.acting_motors import (
     motor_fields,
     motor_rows,
 )
+from estexp_jax.physics.engines.c.carried_momenta import carried_dofs
 from estexp_jax.physics.engines.c.instances import Instances
-from estexp_jax.physics.engines.c.law_inputs import SiteFields
-from estexp_jax.physics.engines.c.laws import couples_joints, rest_program, term_program
+from estexp_jax.physics.engines.c.law_inputs import OWN_ROWS, SiteFields
+from estexp_jax.physics.engines.c.laws import couples_joints, mount_rows, rest_program, term_program
 from estexp_jax.physics.engines.c.step_table import StepTable
 from estexp_jax.physics.engines.motors import Drives, drives
 
@@ -50,12 +51,15 @@ class ActingTerm:
         """Find the places in the table that it reads and writes."""
         model, index, lane = chunk.robot.model, chunk.table.index, self.lane
         at_site = motors.motors[self.site].T
-        joint = [
-            index("qpos", lane, model.jnt_qposadr[model.dof_jntid[dof]]),
-            *(index(part, lane, elements) for part, elements in (("qvel", dof), ("dt", 0), ("rotor_inertia", dof))),
-        ]
+        place = {"qpos": model.jnt_qposadr[model.dof_jntid[dof]], "dt": np.zeros_like(dof)}
+        joint = [index(part, lane, place.get(part, dof)) for part in OWN_ROWS]
         self._take = np.concatenate([np.array(joint), motor_rows(chunk, lane, at_site)])
-        self._rows = np.empty((len(self._take) + self.effect.n_states, len(lane)))
+        self._mounts = mount_rows(self.effect)
+        self._rows = np.empty((len(self._take) + self._mounts + self.effect.n_states, len(lane)))
+        if self._mounts:
+            body = self.effect.bodies(chunk.robot)[self.site]
+            self._carrying = (lane, body, dof), carried_dofs(chunk.robot, body)
+        self._carried = chunk.carried
         self._added = {name: index(part, lane, dof) for name, part in _ADDED.items()}
         #: For each motor of a site: which instances have it, and where its command and its share stand.
         self._motors = [
@@ -73,8 +77,13 @@ class ActingTerm:
         """Act in a step; hidden variables (variables, n) after it, of those before."""
         n = len(self.lane)
         table.take(self._take, self._rows[: len(self._take)])
+        own = len(self._take) + self._mounts
+        if self._mounts and self._carried is not None:
+            (lane, body, dof), there = self._carrying
+            speed = table["qvel"][lane] * there
+            self._rows[len(self._take) : own] = self._carried.mounts(lane, body, dof, speed)
         if before is not None:
-            self._rows[len(self._take) :] = before
+            self._rows[own:] = before
         does = iter(self._law(self._rows, *([self._whole.rows(table)] if self._whole else [])))
         for name in self._names:
             if name == "command":
@@ -96,9 +105,7 @@ class ActingTerm:
 
 def _drives(e: Term, chunk: Chunk, dofs: np.ndarray) -> Drives:
     """The motors that count at a term's sites."""
-    if e.kind != "actuator":
-        return drives(chunk.robot, dofs, None)
-    return drives(chunk.robot, dofs, np.array([chunk.robot.index("actuator", s) for s in e.sites(chunk.robot)]))
+    return drives(chunk.robot, dofs, e.motors(chunk.robot))
 
 
 def _fixed(chunk: Chunk, there: Instances, motors: Drives) -> SiteFields:

@@ -1,4 +1,4 @@
-"""Joint states of a term's sites in one step, in lanes: `JointState` with rows (n_sites, N)."""
+"""Joint states of a term's elements in one step, in lanes: `JointState` with rows (n_elements, N)."""
 
 from __future__ import annotations
 
@@ -13,19 +13,23 @@ from estexp_jax.lanes.layout import Layout
 from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.step import LaneState
 from estexp_jax.physics.effects.base import JointState, Term
-from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.effects.mounts import MountState
+from estexp_jax.physics.effects.sites import actuator_dofs, driven_actuators
+from estexp_jax.physics.engines.lanes.gravity_torques import gravity_torques
 from estexp_jax.physics.engines.lanes.motors import MotorInputs, Motors
+from estexp_jax.physics.engines.lanes.mounts import mount_states_in_lanes
 from estexp_jax.physics.engines.motors import drives
 from estexp_jax.physics.model.robot import Robot
 
 
 class StepStart(NamedTuple):
-    """A step at its beginning: position and speed (N,) by velocity address, motor inputs, its length."""
+    """A step at its beginning: position and speed (N,) by velocity address, motor inputs, its length, the robots."""
 
     position: Mapping[int, Any]
     speed: Mapping[int, Any]
     inputs: MotorInputs
     dt: Any
+    state: LaneState
 
 
 @final
@@ -46,11 +50,9 @@ class JointStates:
         return position, speed
 
     def of(self, term: Term, now: StepStart) -> JointState:
-        """Joint states of a term's sites."""
-        (position, speed, inputs, dt), dofs, motors = now, term.dofs(self._robot), None
-        if term.kind == "actuator":
-            motors = np.array([self._robot.index("actuator", s) for s in term.sites(self._robot)], dtype=int)
-        there = drives(self._robot, dofs, motors)
+        """Joint states of a term's elements."""
+        (position, speed, inputs, dt, state), dofs = now, term.dofs(self._robot)
+        there = drives(self._robot, dofs, term.motors(self._robot))
         at = [[int(a) for a, t in zip(*pair, strict=True) if t] for pair in zip(there.motors, there.there, strict=True)]
         q, w = stacked(dofs, position, speed)
 
@@ -67,6 +69,20 @@ class JointStates:
                 mine: Any = jnp.where(jnp.round(number) == joint + 1, one, 0.0)
                 total = total + mine
             return total
+
+        def load() -> Any:
+            total: Any = jnp.zeros_like(q[0])
+            for a, address in zip(driven_actuators(self._robot), actuator_dofs(self._robot).tolist(), strict=True):
+                one = self._motors.torque([a], position[address], speed[address], inputs, whole=False)
+                total = total + jnp.abs(one)
+            return total
+
+        def gravity() -> Any:
+            found = gravity_torques(self._layout, self._params, state)
+            return jnp.stack([found[int(d)] + jnp.zeros_like(q[0]) for d in dofs])
+
+        def mount() -> MountState:
+            return mount_states_in_lanes(self._robot, self._layout, self._params, state, term.bodies(self._robot), dofs)
 
         def motion_of(number: Any) -> tuple[Any, Any]:
             at: Any = jnp.zeros_like(q)
@@ -99,11 +115,14 @@ class JointStates:
             torque_of=torque_of,
             motion_of=motion_of,
             asked=asked,
+            load=load,
+            gravity=gravity,
+            mount=mount,
         )
 
 
 def stacked(dofs: np.ndarray, *tables: Mapping[int, Any]) -> tuple[Any, ...]:
-    """Rows (n_sites, N) of tables by velocity address."""
+    """Rows (n_elements, N) of tables by velocity address."""
     return tuple(jnp.stack([table[int(d)] for d in dofs]) for table in tables)
 
 

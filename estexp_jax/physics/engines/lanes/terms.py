@@ -1,7 +1,7 @@
 """Terms and command laws at work in one step, in lanes.
 
-The laws are elementwise over their sites; here each site is a row of an array (n_sites, N). Those that no robot of a
-chunk has are skipped.
+The laws are elementwise; here each joint or motor on which they act is a row of an array (n_elements, N). Those that no
+robot of a chunk has are skipped.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.step import AddedForces, LaneState
 from estexp_jax.physics.effects.base import Arrays, BodyForce, CommandLaw, Effect, JointForce, Term
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.effects.sites import driven_actuators
 from estexp_jax.physics.engines.lanes.external_wrenches import external_wrenches
@@ -39,7 +40,7 @@ class _Sums:
     share: dict[int, Scalar] = field(default_factory=dict)
 
     def add(self, what: str, addresses: Sequence[int], x: Any) -> None:
-        """Add rows (n_sites, N); a Python number is a default, which adds nothing."""
+        """Add rows (n_elements, N); a Python number is a default, which adds nothing."""
         if isinstance(x, float):
             return
         table = self.rows.setdefault(what, {})
@@ -55,12 +56,15 @@ class ActiveEffects:
         self, robot: Robot, catalogue: Catalogue, layout: Layout, params: ModelParameters, values: Values
     ) -> None:
         """With values (n_sites, n_parameters, N) of each effect."""
-        self._robot, self._layout, self._params, self._values = robot, layout, params, values
+        self._robot, self._layout, self._params, self._values = robot, layout, params, dict(values)
         self._motors = Motors(robot, layout, params)
         self._moments = JointStates(robot, layout, params, self._motors)
         self._terms = [e for e in catalogue if isinstance(e, Term) and e.sites(robot)]
         self._laws = [e for e in catalogue if isinstance(e, CommandLaw) and e.sites(robot)]
         self._body_forces = [e for e in catalogue if isinstance(e, BodyForce) and e.sites(robot)]
+        for e in (*self._laws, *self._terms):
+            at_sites = jnp.moveaxis(values[e.name], -1, 0)
+            self._values[e.name] = jnp.moveaxis(element_values(e, robot, at_sites), 0, -1)
         self._at_work = {e.name: self._is_changed(e) for e in (*self._laws, *self._terms)}
 
     @property
@@ -78,7 +82,7 @@ class ActiveEffects:
             commands: (nu, N) in force.
             enable: (nu, N) 1.0 where a motor is on.
             dt: (N,) s, or a number.
-            hidden: (n_sites, N) of each effect that has some.
+            hidden: (n_elements, N) of each effect that has some.
         """
         hidden, rows = dict(hidden), [commands[a] for a in range(commands.shape[0])]
         position, speed = self._moments.coordinates(state)
@@ -94,7 +98,7 @@ class ActiveEffects:
                 rows[a] = there[i]
         sums = _Sums()
         for term in self._terms:
-            now = StepStart(position, speed, MotorInputs(rows, enable, sums.share), dt)
+            now = StepStart(position, speed, MotorInputs(rows, enable, sums.share), dt, state)
             does, after = self._acted(term, now, hidden.get(term.name, ()))
             hidden |= {term.name: after} if term.n_states else {}
             rows = self._gather(term, does, sums, rows)
@@ -160,9 +164,10 @@ class ActiveEffects:
             sums.add(what, addresses, getattr(does, what))
         if isinstance(does.motor, float) and isinstance(does.command, float):
             return rows
-        for i, site in enumerate(term.sites(self._robot)):
-            if term.kind == "actuator":
-                moved = [self._robot.index("actuator", site)]
+        motors = term.motors(self._robot)
+        for i in range(len(addresses)):
+            if motors is not None:
+                moved = [int(motors[i])]
             else:
                 joint = int(self._layout.model.dof_jntid[addresses[i]])
                 moved = [a for a in driven_actuators(self._robot) if self._robot.joint_of_actuator(a) == joint]

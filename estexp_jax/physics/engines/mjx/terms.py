@@ -16,20 +16,23 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Arrays, BodyForce, CommandLaw, JointForce, JointState, Term
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.mjx.carried import mount_states, torques_of_weight
 from estexp_jax.physics.engines.motors import (
     Drives,
     drives,
     idle_commands,
     limited_commands,
+    motor_load,
     motor_torque,
     motor_torques,
 )
 from estexp_jax.physics.model.robot import Robot
 
 Hidden = dict[str, Arrays]
-"""Hidden variables (n_sites,) of each effect that has some, by its name."""
+"""Hidden variables (n_elements,) of each effect that has some, by its name."""
 
 
 class MjxStepStart(NamedTuple):
@@ -89,7 +92,7 @@ def hidden_at_rest(robot: Robot, catalogue: Catalogue, values: Values, now: MjxS
     """Hidden variables of a robot that has been where it is, under this command, for long."""
     hidden: Hidden = {}
     for e in stateful(catalogue):
-        p = _columns(values[e.name])
+        p = _at_elements(e, robot, values)
         if isinstance(e, Term):
             q, w = _coordinates(robot, e.dofs(robot), now)
             hidden[e.name] = e.initial(p, q, w)
@@ -108,10 +111,10 @@ def apply_effects(
     step = _Step(robot, now, model, nominal, jnp.zeros(robot.model.nv, now.qvel.dtype))
     for e in catalogue:
         if isinstance(e, Term) and e.sites(robot):
-            p = _columns(values[e.name])
+            p = _at_elements(e, robot, values)
             dofs = e.dofs(robot)
-            there = drives(robot, dofs, _actuators(robot, e))
-            does, state = e.act(p, _joint_state(step, dofs, there), hidden.get(e.name, ()))
+            there = drives(robot, dofs, e.motors(robot))
+            does, state = e.act(p, _joint_state(step, e, dofs, there), hidden.get(e.name, ()))
             hidden |= {e.name: state} if e.n_states else {}
             step = _applied(step, does, dofs, there)
     model = step.model if step.share is nominal else step.scaled()
@@ -123,14 +126,12 @@ def _columns(values: jax.Array) -> Arrays:
     return tuple(values[:, i] for i in range(values.shape[1]))
 
 
+def _at_elements(e: Term | CommandLaw, robot: Robot, values: Values) -> Arrays:
+    return _columns(element_values(e, robot, values[e.name]))
+
+
 def _coordinates(robot: Robot, dofs: np.ndarray, now: MjxStepStart) -> tuple[jax.Array, jax.Array]:
     return now.qpos[robot.model.jnt_qposadr[robot.model.dof_jntid[dofs]]], now.qvel[dofs]
-
-
-def _actuators(robot: Robot, e: Term) -> np.ndarray | None:
-    if e.kind != "actuator":
-        return None
-    return np.array([robot.index("actuator", site) for site in e.sites(robot)], dtype=int)
 
 
 def _with_command_laws(
@@ -144,13 +145,13 @@ def _with_command_laws(
     idle = jnp.zeros_like(ctrl).at[driven].set(idle_commands(model, driven, *_coordinates(robot, dofs, now)))
     for e in laws:
         a = e.actuators(robot)
-        command, state = e.act(_columns(values[e.name]), ctrl[a], idle[a], now.dt, hidden.get(e.name, ()))
+        command, state = e.act(_at_elements(e, robot, values), ctrl[a], idle[a], now.dt, hidden.get(e.name, ()))
         ctrl = ctrl.at[a].set(command)
         hidden = hidden | ({e.name: state} if e.n_states else {})
     return now._replace(ctrl=ctrl), hidden
 
 
-def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
+def _joint_state(step: _Step, e: Term, dofs: np.ndarray, there: Drives) -> JointState:
     robot, model, now = step.robot, step.scaled(), step.now
     q, w = _coordinates(robot, dofs, now)
     command = limited_commands(model, now.ctrl)
@@ -182,6 +183,9 @@ def _joint_state(step: _Step, dofs: np.ndarray, there: Drives) -> JointState:
         torque_of=torque_of,
         motion_of=motion_of,
         asked=lambda: there.asked(model, q, w, command),
+        load=lambda: motor_load(robot, model, now.qpos, now.qvel, command),
+        gravity=lambda: torques_of_weight(robot, model, now.qpos)[dofs],
+        mount=lambda: mount_states(robot, model, e.bodies(robot), dofs, now.qpos, now.qvel),
     )
 
 
