@@ -129,7 +129,10 @@ class Effect(abc.ABC):
         """What it says about the robot, in plain words with numbers."""
 
     def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
-        """The name under which it is reported at these values, and those of them that this name has."""
+        """The name under which it is reported at these values, and those of them that this name has.
+
+        Numbers that only this form has may be among them, where the sentence and the equation of that name tell them.
+        """
         return self.name, values
 
     def equation_with_values(self, values: Mapping[str, float]) -> str:

@@ -20,6 +20,7 @@ EFFECTS = (
     "torque_saturation",
     "back_emf",
     "motor_fade",
+    "supply_sag",
     "joint_compliance",
     "backlash",
     "command_delay",
@@ -51,6 +52,7 @@ FORMS = (
     "rotor_backlash",
     "rebound_limit",
     "motor_heat",
+    "supply_floor",
 )
 """Modules of other forms of these effects, reported under their names."""
 
