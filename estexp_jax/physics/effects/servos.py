@@ -13,6 +13,12 @@ def servos(robot: Robot) -> tuple[int, ...]:
     return tuple(a for a in driven_actuators(robot) if robot.model.actuator_biasprm[a, 2] < 0.0)
 
 
+def goal_followers(robot: Robot) -> tuple[str, ...]:
+    """Names of the actuators that feed back position or speed of a hinge or slide: their command is a goal."""
+    feedback, names = robot.model.actuator_biasprm[:, 1:3], robot.names("actuator")
+    return tuple(names[a] for a in driven_actuators(robot) if (feedback[a] < 0.0).any())
+
+
 def servo_damping(robot: Robot) -> np.ndarray:
     """What the model says it is, N m s/rad at the joint, for each of `servos`."""
     own = list(servos(robot))

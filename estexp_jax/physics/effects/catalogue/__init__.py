@@ -24,6 +24,7 @@ EFFECTS = (
     "joint_compliance",
     "backlash",
     "command_delay",
+    "command_limit",
     "actuator_lag",
     "dead_band",
     "tied_outputs",
