@@ -16,6 +16,7 @@ EFFECTS = (
     "hysteresis",
     "crosstalk",
     "torque_offset",
+    "gravity_compensation",
     "motor_weakness",
     "torque_saturation",
     "back_emf",
