@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, CommandLaw, Parameter
-from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.registry import register_effect
-from estexp_jax.physics.effects.sites import actuator_sites
+from estexp_jax.physics.effects.sites import ALL_ALIKE, actuator_sites, with_all
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
@@ -29,13 +29,17 @@ class ActuatorLag(CommandLaw):
     nested_in: ClassVar[str] = "command_delay"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return actuator_sites(robot)
+        return with_all(actuator_sites(robot))
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((0.0, 0.5),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"the motor {site} follows its commands with a lag of {1000 * values['tau']:.3g} ms"
+        who = f"all motors ({site}) follow their" if site == ALL_ALIKE else f"the motor {site} follows its"
+        return f"{who} commands with a lag of {1000 * values['tau']:.3g} ms"
+
+    def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
+        return [(simpler["delay"],)]  # slow commands are as late
 
     def to_simpler(self, values: Mapping[str, float]) -> Vectors:
         return [(values["tau"],)]
@@ -49,6 +53,11 @@ class ActuatorLag(CommandLaw):
         return jnp.where(lags, mean, command), (jnp.where(lags, after, command),)
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        if site == ALL_ALIKE:
+            for one in actuator_sites(robot):
+                self.write_mjcf(robot, spec, one, values)
+            return
         actuator = spec_element(spec, robot, "actuator", site)
+        before = float(actuator.dynprm[0]) if actuator.dyntype == mujoco.mjtDyn.mjDYN_FILTEREXACT else 0.0
         actuator.dyntype = mujoco.mjtDyn.mjDYN_FILTEREXACT
-        actuator.dynprm = np.array([values["tau"], *actuator.dynprm[1:]])
+        actuator.dynprm = np.array([before + values["tau"], *actuator.dynprm[1:]])
