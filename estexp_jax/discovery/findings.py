@@ -62,7 +62,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         for i, f in enumerate(fitted.hypothesis.free)
         if (f.effect, f.site) == (e.name, change.name or "")
     }
-    own_units = {p.name: p.unit for p in effect(told.effect).parameters}
+    own_units = {p.name: p.unit for p in (*e.parameters, *effect(told.effect).parameters)}
     parameters = {
         name: {
             "value": value,
@@ -78,10 +78,20 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         "name": change.name,
         "probability": probability,
         "in_mjcf": effect(told.effect).in_mjcf,
-        "sentence": units.unit_at(robot, e.kind, change.name, told.sentence()),
+        "sentence": units.unit_at(robot, e.kind, change.name, _with_names(robot, told)),
         "equation": effect(told.effect).equation_with_values(told.parameters),
         "parameters": parameters,
     }
+
+
+def _with_names(robot: Robot, change: Change) -> str:
+    """The sentence of a change, with the names of the elements to which its numbers refer."""
+    sentence = change.sentence()
+    for p in effect(change.effect).parameters:
+        if p.refers and p.name in change.parameters:
+            number = round(change.parameters[p.name])
+            sentence = sentence.replace(f"number {number}", robot.names(p.refers)[number - 1])
+    return sentence
 
 
 def side(changes: Sequence[Change]) -> str | None:

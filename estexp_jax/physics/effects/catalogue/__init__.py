@@ -55,6 +55,9 @@ FORMS = (
     "rebound_limit",
     "motor_heat",
     "supply_floor",
+    "asymmetric_friction",
+    "smooth_friction",
+    "asymmetric_damping",
 )
 """Modules of other forms of these effects, reported under their names."""
 

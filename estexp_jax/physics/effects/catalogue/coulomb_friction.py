@@ -8,7 +8,7 @@ import mujoco
 from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
-from estexp_jax.physics.effects.friction import friction_advice
+from estexp_jax.physics.effects.friction import friction_advice, shape_in_equation, shape_in_words
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import (
     friction_sites,
@@ -26,7 +26,10 @@ from estexp_jax.physics.recording import Recording
 @register_effect
 @final
 class CoulombFriction(Edit):
-    """tau = -T sign(w), as MuJoCo's friction loss: a constraint, so that it also holds at rest and never chatters."""
+    """tau = -T sign(w), as MuJoCo's friction loss: a constraint, so that it also holds at rest and never chatters.
+
+    It is told with two more numbers where a form of it has them: tau = -T (1 + a sign(w)) tanh(w / w_0).
+    """
 
     name: ClassVar[str] = "coulomb_friction"
     kind: ClassVar[str] = "joint"
@@ -48,7 +51,11 @@ class CoulombFriction(Edit):
         return ((0.0, 0.8 * most),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"{joint_subject(site)} resists motion with {values['T']:.3g} N m whatever its speed"
+        how = shape_in_words(values) or " whatever its speed"
+        return f"{joint_subject(site)} resists motion with {values['T']:.3g} N m{how}"
+
+    def equation_with_values(self, values: Mapping[str, float]) -> str:
+        return shape_in_equation(values, "T", "sign(w)")
 
     def nominal_value(self, robot: Robot, site: str) -> float:
         return smallest_of_joints(robot, robot.model.dof_frictionloss, site)

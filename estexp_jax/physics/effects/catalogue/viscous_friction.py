@@ -9,7 +9,7 @@ from mujoco import mjx
 
 from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.damage import ModelError
-from estexp_jax.physics.effects.friction import friction_advice
+from estexp_jax.physics.effects.friction import friction_advice, shape_in_equation, shape_in_words
 from estexp_jax.physics.effects.jam import JAMMED, jam_damping
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import (
@@ -29,7 +29,10 @@ from estexp_jax.physics.recording import Recording
 @register_effect
 @final
 class ViscousFriction(Edit, ModelError):
-    """tau = -c w, added to the joint's own damping; integrated implicitly, as MuJoCo does."""
+    """tau = -c w, added to the joint's own damping; integrated implicitly, as MuJoCo does.
+
+    It is told with one more number where a form of it has it: tau = -c (1 + a sign(w)) w.
+    """
 
     name: ClassVar[str] = "viscous_friction"
     kind: ClassVar[str] = "joint"
@@ -50,7 +53,11 @@ class ViscousFriction(Edit, ModelError):
         return ((0.0, max(scales.joint_torque(robot, j) / scales.joint_speed(robot, j) for j in joints)),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
-        return f"{joint_subject(site)} resists motion with {values['c']:.3g} N m for each rad/s of speed"
+        what = f"{joint_subject(site)} resists motion with {values['c']:.3g} N m for each rad/s of speed"
+        return what + shape_in_words(values)
+
+    def equation_with_values(self, values: Mapping[str, float]) -> str:
+        return shape_in_equation(values, "c", "w")
 
     def searched_bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         bounds = self.bounds(robot, site)
