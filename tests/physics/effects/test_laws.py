@@ -16,7 +16,7 @@ from estexp_jax.physics.effects.checks import effect_faults, middle_values
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import effect, named_effects, nameless, paper
 from estexp_jax.recovery.control.network import HIDDEN, decode, n_weights
-from tests.physics.robots import MUTE, ROBOTS, robot
+from tests.physics.robots import BOLTED, MUTE, ROBOTS, robot
 
 EVERY = (*named_effects(), *nameless())
 every_effect = pytest.mark.parametrize("e", EVERY, ids=lambda e: e.name)
@@ -24,12 +24,12 @@ every_effect = pytest.mark.parametrize("e", EVERY, ids=lambda e: e.name)
 
 def quick(e: Effect, name: str) -> bool:
     """Whether an effect is tried on a robot by default: on those without a place for it, and on a cheap one with."""
-    return name in ("pendulum", MUTE) or (name == "quadruped" and not e.sites(robot("pendulum")))
+    return name in ("pendulum", MUTE, BOLTED) or (name == "quadruped" and not e.sites(robot("pendulum")))
 
 
 def on_every_robot(effects: Sequence[Effect]) -> pytest.MarkDecorator:
     """Each effect on each robot; most pairs are slow."""
-    pairs = [(e, name) for name in (*ROBOTS, MUTE) for e in effects]
+    pairs = [(e, name) for name in (*ROBOTS, MUTE, BOLTED) for e in effects]
     marked = [
         pytest.param(e, name, id=f"{name}-{e.name}", marks=() if quick(e, name) else pytest.mark.slow)
         for e, name in pairs
@@ -54,8 +54,8 @@ def test_it_obeys_the_laws(e: Effect, name: str) -> None:
 
 
 @every_effect
-def test_the_quadruped_has_a_place_for_it(e: Effect) -> None:
-    assert e.sites(robot("quadruped"))
+def test_some_robot_has_a_place_for_it(e: Effect) -> None:
+    assert e.sites(robot("quadruped")) or e.sites(robot(BOLTED))
 
 
 @pytest.mark.parametrize("e", [e for e in named_effects() if isinstance(e, Distortion)], ids=lambda e: e.name)

@@ -189,6 +189,32 @@ class MotorDead(Twin):
         return GEAR * float(u - np.clip(u, -self.v["half_width"], self.v["half_width"]))
 
 
+class Sag(Twin):
+    def torques(self, u, on, dt):  # noqa: ANN001, ANN201
+        strong = super().torques(u, on, dt)
+        return strong * max(1.0 - self.v["R"] * np.abs(strong).sum(), 0.0)
+
+
+class Profile(Twin):
+    goal: float | None = None
+    speed = 0.0
+
+    def torques(self, u, on, dt):  # noqa: ANN001, ANN201
+        left = 0.0 if self.goal is None else u[0] - self.goal
+        wanted = np.sign(left) * min(self.v["v"], np.sqrt(2.0 * self.v["a"] * abs(left)))
+        self.speed += np.clip(wanted - self.speed, -self.v["a"] * dt, self.v["a"] * dt)
+        self.goal = u[0] if self.goal is None else self.goal + self.speed * dt
+        return super().torques(np.array([self.goal, u[1]]), on, dt)
+
+
+class Weightless(Twin):
+    def more(self, torques, on, dt):  # noqa: ANN001, ANN201
+        still = mujoco.MjData(self.model)
+        still.qpos[:] = self.data.qpos
+        mujoco.mj_forward(self.model, still)
+        return self.v["share"] * on * still.qfrc_bias * [1.0, 0.0]
+
+
 class Pull(Twin):
     def more(self, torques, on, dt):  # noqa: ANN001, ANN201
         self.data.xfrc_applied[2, :3] = [self.v[c] for c in "xyz"] - self.v["k"] * self.data.xipos[2]
@@ -211,6 +237,9 @@ TWINS: dict[str, tuple[type[Twin], float]] = {
     "actuator_lag@servo tau=0.08": (Lag, 0.03),
     "dead_band@servo half_width=0.1": (ServoDead, 0.03),
     "dead_band@push half_width=0.2": (MotorDead, 0.03),
+    "supply_sag R=0.12": (Sag, 0.03),
+    "command_limit@servo v=1.2 a=10": (Profile, 0.03),
+    "gravity_compensation@shoulder share=0.7": (Weightless, 0.03),
     "external_force@hand x=1.5 y=0 z=-1 k=0": (Pull, 0.03),
     "external_force@hand x=2 y=0 z=4 k=8": (Pull, 0.03),
 }

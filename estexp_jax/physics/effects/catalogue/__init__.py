@@ -40,6 +40,7 @@ EFFECTS = (
     "gravity_tilt",
     "ground_friction",
     "external_force",
+    "mount_compliance",
     "neuron_fault",
 )
 """Modules of the catalogue. Terms act in this order: what changes a motor's torque, then what passes it on."""
