@@ -35,6 +35,9 @@ CASES: dict[str, Values] = {
     "torque_saturation@thigh": {"limit": 4.0},
     "back_emf@knee": {"k": 0.5},
     "motor_fade@thigh": {"loss": 0.9, "tau": 0.8},
+    "supply_sag": {"R": 0.025},
+    "gravity_compensation@thigh": {"share": 0.8},
+    "command_limit@thigh": {"v": 4.0, "a": 120.0},
     "joint_compliance@thigh": {"k": 60.0, "d": 0.3, "I": 0.02},
     "backlash@knee": {"half_gap": 0.04},
     "command_delay@thigh": {"delay": 0.03},
@@ -140,7 +143,7 @@ class Leg:
         d.ctrl[:] = self._obeyed(u)
         scale = on.copy()
         d.qfrc_applied[:] = 0.0
-        if self.dof >= 0:
+        if self.dof >= 0 or self.effect == "supply_sag":
             self._law(on, scale)
         m.actuator_gainprm[:], m.actuator_biasprm[:] = self.gain * scale[:, None], self.bias * scale[:, None]
         mujoco.mj_step(m, d)
@@ -156,7 +159,28 @@ class Leg:
             u[i] = self.data.qpos[i] + asked - np.clip(asked, -v["half_width"], v["half_width"])
         if self.effect == "tied_outputs":
             u[i] = u[int(v["with"]) - 1]
+        if self.effect == "command_limit":
+            u[i] = self._profiled(u[i])
         return u
+
+    def _profiled(self, goal: float) -> float:
+        """A goal that is led to another with a bounded speed and acceleration, and brakes in time."""
+        s, v, dt = self.state, self.v, self.model.opt.timestep
+        left = goal - s.setdefault("goal", goal)
+        speed = np.sign(left) * min(v["v"], np.sqrt(2.0 * v["a"] * abs(left)))
+        s["speed"] = s.get("speed", 0.0) + float(np.clip(speed - s.get("speed", 0.0), -v["a"] * dt, v["a"] * dt))
+        step = s["speed"] * dt
+        s["goal"], s["speed"] = (goal, 0.0) if abs(left) <= abs(step) else (s["goal"] + step, s["speed"])
+        return s["goal"]
+
+    def _gravity(self) -> float:
+        """Torque that gravity puts on the joint."""
+        d, bias, speed = self.data, np.zeros(self.model.nv), self.data.qvel.copy()
+        d.qvel[:] = 0.0
+        mujoco.mj_fwdVelocity(self.model, d)
+        mujoco.mj_rne(self.model, d, 0, bias)
+        d.qvel[:] = speed
+        return -float(bias[self.dof])
 
     def _servo(self, u: float, q: float, w: float) -> float:
         return float(np.clip(40.0 * (u - q) - w, -self.limit, self.limit))
@@ -184,6 +208,12 @@ class Leg:
                 d.qfrc_applied[i] = -s["F"]
             case "crosstalk":
                 d.qfrc_applied[i] = v["g"] * torque[int(v["from"]) - 1]
+            case "gravity_compensation":
+                d.qfrc_applied[i] = -v["share"] * on[i] * self._gravity()
+            case "supply_sag":
+                left = max(1.0 - v["R"] * sum(map(abs, torque)), 0.0)
+                scale *= left
+                m.actuator_forcerange[:] = [-left * self.limit, left * self.limit]
             case "back_emf":
                 m.dof_damping[i] = 0.05 + v["k"] * on[i]
             case "motor_fade":

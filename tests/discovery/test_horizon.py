@@ -231,7 +231,7 @@ def test_what_shows_only_in_long_windows_in_which_motions_part_is_no_mismatch(mo
 
     monkeypatch.setattr(explain_module, "hangs_on_hairs", hanging)
     monkeypatch.setattr(explain_module, "unknown_law", no_law)
-    config = replace(CONFIG, effects=("viscous_friction",), most=1)
+    config = replace(CONFIG, effects=("armature",), most=1)
     findings = explained(case_of("two", Plant(law=nudge), 773), config).findings
     assert findings["verdict"] == ("unexplained" if asked == "never" else "consistent")
     assert looked == ([] if asked == "at once" else [True])

@@ -18,11 +18,13 @@ from experiments.explain.out_of_catalogue.study import force_error
 def test_with_an_effect_goes_its_whole_ladder() -> None:
     by_name = {p.planted[0].effect: left_out(p) for p in planned(2)}
     assert set(by_name) == {*LEFT, *OTHERS}
-    friction = ("coulomb_friction", "hysteresis", "stribeck_bristles", "stribeck_friction")
+    friction = ("coulomb_friction", "hysteresis", "smooth_friction", "stribeck_bristles", "stribeck_friction")
+    friction = ("asymmetric_friction", *friction)
     assert by_name["coulomb_friction"] == by_name["stribeck_friction"] == by_name["hysteresis"] == friction
     assert by_name["joint_stiffness"] == ("joint_stiffness", "torque_offset") and by_name["cogging"] == ("cogging",)
     assert by_name["joint_jam"] == by_name["back_emf"] == ("back_emf", "joint_jam", "viscous_friction")
-    assert by_name["viscous_friction"] == ("back_emf", "joint_jam", "quadratic_drag", "viscous_friction")
+    assert by_name["quadratic_drag"] == ("asymmetric_damping", "quadratic_drag", "viscous_friction")
+    assert by_name["viscous_friction"] == tuple(sorted({*by_name["quadratic_drag"], *by_name["back_emf"]}))
     assert by_name["joint_offset"] == ("com_shift", "gravity_tilt", "joint_offset")
     assert all(by_name[law] == () for law in OTHERS)
     for names in by_name.values():
