@@ -25,7 +25,14 @@ _TYPES = {
     "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
 }
 _FAILURES = (ValueError, RuntimeError, mujoco.FatalError)
-_COUNTS = {"body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "actuator": "nu", "sensor": "nsensor"}
+_COUNTS = {
+    "body": "nbody",
+    "joint": "njnt",
+    "geom": "ngeom",
+    "site": "nsite",
+    "actuator": "nactuator",
+    "sensor": "nsensor",
+}
 
 
 @final
@@ -127,7 +134,7 @@ class Robot:
     @property
     def remedy(self) -> str:
         """Advice for a robot without actuators; empty for others."""
-        if self.model.nu:
+        if self.model.nactuator:
             return ""
         return f"`estexp check {self.source} --init` writes an MJCF of it with servos and sensors, a URDF has none"
 
@@ -155,6 +162,13 @@ class Robot:
                 return None if joint is None else int(model.jnt_bodyid[joint])
             case _:
                 return None
+
+    def command_columns(self) -> tuple[str, ...]:
+        """One name per value of `ctrl`: `<actuator>`, or `<actuator>.0 .1 ...` where it has several inputs."""
+        columns: list[str] = []
+        for name, inputs in zip(self.names("actuator"), self.model.actuator_ctrlnum, strict=True):
+            columns += [name] if inputs == 1 else [f"{name}.{k}" for k in range(inputs)]
+        return tuple(columns)
 
     def sensor_columns(self) -> tuple[str, ...]:
         """One name per value of `sensordata`: `<sensor>`, or `<sensor>.0 .1 ...` where it has several values."""
