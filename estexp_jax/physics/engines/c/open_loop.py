@@ -21,7 +21,7 @@ from estexp_jax.physics.engines.c.stepping import LaneSteps, ShownVariable
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator, RowController
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
-from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
 from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
 from estexp_jax.physics.window import Window
 
@@ -64,7 +64,7 @@ class COpenLoop(OpenLoopSimulator):
 
     def _chunk_size(self, n: int, n_steps: int) -> int:
         model = self.robot.model
-        width = n_steps * (model.nsensordata + model.nq + model.nv + 2 * model.nu + 1)
+        width = n_steps * (model.nsensordata + model.nq + model.nv + model.nu + model.nactuator + 1)
         most = max(1, min(self.width, _NUMBERS // width))
         return min(most, max(_FEWEST, -(-n // cores())))
 
@@ -102,8 +102,7 @@ class COpenLoop(OpenLoopSimulator):
     def _advanced(
         self, prepared: _Prepared, state: LaneBatchState, drive: CommandSteps
     ) -> tuple[LaneBatchState, StepReadings]:
-        before = is_acceleration(self.robot)
         with np.errstate(all="ignore"):
-            after, found = prepared.steps.advance(state, drive, before, prepared.displayed)
+            after, found = prepared.steps.advance(state, drive, prepared.displayed)
         distort_readings(self.robot, self.catalogue, prepared.values, found.sensors)
         return after, found

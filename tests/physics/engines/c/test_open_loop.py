@@ -111,7 +111,7 @@ def window(robot: Robot, recordings: list[Recording], index: int = 0) -> Window:
 
 
 def plain(model: mujoco.MjModel, qpos: np.ndarray, part: Window) -> tuple[np.ndarray, np.ndarray]:
-    """Readings and configurations at rows of a loop over `mj_step`; accelerations of the step before."""
+    """Readings and configurations at rows of a loop over `mj_step`; accelerations as under the command before."""
     data, steps, gain, bias = (
         mujoco.MjData(model),
         part.steps,
@@ -124,13 +124,14 @@ def plain(model: mujoco.MjModel, qpos: np.ndarray, part: Window) -> tuple[np.nda
     for k in range(steps.n_steps + 1):
         now = min(k, steps.n_steps - 1)
         model.opt.timestep, on = steps.length[now], part.enable[steps.row[now]][:, None]
-        data.ctrl[:] = part.logged[now + 1]
-        model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * on, bias * on
-        if k == 0:
+        data.ctrl[:] = part.logged[max(now - (k in steps.sample and k < steps.n_steps), 0)]
+        if k in steps.sample:
             warmstart = data.qacc_warmstart.copy()
             mujoco.mj_forward(model, data)
             data.qacc_warmstart[:] = warmstart
         last, place = data.sensordata.copy(), data.qpos.copy()
+        data.ctrl[:] = part.logged[now]
+        model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * on, bias * on
         mujoco.mj_step(model, data)
         if k in steps.sample:
             readings.append(np.where(before, last, data.sensordata))
