@@ -154,7 +154,7 @@ def search_experiment(
     predicted = simulation.finer(finer).predict(time, motions + random_commands, limits)
     best = min(range(len(predicted)), key=lambda i: _cost(predicted[i], simulation, LIMIT_TOLERANCE))
     random_separation = np.median([np.nan_to_num(p.separation) for p in predicted[len(motions) :]], axis=0)
-    engine, reason = simulation.simulator.choice
+    engine, reason, _ = simulation.simulator.choice
     steps, choice = simulation.robot_steps[0], (engine, reason)
     commands = (motions + random_commands)[best]
     return ProposedExperiment(

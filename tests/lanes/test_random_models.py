@@ -180,7 +180,7 @@ def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(choice, "closed_loop_agreement", lambda *_: wrong)
     short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     instead = choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short)
-    assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
+    assert instead.choice.engine == "mjx" and "differs from plain MuJoCo" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
         choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
 
@@ -190,6 +190,6 @@ def test_replays_in_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytes
     monkeypatch.setattr(choice, "open_loop_agreement", lambda *_: wrong)
     one, effects = robot("cartpole"), catalogue(["body_mass"])
     instead = choice.open_loop_simulator(one, effects, [one])
-    assert instead.choice.engine == "c" and "differs from the converged C engine" in instead.choice.reason
+    assert instead.choice.engine == "c" and "differs from plain MuJoCo" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine c"):
         choice.open_loop_simulator(one, effects, [one], engine="lanes")
