@@ -147,9 +147,7 @@ def _read_point(
         found.covariance[:, speed] = track.covariance
 
 
-def _read_turn(
-    recording: Recording, place: slice, speed: slice, measured: PoseSamples, found: EstimatedMotion
-) -> None:
+def _read_turn(recording: Recording, place: slice, speed: slice, measured: PoseSamples, found: EstimatedMotion) -> None:
     """A quaternion, and the angular velocity in body axes: measured, else from the quaternion's derivative."""
     samples, spin = measured.turn, measured.spin
     nothing = np.full_like(samples, np.nan)

@@ -1,4 +1,4 @@
-"""Samples of the poses of free and ball joints: from their own columns, else from sensors of the body that they move."""
+"""Samples of the poses of free and ball joints: from their own columns, else from sensors of the body they move."""
 
 from __future__ import annotations
 

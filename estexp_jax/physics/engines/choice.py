@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
@@ -9,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from estexp_jax.errors import InputError, known
+from estexp_jax.lanes.capabilities import refusal
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
@@ -36,7 +38,7 @@ from estexp_jax.physics.window import Window
 Engine = Literal["auto", "lanes", "c", "mjx"]
 ENGINES: Sequence[Engine] = ("auto", "lanes", "c", "mjx")
 _STATES = 32
-"""States from which lanes are tried against the C engine before they are believed."""
+"""States from which closed loops are tried against the C engine before they are believed."""
 
 
 def choose_engine(
@@ -106,7 +108,8 @@ def closed_loop_simulator(
         engine: auto, lanes or mjx.
 
     Raises:
-        InputError: no engine can simulate the robot, or not the one that is wanted; C is none for closed loops.
+        InputError: no engine simulates the robot as MuJoCo does, or not the one that is wanted; C is none for closed
+            loops.
     """
     if engine == "c":
         what = "the C engine replays recordings, but drives no controllers"
@@ -124,7 +127,12 @@ def closed_loop_simulator(
         if found.agrees:
             return fast
         choice = _distrusted(engine, found, robot, "mjx")
-    return MjxClosedLoop(on_mjx, face, policy, rows, substeps, mjx_width(population), choice)
+    slow = MjxClosedLoop(on_mjx, face, policy, rows, substeps, mjx_width(population), choice)
+    found = closed_loop_agreement(slow, sample_states(robot, face, _STATES))
+    if not found.agrees:
+        what = "; ".join((f"the mjx engine, as compiled here, {found.sentence()}", *_unusual(robot)))
+        raise InputError(what, where=robot.source, right="leave out of the model what differs")
+    return slow
 
 
 def open_loop_simulator(
@@ -171,10 +179,20 @@ def open_loop_simulator(
             return replace(simulator, choice=EngineChoice(name, reason, found.largest))
         reason = f"the {name} engine, as it runs here, {found.sentence()}"
         tried.append(reason)
-    right = (
-        "use --engine auto" if engine != "auto" else "leave out what differs, or say which model this is in an issue"
-    )
-    raise InputError("; ".join(tried), where=robot.source, right=right)
+    raise InputError("; ".join((*tried, *_unusual(robot))), where=robot.source, right=_instead(engine))
+
+
+def _instead(engine: str) -> str:
+    """What to do where an engine, or all of them, simulate another robot than MuJoCo does."""
+    if engine == "auto":
+        return "leave out of the model what differs"
+    return "use --engine " + {"lanes": "mjx" if accelerated() else "c", "mjx": "c"}.get(engine, "auto")
+
+
+def _unusual(robot: Robot) -> tuple[str, ...]:
+    """What a robot has beyond the common, in words, by which a difference may be explained."""
+    reason = refusal(robot.model)
+    return () if reason is None else (f"the model has {re.sub(' (is|are) not supported$', '', reason)}",)
 
 
 def _candidates(engine: str) -> tuple[str, ...]:
