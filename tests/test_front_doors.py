@@ -23,7 +23,7 @@ ONLY_COMMANDS = {
     "explain": {"files", "out", "pictures", "force", "resume"},
     "propose": {"out", "force", "resume"},
     "record": set(),
-    "recover": {"out", "hardware", "healthy", "pictures", "force", "resume"},
+    "recover": {"root", "out", "hardware", "healthy", "pictures", "force", "resume"},
 }
 ONLY_PYTHON = {
     "check": {"model", "recordings"},

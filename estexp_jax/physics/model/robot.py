@@ -51,11 +51,16 @@ class Robot:
     source: str = "MJCF"
 
     @classmethod
-    def from_xml(cls, path: str | Path) -> Robot:
-        """Compile the MJCF or URDF at `path`; meshes and whatever else it refers to are read from its own folder.
+    def from_xml(cls, path: str | Path, root: str | Path | None = None) -> Robot:
+        """Compile the MJCF or URDF at `path`; meshes and whatever else it refers to are read from under its root.
+
+        Args:
+            path: of the model.
+            root: the folder that its files have to be under; None: the repository or package around it, else three
+                folders up.
 
         Raises:
-            InputError: there is no such file, it refers to what is not there or leads out of its folder, or it does not
+            InputError: there is no such file, it refers to what is not there or leads out of its root, or it does not
                 compile.
         """
         path = Path(path)
@@ -65,7 +70,7 @@ class Robot:
             )
         try:
             with warnings_suppressed():
-                return cls.from_spec(read_description(path), str(path))
+                return cls.from_spec(read_description(path, None if root is None else Path(root)), str(path))
         except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=str(path)) from None
 
