@@ -77,8 +77,8 @@ class OpenLoopSimulator(abc.ABC):
     dtype: ClassVar[type[np.floating]] = np.float32
 
     @abc.abstractmethod
-    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
-        """Constants of all blocks; `recording` is the index of each lane's."""
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
+        """Constants of all blocks; a window for each lane."""
 
     @abc.abstractmethod
     def _rested(self, prepared: Any, roll: RolledRows) -> Any:
@@ -175,7 +175,7 @@ class OpenLoopSimulator(abc.ABC):
             last = row + 1 == window.rows
             own = slice(steps.sample[row], steps.n_steps if last else steps.sample[row + 1])
             history, count = CommandHistory(time[: row + 1], np.array(rows)), own.stop - own.start
-            drive = self._row_steps(window, row, own, lambda *span, of=history: of.mean(*span, delay[0], source[0]))
+            drive = self._row_steps(window, row, own, lambda t, dt, of=history: of.mean(t, dt, delay[0], source[0]))
             state, part = self._advanced(prepared, state, drive)
             outputs.append(StepReadings(*(x[: count + last] for x in part)))
         commands = np.array(rows)
@@ -196,7 +196,7 @@ class OpenLoopSimulator(abc.ABC):
     def _started(self, values: Values, windows: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
         """Constants of all blocks, and the initial state of lanes."""
         model, n = self.robot.model, len(windows)
-        prepared = self._prepared(values, [s.recording for s in windows])
+        prepared = self._prepared(values, windows)
         qpos, qvel = initial_states(self.robot, self.catalogue, values, windows, self.dtype)
         act, warmstart = (np.zeros((n, k), self.dtype) for k in (model.na, model.nv))
         state = LaneBatchState(qpos, qvel, act, warmstart, {})

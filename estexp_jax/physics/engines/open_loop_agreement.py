@@ -18,6 +18,7 @@ from estexp_jax.physics.effects.changes import encode, stack
 from estexp_jax.physics.engines.agreement import HIGH, MEDIAN, Agreement
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.probes import Probes, probes_of
+from estexp_jax.physics.model.actuators import inputs_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
 from estexp_jax.physics.window import InitialState, Window
@@ -83,6 +84,7 @@ def _referee(robot: Robot, probes: Probes, converged: bool) -> _Expected:
     for i, (qpos, qvel, ctrl) in enumerate(zip(probes.qpos, probes.qvel, probes.ctrl, strict=True)):
         mujoco.mj_resetData(model, data)
         data.qpos[:], data.qvel[:], data.ctrl[:] = qpos, qvel, ctrl
+        _command_before(model, data)
         for row in range(_STEPS + 1):
             if row:
                 mujoco.mj_step(model, data)
@@ -90,6 +92,14 @@ def _referee(robot: Robot, probes: Probes, converged: bool) -> _Expected:
             mujoco.mj_forward(model, data)
             found.sensors[i, row], data.qacc_warmstart[:] = data.sensordata, warmstart
     return found
+
+
+def _command_before(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Let the commands have been in force for long, also of delayed actuators."""
+    for a in np.flatnonzero(model.actuator_history[:, 0] > 0).tolist():
+        n = int(model.actuator_history[a, 0])
+        values = np.tile(data.ctrl[list(inputs_of(model, a))], n)
+        mujoco.mj_initCtrlHistory(model, data, a, float(model.opt.timestep) * np.arange(-n, 0), values)
 
 
 def _errors(robot: Robot, found: _Expected, expected: _Expected) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.files import is_file, read_description
-from estexp_jax.physics.model.spec import freeze, spec_elements, with_masses, with_names
+from estexp_jax.physics.model.spec import freeze, set_timestep, spec_elements, with_masses, with_names
 from estexp_jax.physics.model.validation import refuse_invalid, refuse_unbounded, warnings_suppressed
 
 _TYPES = {
@@ -207,7 +207,7 @@ class Robot:
     def finer(self, parts: int) -> Robot:
         """The robot with a physics step that is a part of its own."""
         spec = self.spec.copy()
-        spec.option.timestep /= parts
+        set_timestep(spec, spec.option.timestep / parts)
         return Robot.from_spec(spec, self.source)
 
     def home(self) -> np.ndarray:

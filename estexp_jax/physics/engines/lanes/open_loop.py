@@ -26,6 +26,7 @@ from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
+from estexp_jax.physics.window import Window
 
 LANES_REPLAY = 72, 64
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
@@ -44,8 +45,8 @@ class LanesOpenLoop(EditedOpenLoop):
         """The robot in lanes."""
         return lanes_model(self.on_mjx, self.differing.fields)
 
-    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
-        overrides = self.overrides(recording)
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
+        overrides = self.overrides([s.recording for s in windows])
 
         def compile_it() -> Any:
             return lower(jax.vmap(self._edited, out_axes=-1), values, overrides).compile()
@@ -71,7 +72,7 @@ class LanesOpenLoop(EditedOpenLoop):
     def _advanced(
         self, prepared: Any, state: LaneBatchState, drive: CommandSteps
     ) -> tuple[LaneBatchState, StepReadings]:
-        carried = LaneBatchState(*map(_lanes_last, state[:-1]), state.hidden)
+        carried = LaneBatchState._make([*map(_lanes_last, state[:-1]), state.hidden])
         first = CommandSteps(*(x[: self.block] for x in drive))
 
         def compile_it() -> Any:

@@ -20,6 +20,7 @@ from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
+from estexp_jax.physics.window import Window
 
 MJX_REPLAY = 64, 256
 """Lanes in a chunk, and physics steps in a call."""
@@ -40,8 +41,8 @@ class MjxOpenLoop(EditedOpenLoop):
     def _key(self) -> tuple[int, ...]:
         return id(self.on_mjx), id(self.differing), id(self.robot), self.width, self.block
 
-    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
-        return values, self.overrides(recording)
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
+        return values, self.overrides([s.recording for s in windows])
 
     def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
         return _rested(self, *prepared, RolledRows(*map(_lanes_first, roll)))
