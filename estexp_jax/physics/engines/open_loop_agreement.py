@@ -52,8 +52,8 @@ def open_loop_agreement(
         windows: of recordings, from whose states it is tried as well.
         converged: whether the referee's solver is run until it has converged.
     """
-    probes = probes_of(robot, windows)
     with mujoco_warnings_suppressed():
+        probes = probes_of(robot, windows)
         expected = _referee(robot, probes, converged)
     errors, names = _errors(robot, _replayed(simulator, robot, probes), expected)
     return _judged(probes, errors, names)
@@ -62,11 +62,9 @@ def open_loop_agreement(
 def _replayed(simulator: OpenLoopSimulator, robot: Robot, probes: Probes) -> _Expected:
     step, n = float(robot.model.opt.timestep), len(probes.kind)
     time = step * np.arange(_STEPS + 1)
-    schedule, on = physics_steps(time, step), np.ones((len(time), robot.model.nactuator))
+    steps, on = physics_steps(time, step), np.ones((len(time), robot.model.nactuator))
     windows = [
-        Window(
-            0, 0, _STEPS, schedule, CommandHistory(time, np.tile(ctrl, (len(time), 1))), on, InitialState(qpos, qvel)
-        )
+        Window(0, 0, _STEPS, steps, CommandHistory(time, np.tile(ctrl, (len(time), 1))), on, InitialState(qpos, qvel))
         for ctrl, qpos, qvel in zip(probes.ctrl, probes.qpos, probes.qvel, strict=True)
     ]
     values = stack([encode(simulator.robot, simulator.catalogue, ())] * n)
