@@ -16,6 +16,7 @@ from estexp_jax.physics.engines.open_loop_inputs import command_routes
 from estexp_jax.physics.model.actuators import (
     actuator_of_input,
     affine_actuators,
+    declared_inputs,
     gear_of,
     inputs_of,
     position_input,
@@ -41,6 +42,7 @@ def test_addresses_follow_inputs_and_outputs(mixed: Robot) -> None:
     assert single_inputs(model).tolist() == [3, 4] == np.flatnonzero(affine_actuators(model)).tolist()
     assert gear_of(model, 3) == 2.0 and gear_of(model, 4) == 3.0  # the orientation servo has three outputs
     assert [position_input(model, a) for a in range(5)] == [None, None, 3, None, 6]
+    assert [[kind.name for kind in declared_inputs(model, a)] for a in (1, 2)] == [[], ["mjINPUT_POS", "mjINPUT_VEL"]]
     assert unusual_actuator(model) == (0, "3 inputs") and unusual_actuator(robot("cartpole").model) is None
 
 
