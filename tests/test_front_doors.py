@@ -46,6 +46,7 @@ WRONG = {
     "record": (("arm.xml", "out"), {"effects": "x"}, "known are: effect,"),
     "recover": ((None,), {"pases": 2}, "known are: passes,"),
     "rollout": ((None, [], None), {"gains": 3.0}, "known are: gain,"),
+    "simulate": (("nominal.xml", {}), {"begin": None}, "known are: "),
     "load_controller": ((), {"file": "a.npz"}, "known are: path"),
     "load_explained": ((), {"path": "out"}, "known are: folder"),
 }

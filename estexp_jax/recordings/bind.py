@@ -39,6 +39,7 @@ def read_recording(
     settings: Mapping[str, Any] | None = None,
     selection: Selection = Selection(),  # noqa: B008 frozen, so shared safely
     mend: bool = False,
+    commands_alone: bool = False,
 ) -> Recording:
     """Read a log (.csv, .npz, .parquet, .mcap, the folder of a LeRobot data set) and tie it to a robot.
 
@@ -50,6 +51,7 @@ def read_recording(
         settings: known differences of this recording; stored, not applied (see `apply_settings`).
         selection: which episode or clock of the log; its `wanted` columns are taken from `mapping`.
         mend: drop rows whose time does not increase and report them in the notes, instead of refusing the log.
+        commands_alone: take a log without any reading, too.
 
     Raises:
         InputError: the file cannot be read, or its contents do not fit the robot; names file, row and column.
@@ -61,7 +63,8 @@ def read_recording(
         if source.column in clocks and source.clock != clocks[source.column]:
             raise InputError(f"'{source.column}' is read by two clocks", where=str(path), right="one clock a column")
     table = read_table(path, replace(selection, wanted=requested, clocks=clocks))
-    return bind_columns(robot, table, role=role, mapping=mapping, settings=settings, mend=mend)
+    more = {"settings": settings, "mend": mend, "commands_alone": commands_alone}
+    return bind_columns(robot, table, role=role, mapping=mapping, **more)
 
 
 def column_names(robot: Robot) -> tuple[str, ...]:
@@ -93,6 +96,7 @@ def bind_columns(
     mapping: Mapping[str, Source] | None = None,
     settings: Mapping[str, Any] | None = None,
     mend: bool = False,
+    commands_alone: bool = False,
 ) -> Recording:
     """Tie a log's columns to a robot.
 
@@ -139,7 +143,7 @@ def bind_columns(
     first, note = first_command(commands, time, table.source)
     notes += [note] if note else []
     time, arrays = time[first:], {kind: values[first:] for kind, values in arrays.items()}
-    if not any(np.isfinite(arrays[kind]).any() for kind in _READING_KINDS):
+    if not (commands_alone or any(np.isfinite(arrays[kind]).any() for kind in _READING_KINDS)):
         names = ", ".join(name for name in _column_places(robot) if _kind(name) in _READING_KINDS)
         right = f"at least one column with samples of: {names}"
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
