@@ -12,7 +12,7 @@ from typing import final
 import numpy as np
 
 _ROUNDING = 1e-6
-"""An interval this little (relative) longer than whole steps counts as whole."""
+"""An interval that differs this little (relative) from whole steps counts as whole: logs round their times."""
 
 _JUST_BEFORE = 1e-6
 """Time before a row at which its command is not yet in force, s."""
@@ -80,7 +80,8 @@ def physics_steps(row_time: np.ndarray, timestep: float) -> CommandSchedule:
     count = np.maximum(1, np.ceil(interval / timestep - _ROUNDING)).astype(int)
     row = np.repeat(np.arange(len(interval)), count)
     sample = np.concatenate([[0], np.cumsum(count)])
-    length = (interval / count)[row]
+    each = interval / count
+    length = np.where(np.abs(each - timestep) <= _ROUNDING * timestep, timestep, each)[row]
     within = np.arange(len(row)) - sample[row]
     return CommandSchedule(row_time[row] + within * length, length, row, sample)
 
