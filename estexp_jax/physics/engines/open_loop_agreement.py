@@ -20,7 +20,7 @@ from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.probes import Probes, probes_of
 from estexp_jax.physics.model.actuators import inputs_of
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
+from estexp_jax.physics.model.validation import BLOWN_UP, mujoco_warnings_suppressed
 from estexp_jax.physics.window import InitialState, Window
 
 _STEPS = 2
@@ -89,6 +89,8 @@ def _referee(robot: Robot, probes: Probes, converged: bool) -> _Expected:
             warmstart, found.qvel[i, row] = data.qacc_warmstart.copy(), data.qvel
             mujoco.mj_forward(model, data)
             found.sensors[i, row], data.qacc_warmstart[:] = data.sensordata, warmstart
+        if any(data.warning[kind].number for kind in BLOWN_UP):
+            found.qvel[i] = np.nan
     return found
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import mujoco
 import pytest
 
 from estexp_jax.errors import InputError
@@ -61,6 +62,14 @@ def test_the_c_engine_agrees_to_the_last_bit_and_says_so() -> None:
 def test_what_an_engine_passes_over_is_found_and_named(what: dict[str, str], words: str) -> None:
     found = open_loop_agreement(on_c(arm()), arm(**what), converged=False)  # an engine without the feature
     assert not found.agrees and words in found.sentence()
+
+
+def test_states_in_which_mujoco_itself_gives_up_do_not_count() -> None:
+    weak = arm(actuator='kv="6"').spec.copy()
+    weak.actuator("servo").gainprm[0], weak.option.integrator = 1e13, mujoco.mjtIntegrator.mjINT_EULER
+    one = Robot.from_spec(weak)
+    found = on_c(one).choice
+    assert found.engine == "c" and found.largest_difference == 0.0
 
 
 def test_an_engine_that_differs_is_not_used_and_alone_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

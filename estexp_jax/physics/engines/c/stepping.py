@@ -14,9 +14,8 @@ from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.engines.c.motor_scales import MotorScales
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
+from estexp_jax.physics.model.validation import BLOWN_UP
 
-_WARNING = mujoco.mjtWarning
-_BLOWN_UP = [int(w) for w in (_WARNING.mjWARN_BADQPOS, _WARNING.mjWARN_BADQVEL, _WARNING.mjWARN_BADQACC)]
 _PER_STEP = {"damping": "dof_damping", "friction": "dof_frictionloss"}
 """Fields of the model to which parts of the step's table are added."""
 _STATE = ("qpos", "qvel", "act", "qacc_warmstart")
@@ -96,7 +95,7 @@ class LaneSteps:
             self._data["qacc_warmstart"][read] = warmstart
         if stepped.size:
             self._call(self._batch.step, stepped)
-        self._alive &= ~self._batch.warning[:, _BLOWN_UP, 1].any(axis=1)
+        self._alive &= ~self._batch.warning[:, BLOWN_UP, 1].any(axis=1)
         return after
 
     def _call(self, what: Callable[..., None], lanes: np.ndarray, **kwargs: Any) -> None:
