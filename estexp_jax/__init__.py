@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from estexp_jax.api.record import record
     from estexp_jax.api.recover import recover
     from estexp_jax.api.rollout import rollout
+    from estexp_jax.api.simulate import simulate
     from estexp_jax.api.simulator import load_explained
     from estexp_jax.physics.model.robot import Robot
 
@@ -33,6 +34,7 @@ _DOORS = {
     "recover": "estexp_jax.api.recover",
     "register": "estexp_jax.api.effects",
     "rollout": "estexp_jax.api.rollout",
+    "simulate": "estexp_jax.api.simulate",
 }
 __all__ = [
     "Robot",
@@ -46,6 +48,7 @@ __all__ = [
     "recover",
     "register",
     "rollout",
+    "simulate",
 ]
 
 

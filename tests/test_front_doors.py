@@ -23,7 +23,7 @@ ONLY_COMMANDS = {
     "explain": {"files", "out", "pictures", "force", "resume"},
     "propose": {"out", "force", "resume"},
     "record": set(),
-    "recover": {"out", "hardware", "healthy", "pictures", "force", "resume"},
+    "recover": {"root", "out", "hardware", "healthy", "pictures", "force", "resume"},
 }
 ONLY_PYTHON = {
     "check": {"model", "recordings"},
@@ -46,6 +46,7 @@ WRONG = {
     "record": (("arm.xml", "out"), {"effects": "x"}, "known are: effect,"),
     "recover": ((None,), {"pases": 2}, "known are: passes,"),
     "rollout": ((None, [], None), {"gains": 3.0}, "known are: gain,"),
+    "simulate": (("nominal.xml", {}), {"begin": None}, "known are: "),
     "load_controller": ((), {"file": "a.npz"}, "known are: path"),
     "load_explained": ((), {"path": "out"}, "known are: folder"),
 }

@@ -25,6 +25,7 @@ def check(
     *,
     test: Logs = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
+    root: str | Path | None = None,
 ) -> CheckResult:
     """Read and judge recordings: clock, units, sensors, saturation, lags, which joints move enough to tell what.
 
@@ -33,12 +34,13 @@ def check(
         recordings: a log or several: paths, a glob, data frames, dictionaries of arrays.
         test: logs that are kept for the test; as recordings.
         map: `ours=theirs` for logs with other column names.
+        root: folder under which the model finds its files; None: the repository or package around it, else three up.
 
     Raises:
         InputError: a keyword is wrong, or a file cannot be read.
     """
     files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
-    return check_inputs(read_inputs(files, test=tests, maps=list(map), mend=True))
+    return check_inputs(read_inputs(files, test=tests, maps=list(map), mend=True, root=root))
 
 
 def check_to_folder(options: CheckOptions, say: Callable[[str], object], show: Callable[[CheckResult], object]) -> None:
@@ -53,12 +55,13 @@ def check_to_folder(options: CheckOptions, say: Callable[[str], object], show: C
         InputError: a file cannot be read, or the folder cannot be used.
     """
     if options.init and len(options.files) == 1 and not (is_manifest(options.files) or options.test):
-        path = write_first_model(Robot.from_xml(options.files[0]), options.out or Path())
+        path = write_first_model(Robot.from_xml(options.files[0], options.root), options.out or Path())
         say(f"{path}: written; put the gains of your servos into it, they are guesses")
         return
     tests = [path for group in options.test for path in group]
     config = {"files": options.files, "test": tests, "map": options.map, "init": options.init}
-    inputs = None if options.init else read_inputs(options.files, test=tests, maps=options.map, mend=True)
+    read = None if options.init else read_inputs
+    inputs = read and read(options.files, test=tests, maps=options.map, mend=True, root=options.root)
     folder = None
     if options.out is not None:
         marker = {"command": "check", "config": config}
@@ -76,10 +79,10 @@ def check_to_folder(options: CheckOptions, say: Callable[[str], object], show: C
 def _begin_manifest(options: CheckOptions, tests: Sequence[str], say: Callable[[str], object]) -> Inputs | None:
     """Write a first manifest; what it names, if it can be read as it is."""
     path = (options.out or Path()) / "recordings.toml"
-    write_manifest(path, options.files, tests, options.map)
+    write_manifest(path, options.files, tests, options.map, options.root)
     say(f"{path}: written; see that its guesses are right")
     try:
-        inputs = read_inputs([str(path)], mend=True)
+        inputs = read_inputs([str(path)], mend=True, root=options.root)
         for sentence in dict.fromkeys(found for r in inputs.recordings for found in better_mappings(inputs.robot, r)):
             say(f"In doubt: {sentence}")
         return inputs

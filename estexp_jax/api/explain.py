@@ -40,6 +40,7 @@ def explain(
     *,
     test: Logs = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
+    root: str | Path | None = None,
     window: float | str = 2.0,
     most: int = 5,
     effects: Sequence[str] | None = (),
@@ -55,6 +56,7 @@ def explain(
         test: logs to prove it on; as recordings. Without any, the last recording is kept back; of a single one, its
             last 30 %.
         map: `ours=theirs` for logs with other column names.
+        root: folder under which the model finds its files; None: the repository or package around it, else three up.
         window: length of the windows compared, s; infinite or `full` for whole recordings.
         most: largest number of effects in an explanation.
         effects: names of the effects to consider; empty or None: all that it can, and those that were registered.
@@ -66,7 +68,7 @@ def explain(
         InputError: a keyword, a value or a file is wrong, or the model cannot be simulated.
     """
     files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
-    inputs = read_inputs(files, test=tests, maps=list(map))
+    inputs = read_inputs(files, test=tests, maps=list(map), root=root)
     config = explain_config_of(window, most, effects, seed, engine)
     return run_explanation(inputs, config, {}, progress or (lambda _: None))
 
@@ -87,7 +89,7 @@ def explain_to_folder(options: ExplainOptions) -> WrittenExplanation:
     """
     config = explain_config_of(options.window, options.most, options.effects, options.seed, options.engine)
     tests = [path for group in options.test for path in group]
-    inputs = read_inputs(options.files, test=tests, maps=options.map)
+    inputs = read_inputs(options.files, test=tests, maps=options.map, root=options.root)
     window = "full" if options.window == float("inf") else options.window
     files = {"files": options.files, "test": tests, "map": options.map, "window": window}
     chosen = {"most": config.most, "effects": config.effects, "seed": config.seed, "engine": config.engine}

@@ -20,6 +20,7 @@ def record(
     out: str | Path,
     *,
     effect: Sequence[str] = (),
+    root: str | Path | None = None,
     duration: float = 8.0,
     rate: float = 200.0,
     bits: int = 14,
@@ -34,6 +35,7 @@ def record(
         model: the nominal MJCF.
         out: the folder that the recordings go to.
         effect: effects that the robot has and its model lacks, each as "coulomb_friction@knee T=0.5".
+        root: folder under which the model finds its files; None: the repository or package around it, else three up.
         duration: of each recording, s.
         rate: rows a second.
         bits: resolution of the encoders.
@@ -47,7 +49,8 @@ def record(
     """
     chosen = (effect,) if isinstance(effect, str) else tuple(effect)
     config = {"duration": duration, "rate": rate, "bits": bits, "noise": noise, "seed": seed}
-    options = RecordOptions(Path(model), Path(out), chosen, **config, force=force, resume=resume)
+    folder = None if root is None else Path(root)
+    options = RecordOptions(Path(model), Path(out), chosen, folder, **config, force=force, resume=resume)
     return record_to_folder(options, lambda _: None)
 
 
@@ -62,7 +65,7 @@ def record_to_folder(options: RecordOptions, say: Callable[[str], object]) -> Re
         InputError: the model or an effect is wrong, or the folder cannot be used.
     """
     config = RecordConfig(options.duration, options.rate, options.bits, options.noise, options.seed)
-    robot = Robot.from_xml(options.model)
+    robot = Robot.from_xml(options.model, options.root)
     changes = tuple(parse_change(text, robot) for text in options.effect)
     marker = {"command": "record", "config": {"model": str(options.model), "effect": options.effect, **vars(config)}}
     for part in left_out_by("auto", robot):

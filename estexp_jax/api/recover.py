@@ -180,7 +180,7 @@ def recover_to_folder(options: RecoverOptions) -> None:
     if options.hardware is not None:  # before --force removes anything
         check_exchange_folder(options.hardware, fresh=fresh, force=options.force)
     model = options.model or model_path("quadruped")
-    robot = Robot.from_xml(model)
+    robot = Robot.from_xml(model, options.root)
     for part in reduced_to_mjx(robot).left_out:
         progress.say(f"Simulated without {part}")
     job = _job_of_options(robot, settings, options, progress)

@@ -19,6 +19,7 @@ import numpy as np
 import optax
 
 from estexp_jax.discovery.force_residual import ForceResidual, driven
+from estexp_jax.physics.model.actuators import actuator_of_input
 
 _HIDDEN = 32
 _ROUNDS, _STEPS, _BATCH = 12, 100, 512
@@ -82,7 +83,8 @@ def trained(model: mujoco.MjModel, residuals: Sequence[ForceResidual], window: f
         return None
     joints = model.dof_jntid[dofs]
     on_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-    motors = np.flatnonzero(on_joint & np.isin(model.actuator_trnid[:, 0], joints))
+    drives = on_joint & np.isin(model.actuator_trnid[:, 0], joints)
+    motors = np.flatnonzero(drives[actuator_of_input(model)])
     places = model.jnt_qposadr[joints]
     seen = np.concatenate(
         [

@@ -41,7 +41,8 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     every = singles(case.robot, catalogue(claimable(config.effects)))
     places = tuple(p for p in every if possible(case.robot, p, recordings))
     cut = window_set_of(case.robots, recordings, config.window)
-    simulator = replayer_of(case, config, simulated(config.effects), apart_in(case, cut.whole, case.indices("train")))
+    apart = apart_in(case, cut.whole, case.indices("train"))
+    simulator = replayer_of(case, config, simulated(config.effects), apart, cut.whole)
     channels = channels_of(case.robot, recordings)
     noise = deviations(channels, recordings)
     problem = Problem(Replays(simulator, channels, cut), recordings, memory, noise, places)
@@ -49,11 +50,19 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
 
 
 def replayer_of(
-    case: Case, config: ExplainConfig, effects: Sequence[str], apart: Sequence[tuple[int, int]]
+    case: Case,
+    config: ExplainConfig,
+    effects: Sequence[str],
+    apart: Sequence[tuple[int, int]],
+    windows: Sequence[Window],
 ) -> OpenLoopSimulator:
-    """Of the robots with effects of these names, without contacts between some pairs of their bodies."""
+    """Of the robots with effects of these names, without contacts between some pairs of their bodies.
+
+    The windows are the states from which engines are compared with MuJoCo; those of training recordings are.
+    """
     robot, *robots = _each(lambda r: r.without_contacts(apart), (case.robot, *case.robots))
-    return open_loop_simulator(robot, catalogue(effects), robots, engine=config.engine)
+    train = [w for w in windows if w.recording in case.indices("train")]
+    return open_loop_simulator(robot, catalogue(effects), robots, engine=config.engine, windows=train)
 
 
 def apart_in(
@@ -71,7 +80,9 @@ def shown_of(case: Case, config: ExplainConfig, whole: Problem) -> Problem:
     near = set(fitted) - set(every)
     if not near:
         return whole
-    simulator = replayer_of(case, config, [e.name for e in whole.replayer.catalogue], sorted(set(fitted) - near))
+    simulator = replayer_of(
+        case, config, [e.name for e in whole.replayer.catalogue], sorted(set(fitted) - near), whole.segments
+    )
     return replace(whole, replays=replace(whole.replays, replayer=simulator))
 
 

@@ -69,7 +69,7 @@ def explain(
     if jointly is not None:
         return jointly
     whole = problem_of(case, config, memory)
-    engine, reason = whole.replayer.choice
+    engine, reason, _ = whole.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
     settings = {name for r in case.recordings for name in r.settings}
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known_values(case.robot, settings))
@@ -174,7 +174,7 @@ def _unnamed(
         fresh = starting_late(case, config, fresh, problem.replays.began)
     apart = apart_in(case, whole.segments, case.indices("train"))
     unnamed = Unnamed(case.robot, fresh, parameters, selection, seen)
-    simulator = partial(replayer_of, case, config, apart=apart)
+    simulator = partial(replayer_of, case, config, apart=apart, windows=whole.segments)
     if nearer is not None and needed(case.robot, nearer):
         shorter = replace(unnamed, problem=shortened(case, config, whole), selection=nearer)
         found = yield from unknown_law_nearer(unnamed, shorter, simulator)

@@ -11,6 +11,7 @@ from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.portable import portable
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.spec import set_timestep
 
 
 def expressible(change: Change) -> bool:
@@ -28,7 +29,7 @@ def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> m
         e = effect(change.effect)
         if expressible(change):
             e.write_mjcf(robot, spec, change.name or "", change.values)
-    spec.option.timestep /= finer
+    set_timestep(spec, spec.option.timestep / finer)
     folder = Path(robot.source).resolve().parent
     if list(spec.meshes) or list(spec.hfields) or list(spec.skins):
         spec.compiler.meshdir = str(folder / spec.compiler.meshdir)

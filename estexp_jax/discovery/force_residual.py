@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 import mujoco
 import numpy as np
@@ -23,6 +23,7 @@ from scipy.ndimage import uniform_filter1d
 from estexp_jax.discovery.c_replay import switched
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.engines.motors import asked_torques, limited_commands
+from estexp_jax.physics.model.actuators import affine_actuators, first_input
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import StateEstimate
 
@@ -90,11 +91,14 @@ def force_residual(model: mujoco.MjModel, recording: Recording, path: StateEstim
 
 def _asked(model: mujoco.MjModel, recording: Recording, qpos: np.ndarray, qvel: np.ndarray) -> tuple[np.ndarray, ...]:
     """What commands ask of motors of hinges and slides, in all and beyond rest, and if one is on, (intervals, nv)."""
-    on_joint = np.flatnonzero(model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT))
+    on_joint = np.flatnonzero(affine_actuators(model) & (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)))
     a = np.array([i for i in on_joint if int(model.jnt_type[model.actuator_trnid[i, 0]]) in _SCALAR], int)
     joint = model.actuator_trnid[a, 0]
-    dof, command = model.jnt_dofadr[joint], np.asarray(limited_commands(model, recording.ctrl[:-1]))[:, a]
-    each = asked_torques(model, a, qpos[:, model.jnt_qposadr[joint]], qvel[:, dof], command)
+    dof, limited = model.jnt_dofadr[joint], np.asarray(limited_commands(model, recording.ctrl[:-1]))
+    command = limited[:, first_input(model)[a]]
+    each = asked_torques(
+        _by_actuator(model, a), np.arange(len(a)), qpos[:, model.jnt_qposadr[joint]], qvel[:, dof], command
+    )
     told, asked, on = (np.zeros_like(qvel) for _ in range(3))
     enable = recording.enable[:-1, a]
     for total, torques in zip((told, asked), each, strict=True):
@@ -103,6 +107,20 @@ def _asked(model: mujoco.MjModel, recording: Recording, qpos: np.ndarray, qvel: 
     for d, switch in zip(dof, enable.T, strict=True):
         on[:, d] = np.maximum(on[:, d], switch)
     return told, asked, on
+
+
+class _Motors(NamedTuple):
+    """Numbers of some motors, a row each, as of MuJoCo's model."""
+
+    actuator_gear: np.ndarray
+    actuator_gainprm: np.ndarray
+    actuator_biasprm: np.ndarray
+    actuator_biastype: np.ndarray
+
+
+def _by_actuator(model: mujoco.MjModel, a: np.ndarray) -> _Motors:
+    gear = model.actuator_gear[model.actuator_outadr[a]]
+    return _Motors(gear, model.actuator_gainprm[a], model.actuator_biasprm[a], model.actuator_biastype[a])
 
 
 def force_residuals(problem: Problem, models: Sequence[mujoco.MjModel], which: Sequence[int]) -> list[ForceResidual]:

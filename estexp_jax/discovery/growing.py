@@ -19,6 +19,7 @@ from estexp_jax.discovery.screening import extended, looked_at, slot
 from estexp_jax.discovery.selection import Explanation, Fold, folds_of
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.effects.registry import effect, every
+from estexp_jax.physics.effects.sites import driven_actuators
 from estexp_jax.physics.model.robot import Robot
 
 _NEAR, RIVALS = 2.0, 1.3
@@ -176,7 +177,7 @@ def bases_of(found: Standing) -> list[Fit]:
 
 def alike_while_on(robot: Robot, joints: Sequence[Place]) -> list[Place]:
     """What motors do to joints just as some effects do there, while these motors are on."""
-    driven = [(a, robot.joint_of_actuator(i)) for i, a in enumerate(robot.names("actuator"))]
+    driven = [(robot.names("actuator")[i], robot.joint_of_actuator(i)) for i in driven_actuators(robot)]
     named = [(a, robot.names("joint")[j]) for a, j in driven if j is not None]
     return [(e.name, a) for e in every() for a, j in named if (e.alike_while_on, j) in joints]
 

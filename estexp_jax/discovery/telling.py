@@ -80,12 +80,13 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     if refused or (judged == "unexplained" and not better(case, config, shown)):
         judged, found = "unexplained", _unchanged(found)
         shown = _shown(found)
-    final, claimed = found.fits["explained"], found.claimed
+    final, claimed, engine = found.fits["explained"], found.claimed, found.problem.replayer.choice
     changes, shares = _at_work(final), probabilities(found.selection, config.seed)
     body = {
         "schema": "estexp.findings/1",
         "verdict": judged,
         **_told(case, config, found, shown, judged, step, shares),
+        "engine": {"name": engine.engine, "largest_difference": engine.largest_difference},
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": found.problem.counted[0]},
         "seed": config.seed,

@@ -8,6 +8,7 @@ from typing import final
 import mujoco
 import numpy as np
 
+from estexp_jax.estimation.pose_samples import PoseSamples, pose_samples
 from estexp_jax.estimation.smoother import SmoothedTrack, smooth
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.reading_noise import noise_std_of
@@ -45,8 +46,8 @@ def estimate_motion(robot: Robot, recording: Recording) -> EstimatedMotion:
     """Estimate the state at every row.
 
     Joint positions are read from `qpos` columns, else from joint position sensors; speeds from `qvel` columns, else
-    from joint velocity sensors, if there are any. A smoother combines both. Free and ball joints are read from their
-    columns only.
+    from joint velocity sensors, if there are any. A smoother combines both. Free and ball joints are read as
+    `pose_samples` says.
 
     Args:
         robot: the nominal robot with the recording's settings.
@@ -58,7 +59,7 @@ def estimate_motion(robot: Robot, recording: Recording) -> EstimatedMotion:
     _read_scalar(robot, recording, found)
     for joint in range(model.njnt):
         if int(model.jnt_type[joint]) in (_FREE, _BALL):
-            _read_freely(model, joint, recording, found)
+            _read_freely(robot, joint, recording, found)
     return found
 
 
@@ -125,27 +126,30 @@ def _samples(robot: Robot, recording: Recording, joint: int, column: np.ndarray,
     return None, None
 
 
-def _read_freely(model: mujoco.MjModel, joint: int, recording: Recording, found: EstimatedMotion) -> None:
-    """Write the states of a free or ball joint from its columns, in place."""
+def _read_freely(robot: Robot, joint: int, recording: Recording, found: EstimatedMotion) -> None:
+    """Write the states of a free or ball joint, in place."""
+    model, samples = robot.model, pose_samples(robot, recording, joint)
     q, v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
     if int(model.jnt_type[joint]) == _FREE:
-        _read_point(recording, slice(q, q + 3), slice(v, v + 3), found)
+        _read_point(recording, slice(q, q + 3), slice(v, v + 3), samples, found)
         q, v = q + 3, v + 3
-    _read_turn(recording, slice(q, q + 4), slice(v, v + 3), found)
+    _read_turn(recording, slice(q, q + 4), slice(v, v + 3), samples, found)
 
 
-def _read_point(recording: Recording, place: slice, speed: slice, found: EstimatedMotion) -> None:
+def _read_point(
+    recording: Recording, place: slice, speed: slice, measured: PoseSamples, found: EstimatedMotion
+) -> None:
     """A free joint's position and the speed in world axes."""
-    samples, derivatives = recording.qpos[:, place], recording.qvel[:, speed]
+    samples, derivatives = measured.place, measured.speed
     if np.isfinite(samples).any(axis=0).all():
         track = _track(recording, samples, derivatives)
         found.trajectory.qpos[:, place], found.trajectory.qvel[:, speed] = track.value, track.slope
         found.covariance[:, speed] = track.covariance
 
 
-def _read_turn(recording: Recording, place: slice, speed: slice, found: EstimatedMotion) -> None:
+def _read_turn(recording: Recording, place: slice, speed: slice, measured: PoseSamples, found: EstimatedMotion) -> None:
     """A quaternion, and the angular velocity in body axes: measured, else from the quaternion's derivative."""
-    samples, spin = recording.qpos[:, place], recording.qvel[:, speed]
+    samples, spin = measured.turn, measured.spin
     nothing = np.full_like(samples, np.nan)
     if np.isfinite(samples).any(axis=0).all():
         track = _track(recording, _steady(samples), nothing)

@@ -94,7 +94,7 @@ def _mass_matrices(data: Dataset, robots: Sequence[Robot]) -> tuple[np.ndarray, 
     holders = {id(r): mujoco.MjData(r.model) for r in robots}
     for w in data.windows:
         model, at = robots[w.recording].model, holders[id(robots[w.recording])]
-        at.qpos[:], at.qvel[:], at.ctrl[:] = w.start.qpos, w.start.qvel, w.logged[1]
+        at.qpos[:], at.qvel[:], at.ctrl[:] = w.start.qpos, w.start.qvel, w.logged[0]
         mujoco.mj_forward(model, at)
         full = np.zeros((model.nv, model.nv))
         mujoco.mj_fullM(model, at, full)

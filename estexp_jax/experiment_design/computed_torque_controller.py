@@ -10,7 +10,8 @@ from typing import final
 import mujoco
 import numpy as np
 
-from estexp_jax.experiment_design.excitation import excitation_range, is_position_command
+from estexp_jax.experiment_design.excitation import excitation_range
+from estexp_jax.physics.model.actuators import affine_actuators, first_input, gear_of, position_input
 from estexp_jax.physics.model.robot import Robot
 
 _REACH = {int(mujoco.mjtJoint.mjJNT_HINGE): 0.6, int(mujoco.mjtJoint.mjJNT_SLIDE): 0.2}
@@ -34,8 +35,8 @@ def torque_motors(robot: Robot) -> tuple[int, ...]:
     fixed, none = int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE)
     plain = (model.actuator_gaintype == fixed) & (model.actuator_biastype == none)
     plain &= (model.actuator_dyntype == int(mujoco.mjtDyn.mjDYN_NONE)) & (model.actuator_gainprm[:, 0] != 0.0)
-    plain &= model.actuator_gear[:, 0] != 0.0
-    driven = [robot.joint_of_actuator(a) for a in range(model.nu)]
+    plain &= affine_actuators(model) & (model.actuator_gear[model.actuator_outadr, 0] != 0.0)
+    driven = [robot.joint_of_actuator(a) for a in range(model.nactuator)]
     alone = [a for a in np.flatnonzero(plain).tolist() if driven.count(driven[a]) == 1]
     return tuple(a for a in alone if driven[a] in robot.scalar_joints)
 
@@ -51,7 +52,8 @@ def controlled_commands(
         commands: (rows, nu) of an excitation; those of other actuators are passed on unchanged.
         period: time between rows, s.
     """
-    at, (centre, usual), (middle, reach) = list(motors), excitation_range(robot), _joint_reach(robot, motors)
+    at, (centre, usual) = first_input(robot.model)[list(motors)], excitation_range(robot)
+    middle, reach = _joint_reach(robot, motors)
     share = (commands[:, at] - centre[at]) / usual[at]
     return ComputedTorqueController(robot, commands, motors, middle + reach * share, period)
 
@@ -62,10 +64,10 @@ def planned_path(robot: Robot, motors: tuple[int, ...], commands: np.ndarray, pe
     The joints of motors move as of `controlled_commands`, those of servos as commanded. Arguments as there.
     """
     model, path = robot.model, np.tile(robot.home(), (len(commands), 1))
-    for a in range(model.nu):
-        joint, gear = robot.joint_of_actuator(a), model.actuator_gear[a, 0]
-        if joint in robot.scalar_joints and is_position_command(model, a) and gear != 0.0:
-            path[:, model.jnt_qposadr[joint]] = commands[:, a] / gear
+    for a in range(model.nactuator):
+        joint, gear, target = robot.joint_of_actuator(a), gear_of(model, a), position_input(model, a)
+        if joint in robot.scalar_joints and target is not None and gear != 0.0:
+            path[:, model.jnt_qposadr[joint]] = commands[:, target] / gear
     if motors:
         path[:, model.jnt_qposadr[_joints(robot, motors)]] = controlled_commands(robot, motors, commands, period).path[
             0
@@ -132,7 +134,8 @@ class ComputedTorqueController:
         asked[dofs] = pace + fast**2 * (where - qpos[places]) + 2.0 * fast * (speed - qvel[dofs])
         torque = (inertia @ asked + data.qfrc_bias - data.qfrc_passive)[dofs]
         found = self.commands[row].copy()
-        found[motors] = torque / (model.actuator_gear[motors, 0] * model.actuator_gainprm[motors, 0])
+        gear = model.actuator_gear[model.actuator_outadr[motors], 0]
+        found[first_input(model)[motors]] = torque / (gear * model.actuator_gainprm[motors, 0])
         low, high = np.where(model.actuator_ctrllimited[:, None], model.actuator_ctrlrange, [-np.inf, np.inf]).T
         return np.clip(found, low, high)
 

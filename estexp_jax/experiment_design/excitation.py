@@ -7,6 +7,13 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import (
+    actuator_of_input,
+    affine_actuators,
+    gear_of,
+    inputs_of,
+    position_input,
+)
 from estexp_jax.physics.model.robot import Robot
 
 _SINES = 5
@@ -85,22 +92,25 @@ def excitation_range(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """
     model, home = robot.model, robot.home()
     centre, reach = np.zeros(model.nu), np.ones(model.nu)
-    for a in range(model.nu):
+    affine = affine_actuators(model)
+    for k, a in enumerate(actuator_of_input(model).tolist()):
         joint = robot.joint_of_actuator(a)
-        if is_position_command(model, a) and joint in robot.scalar_joints:
-            centre[a] = home[model.jnt_qposadr[joint]] * model.actuator_gear[a, 0]
-            reach[a] = _REACH
-        elif model.actuator_forcelimited[a]:
-            reach[a] = np.abs(model.actuator_forcerange[a]).max() / max(abs(model.actuator_gainprm[a, 0]), 1e-9)
-        if model.actuator_ctrllimited[a]:
-            low, high = model.actuator_ctrlrange[a]
-            if not low < centre[a] < high:
-                centre[a] = (low + high) / 2.0
-            reach[a] = min(reach[a], high - centre[a], centre[a] - low)
+        if k == position_input(model, a) and joint in robot.scalar_joints:
+            centre[k] = home[model.jnt_qposadr[joint]] * gear_of(model, a)
+            reach[k] = _REACH
+        elif affine[a] and model.actuator_forcelimited[a]:
+            reach[k] = np.abs(model.actuator_forcerange[a]).max() / max(abs(model.actuator_gainprm[a, 0]), 1e-9)
+        elif int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_SO3):
+            centre[k], reach[k] = float(_is_real_part(model, k, a)), _REACH
+        if model.actuator_ctrllimited[k]:
+            low, high = model.actuator_ctrlrange[k]
+            if not low < centre[k] < high:
+                centre[k] = (low + high) / 2.0
+            reach[k] = min(reach[k], high - centre[k], centre[k] - low)
     return centre, reach
 
 
-def is_position_command(model: mujoco.MjModel, actuator: int) -> bool:
-    """Whether an actuator's command is a position."""
-    biased = int(model.actuator_biastype[actuator]) != int(mujoco.mjtBias.mjBIAS_NONE)
-    return bool(biased and model.actuator_biasprm[actuator, 1] != 0.0)
+def _is_real_part(model: mujoco.MjModel, command: int, actuator: int) -> bool:
+    """Whether a command of an orientation servo is the real part of a quaternion."""
+    is_quaternion = int(model.actuator_ctrlspec[actuator]) == int(mujoco.mjtCtrlChart.mjCHART_QUAT)
+    return is_quaternion and command == inputs_of(model, actuator)[0]

@@ -113,7 +113,7 @@ class PredictiveSimulation:
         robot = self.simulator.robot
         model, rows = robot.model, len(time)
         sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
-        recording = Recording("proposed", time, commands, np.ones((rows, model.nu)), sensor, qpos, qvel)
+        recording = Recording("proposed", time, commands, np.ones((rows, model.nactuator)), sensor, qpos, qvel)
         start = InitialState(robot.home(), np.zeros(model.nv))
         return window_of([recording], 0, (0, rows - 1), self.timestep, start)
 

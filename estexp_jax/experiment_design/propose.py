@@ -28,6 +28,7 @@ from estexp_jax.experiment_design.separation import (
 )
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import open_loop_simulator
+from estexp_jax.physics.model.actuators import actuator_of_input
 from estexp_jax.physics.model.clearance import without_collisions
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.search.driver import evolve
@@ -153,7 +154,7 @@ def search_experiment(
     predicted = simulation.finer(finer).predict(time, motions + random_commands, limits)
     best = min(range(len(predicted)), key=lambda i: _cost(predicted[i], simulation, LIMIT_TOLERANCE))
     random_separation = np.median([np.nan_to_num(p.separation) for p in predicted[len(motions) :]], axis=0)
-    engine, reason = simulation.simulator.choice
+    engine, reason, _ = simulation.simulator.choice
     steps, choice = simulation.robot_steps[0], (engine, reason)
     commands = (motions + random_commands)[best]
     return ProposedExperiment(
@@ -170,7 +171,7 @@ def _unlimited(robot: Robot, competing: CompetingModels) -> np.ndarray:
     for joint in np.flatnonzero(model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).tolist():
         held[model.jnt_dofadr[joint] : model.jnt_dofadr[joint] + 6] = True
     joints = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-    for a, (low, high) in enumerate(competing.commands):
+    for a, (low, high) in zip(actuator_of_input(model), competing.commands, strict=True):
         if low == high and int(model.actuator_trntype[a]) in joints:
             held[model.jnt_dofadr[model.actuator_trnid[a, 0]]] = True
     return held

@@ -95,7 +95,7 @@ class HardwareTarget:
         return trial
 
     def _ask(self, number: int, asked: Path, controller: Controller, predicted: Trial) -> None:
-        motors = self._robot.names("actuator")
+        motors = self._robot.command_columns()
         columns = {f"ctrl.{name}": column for name, column in zip(motors, predicted.commands.T, strict=True)}
         # The controller comes last: where it is, the commands are too.
         write_csv(self._folder / f"commands_{number}.csv", {"time": predicted.time, **columns})

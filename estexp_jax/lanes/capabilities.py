@@ -115,8 +115,10 @@ def _joints(model: mujoco.MjModel) -> Iterator[str]:
 
 def _actuators(model: mujoco.MjModel) -> Iterator[str]:
     gains, biases = mujoco.mjtGain, mujoco.mjtBias
-    for a in range(model.nu):
+    for a in range(model.nactuator):
         name = _name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, a)
+        if int(model.actuator_ctrlnum[a]) != 1 or int(model.actuator_outnum[a]) != 1:
+            yield f"actuator '{name}' with several inputs or none is not supported"
         if int(model.actuator_trntype[a]) != mujoco.mjtTrn.mjTRN_JOINT:
             yield f"the transmission of actuator '{name}' is not supported"
         elif int(model.jnt_type[model.actuator_trnid[a, 0]]) not in (_JOINT.mjJNT_HINGE, _JOINT.mjJNT_SLIDE):

@@ -12,8 +12,10 @@ from typing import final
 import numpy as np
 
 _ROUNDING = 1e-6
-"""An interval this little (relative) longer than whole steps counts as whole."""
+"""An interval that differs this little (relative) from whole steps counts as whole: logs round their times."""
 
+_JUST_BEFORE = 1e-6
+"""Time before a row at which its command is not yet in force, s."""
 _RESTING = 0.05
 """Share of its greatest speed below which a robot counts as resting."""
 _SMOOTH = 0.5
@@ -28,8 +30,8 @@ class CommandSchedule:
     Attributes:
         start: (steps,) time at which each step begins, s.
         length: (steps,) its length, s.
-        row: (steps,) index of the row whose command is in force.
-        sample: (rows,) index of the step that begins at each row; the last is one past the end.
+        row: (steps,) index of the row whose command is in force; -1 before the first one.
+        sample: (rows,) index of the step that begins at each row; without pauses, the last is one past the end.
     """
 
     start: np.ndarray
@@ -41,6 +43,30 @@ class CommandSchedule:
     def n_steps(self) -> int:
         """Number of physics steps."""
         return len(self.start)
+
+    @property
+    def end(self) -> float:
+        """Time at which the last step ends, s."""
+        return float(self.start[-1] + self.length[-1])
+
+    def with_pauses(self) -> CommandSchedule:
+        """The same with one more step at each row, without length, in which the command before the row is in force.
+
+        Sensors of forces and accelerations are read there: at the row's time, before its command acts.
+        """
+        rows, at = np.arange(len(self.sample)), self.sample
+        time = np.append(self.start[at[:-1]], self.end)
+        return CommandSchedule(
+            np.insert(self.start, at, time),
+            np.insert(self.length, at, 0.0),
+            np.insert(self.row, at, rows - 1),
+            at + rows,
+        )
+
+    def command_spans(self) -> tuple[np.ndarray, np.ndarray]:
+        """Start and length (steps,), s, of the times whose mean command is each step's; a pause's is just before it."""
+        pause = self.length == 0.0
+        return np.where(pause, self.start - _JUST_BEFORE, self.start), np.where(pause, _JUST_BEFORE, self.length)
 
 
 def physics_steps(row_time: np.ndarray, timestep: float) -> CommandSchedule:
@@ -54,7 +80,8 @@ def physics_steps(row_time: np.ndarray, timestep: float) -> CommandSchedule:
     count = np.maximum(1, np.ceil(interval / timestep - _ROUNDING)).astype(int)
     row = np.repeat(np.arange(len(interval)), count)
     sample = np.concatenate([[0], np.cumsum(count)])
-    length = (interval / count)[row]
+    each = interval / count
+    length = np.where(np.abs(each - timestep) <= _ROUNDING * timestep, timestep, each)[row]
     within = np.arange(len(row)) - sample[row]
     return CommandSchedule(row_time[row] + within * length, length, row, sample)
 

@@ -18,7 +18,7 @@ class Recording:
         name: file name it came from, with extension.
         time: (rows,) in s, strictly increasing.
         ctrl: (rows, nu) the command in force from each row on, in the actuator's control unit.
-        enable: (rows, nu) 1.0 where the motor is on from this row on, else 0.0.
+        enable: (rows, nactuator) 1.0 where the motor is on from this row on, else 0.0.
         sensor: (rows, nsensordata) readings, taken before the row's command acts.
         qpos: (rows, nq) measured configuration; NaN where nothing measured it.
         qvel: (rows, nv) measured velocity; NaN where nothing measured it.

@@ -12,8 +12,6 @@ import numpy as np
 from estexp_jax.physics.command_schedule import CommandHistory, CommandSchedule, command_before, physics_steps
 from estexp_jax.physics.recording import Recording
 
-_JUST_BEFORE = 1e-6
-"""Time before a row at which its command is not yet in force, s."""
 _SHORTEST = 1e-3
 """Shortest time that a command of a past row is the mean of, s."""
 
@@ -40,7 +38,8 @@ class PastRows(NamedTuple):
 
     Attributes:
         qpos, qvel: (rows, nq), (rows, nv).
-        ctrl, enable: (rows, nu).
+        ctrl: (rows, nu).
+        enable: (rows, nactuator).
         length: (rows,) time until the next of these rows, s; of the last one 0.
     """
 
@@ -80,7 +79,7 @@ class Window:
         first, last: rows.
         steps: physics steps between the rows.
         history: the whole recording's commands, for delayed ones.
-        enable: (rows of the recording, nu).
+        enable: (rows of the recording, nactuator).
         start: the state it starts from.
         path: states in the whole recording, for effects with hidden variables; None: at rest before the start.
         memory: most rows before its first one that hidden variables are rolled along; None: all.
@@ -111,10 +110,14 @@ class Window:
         """The same at another step, s."""
         return replace(self, steps=physics_steps(self.history.time[self.first : self.last + 1], timestep))
 
+    @cached_property
+    def with_pauses(self) -> Window:
+        """The same with a step without length at each row, as `CommandSchedule.with_pauses`."""
+        return replace(self, steps=self.steps.with_pauses())
+
     def commands(self, shift: np.ndarray, source: np.ndarray) -> np.ndarray:
-        """Commands (1 + steps, nu) just before the first row and in each step, as `CommandHistory.mean`."""
-        start = np.concatenate([self.steps.start[:1] - _JUST_BEFORE, self.steps.start])
-        return self.history.mean(start, np.concatenate([[_JUST_BEFORE], self.steps.length]), shift, source)
+        """Commands (steps, nu) in each step, as `CommandHistory.mean`."""
+        return self.history.mean(*self.steps.command_spans(), shift, source)
 
     @cached_property
     def logged(self) -> np.ndarray:
@@ -123,8 +126,8 @@ class Window:
 
     @cached_property
     def switched_on(self) -> np.ndarray:
-        """Which motors were on (1 + steps, nu), just before the first row and in each step."""
-        return self.enable[np.concatenate([[max(self.first - 1, 0)], self.first + self.steps.row])]
+        """Which motors were on (steps, nactuator) in each step."""
+        return self.enable[np.maximum(self.first + self.steps.row, 0)]
 
     def past(self, rows: int, shift: np.ndarray, source: np.ndarray) -> PastRows:
         """At most so many rows, with commands as `CommandHistory.mean`; where no path is known, only the start."""
@@ -145,7 +148,7 @@ class Window:
         return PastRows(path.qpos[:k], path.qvel[:k], self.history.logged[:k], self.enable[:k], length)
 
     def _as_logged(self) -> tuple[np.ndarray, np.ndarray]:
-        n = self.enable.shape[1]
+        n = self.history.logged.shape[1]
         return np.zeros(n), np.arange(n)
 
 

@@ -15,6 +15,7 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.clocks import check_overlap, first_command, longest_run, row_times, sampled_span
 from estexp_jax.recordings.columns import LARGEST, Source
+from estexp_jax.recordings.first_inputs import several_inputs, with_first_inputs
 from estexp_jax.recordings.mend import strictly_increasing
 from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import PREFIXES, Selection, Table
@@ -38,6 +39,7 @@ def read_recording(
     settings: Mapping[str, Any] | None = None,
     selection: Selection = Selection(),  # noqa: B008 frozen, so shared safely
     mend: bool = False,
+    commands_alone: bool = False,
 ) -> Recording:
     """Read a log (.csv, .npz, .parquet, .mcap, the folder of a LeRobot data set) and tie it to a robot.
 
@@ -49,6 +51,7 @@ def read_recording(
         settings: known differences of this recording; stored, not applied (see `apply_settings`).
         selection: which episode or clock of the log; its `wanted` columns are taken from `mapping`.
         mend: drop rows whose time does not increase and report them in the notes, instead of refusing the log.
+        commands_alone: take a log without any reading, too.
 
     Raises:
         InputError: the file cannot be read, or its contents do not fit the robot; names file, row and column.
@@ -60,7 +63,8 @@ def read_recording(
         if source.column in clocks and source.clock != clocks[source.column]:
             raise InputError(f"'{source.column}' is read by two clocks", where=str(path), right="one clock a column")
     table = read_table(path, replace(selection, wanted=requested, clocks=clocks))
-    return bind_columns(robot, table, role=role, mapping=mapping, settings=settings, mend=mend)
+    more = {"settings": settings, "mend": mend, "commands_alone": commands_alone}
+    return bind_columns(robot, table, role=role, mapping=mapping, **more)
 
 
 def column_names(robot: Robot) -> tuple[str, ...]:
@@ -76,7 +80,7 @@ def check_names(robot: Robot, names: Iterable[str], where: str) -> None:
     """
     choices = column_names(robot)
     for name in names:
-        if name not in choices:
+        if name not in choices and name not in several_inputs(robot):
             kind = next((prefix for prefix in PREFIXES if name.startswith(prefix)), "")
             right = known(choice for choice in choices if choice.startswith(kind))
             if robot.remedy and kind in ("ctrl.", "enable.", "sensor."):
@@ -92,14 +96,16 @@ def bind_columns(
     mapping: Mapping[str, Source] | None = None,
     settings: Mapping[str, Any] | None = None,
     mend: bool = False,
+    commands_alone: bool = False,
 ) -> Recording:
     """Tie a log's columns to a robot.
 
     A column is used if `mapping` names it as a source, or if it has one of our names that is not mapped. Our names are
     `time`, `ctrl.<actuator>`, `enable.<actuator>`, `sensor.<sensor>`, `qpos.<joint>` and `qvel.<joint>`, with
-    `.0 .1 ...` where there are several values. Other columns are ignored and listed in the notes. An empty command or
-    switch repeats the last one; a motor is on until a switch says otherwise. Rows before the first command of every
-    actuator are left out.
+    `.0 .1 ...` where there are several values; `ctrl.<actuator>` of one with several inputs is the first of them, the
+    others then at zero, as MuJoCo has them until they are set. Other columns are ignored and listed in the notes. An
+    empty command or switch repeats the last one; a motor is on until a switch says otherwise. Rows before the first
+    command of every actuator are left out.
 
     Args: as for `read_recording`.
 
@@ -107,7 +113,7 @@ def bind_columns(
         InputError: time is missing or does not increase; an actuator has no commands; two columns have clocks that do
             not overlap; there is no reading; a name is not on the robot; or a used column holds a text or infinity.
     """
-    sources = _sources(robot, table, mapping or {})
+    sources, input_notes = with_first_inputs(robot, _sources(robot, table, mapping or {}))
     notes: list[str] = []
     if "time" in sources:
         table, note = longest_run(table, sources["time"])
@@ -116,7 +122,7 @@ def bind_columns(
         table, note = strictly_increasing(table, sources["time"])
         notes += [note] if note else []
     time = _time(table, sources)
-    sizes = {"ctrl": robot.model.nu, "enable": robot.model.nu, "sensor": robot.model.nsensordata}
+    sizes = {"ctrl": robot.model.nu, "enable": robot.model.nactuator, "sensor": robot.model.nsensordata}
     sizes |= {"qpos": robot.model.nq, "qvel": robot.model.nv}
     arrays = {kind: np.full((len(time), size), np.nan) for kind, size in sizes.items()}
     arrays["enable"][:] = 1.0
@@ -137,11 +143,11 @@ def bind_columns(
     first, note = first_command(commands, time, table.source)
     notes += [note] if note else []
     time, arrays = time[first:], {kind: values[first:] for kind, values in arrays.items()}
-    if not any(np.isfinite(arrays[kind]).any() for kind in _READING_KINDS):
+    if not (commands_alone or any(np.isfinite(arrays[kind]).any() for kind in _READING_KINDS)):
         names = ", ".join(name for name in _column_places(robot) if _kind(name) in _READING_KINDS)
         right = f"at least one column with samples of: {names}"
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
-    notes += [*table.notes, *_notes(table, sources)]
+    notes += [*table.notes, *input_notes, *_notes(table, sources)]
     name = printable(table.label or Path(table.source).name)
     return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=tuple(notes))
 
@@ -149,8 +155,8 @@ def bind_columns(
 def _column_places(robot: Robot) -> dict[str, tuple[str, int]]:
     """Each of our column names except `time`, with its array and its column in that array."""
     places: dict[str, tuple[str, int]] = {}
-    for kind in ("ctrl", "enable"):
-        places |= {f"{kind}.{name}": (kind, index) for index, name in enumerate(robot.names("actuator"))}
+    for kind, names in (("ctrl", robot.command_columns()), ("enable", robot.names("actuator"))):
+        places |= {f"{kind}.{name}": (kind, index) for index, name in enumerate(names)}
     places |= {f"sensor.{name}": ("sensor", index) for index, name in enumerate(robot.sensor_columns())}
     model = robot.model
     for kind, width, addresses in (("qpos", 0, model.jnt_qposadr), ("qvel", 1, model.jnt_dofadr)):
@@ -173,7 +179,7 @@ def _sources(robot: Robot, table: Table, mapping: Mapping[str, Source]) -> dict[
     """The source of each of our columns that is in this log."""
     check_names(robot, mapping, "mapping")
     theirs = {column for source in mapping.values() for column in source.columns}
-    choices = set(column_names(robot))
+    choices = {*column_names(robot), *several_inputs(robot)}
     own: dict[str, Source] = {}
     for name in table.names:
         if name not in choices and name in theirs:

@@ -41,7 +41,12 @@ def is_manifest(files: Sequence[Log]) -> bool:
 
 
 def read_inputs(
-    files: Sequence[Log], *, test: Sequence[Log] = (), maps: Sequence[str] = (), mend: bool = False
+    files: Sequence[Log],
+    *,
+    test: Sequence[Log] = (),
+    maps: Sequence[str] = (),
+    mend: bool = False,
+    root: str | Path | None = None,
 ) -> Inputs:
     """Read what a command line names, or a caller from Python gives.
 
@@ -50,6 +55,7 @@ def read_inputs(
         test: logs with the role `test`.
         maps: `ours=theirs`, for logs with other column names.
         mend: judge rather than refuse logs whose clock stands still or runs backwards.
+        root: the folder that the model's files have to be under; None: see `Robot.from_xml`.
 
     Raises:
         InputError: nothing to read, a folder, a manifest together with other things, or a file that cannot be read.
@@ -65,12 +71,12 @@ def read_inputs(
         if len(files) > 1 or test or maps:
             right = "it names logs, roles and columns itself; or give an MJCF and logs instead"
             raise InputError("a manifest stands alone", where=manifest, right=right)
-        read = read_manifest(manifest, mend=mend)
+        read = read_manifest(manifest, mend=mend, root=root)
         return _inputs(read.model, read.robot, read.recordings, mend)
     if len(files) + len(test) < 2 or not files:
         raise InputError("no recordings given", right="a recordings.toml, or an MJCF model and at least one log")
     model, mapping = str(files[0]), parse_maps(maps)
-    robot = Robot.from_xml(model)
+    robot = Robot.from_xml(model, root)
     roles = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
     recordings = tuple(_recording(robot, log, role, mapping, mend) for log, role in roles)
     return _inputs(Path(model), robot, recordings, mend)

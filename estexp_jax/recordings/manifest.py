@@ -40,12 +40,13 @@ class Manifest:
     recordings: tuple[Recording, ...]
 
 
-def read_manifest(path: str | Path, *, mend: bool = False) -> Manifest:
+def read_manifest(path: str | Path, *, mend: bool = False, root: str | Path | None = None) -> Manifest:
     """Read a manifest, its model and its recordings. Paths in it are relative to it.
 
     Args:
         path: the manifest.
         mend: drop rows whose clock stands still or runs backwards, instead of refusing the log (see `read_recording`).
+        root: the folder that the model's files have to be under; None: see `Robot.from_xml`.
 
     Raises:
         InputError: a file is missing or cannot be read, the TOML is broken (with its line), a key is unknown or of the
@@ -58,7 +59,7 @@ def read_manifest(path: str | Path, *, mend: bool = False) -> Manifest:
     if not _exists(model, file=True):
         right = "a path relative to the manifest"
         raise InputError(f"no such MJCF file '{model}'", where=f"{path}, model", right=right)
-    robot = Robot.from_xml(model)
+    robot = Robot.from_xml(model, root)
     columns = _columns(document.get("columns", {}), robot, f"{path}, [columns]")
     entries = document.get("recording", [])
     if not isinstance(entries, list) or not entries:

@@ -10,6 +10,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.spec import set_timestep
 from estexp_jax.recordings.columns import parse_number
 
 # MJCF attribute -> the field of MjSpec that holds it, where the two names differ; else they are the same.
@@ -46,13 +47,14 @@ _GAINS = {
     ("velocity", "kv"): (("gainprm", 0, 1.0), ("biasprm", 2, -1.0)),
     ("damper", "kv"): (("gainprm", 2, -1.0),),
 }
+# Law of each kind of actuator, by the end of its name in MuJoCo's enumeration; releases before 4 have none.
 _LAWS = {
-    mujoco.mjtActuator.mjACTUATOR_POSITION: "position",
-    mujoco.mjtActuator.mjACTUATOR_INTVELOCITY: "position",
-    mujoco.mjtActuator.mjACTUATOR_ORIENTATION: "position",
-    mujoco.mjtActuator.mjACTUATOR_PID: "pid",
-    mujoco.mjtActuator.mjACTUATOR_VELOCITY: "velocity",
-    mujoco.mjtActuator.mjACTUATOR_DAMPER: "damper",
+    "POSITION": "position",
+    "INTVELOCITY": "position",
+    "ORIENTATION": "position",
+    "PID": "pid",
+    "VELOCITY": "velocity",
+    "DAMPER": "damper",
 }
 
 
@@ -82,6 +84,9 @@ def apply_settings(robot: Robot, settings: Mapping[str, Any], *, where: str = "s
         element, name, attribute = _split(key, place)
         if (element, attribute) == ("body", "mass"):
             masses[_index(robot, element, name, place)] = _positive(value, place)
+            continue
+        if (element, attribute) == ("option", "timestep"):
+            set_timestep(spec, _positive(value, place))
             continue
         target = spec.option if element == "option" else _element(robot, spec, element, name, place)
         _assign(target, element, attribute, value, place)
@@ -146,7 +151,7 @@ def _assign(target: Any, element: str, attribute: str, value: Any, place: str) -
             raise InputError(f"is {value!r}, not a whole number", where=place)
         setattr(target, field, int(checked))
     else:
-        setattr(target, field, _positive(value, place) if attribute == "timestep" else parse_number(value, place))
+        setattr(target, field, parse_number(value, place))
     if attribute == "quat":  # otherwise another form of rotation in the XML would take precedence
         target.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
 
@@ -166,12 +171,18 @@ def _assign_list(target: np.ndarray, attribute: str, value: object, place: str) 
 
 
 def _assign_gain(actuator: Any, attribute: str, value: float, place: str) -> None:
-    law = _LAWS.get(actuator.type) or _law_of_general(actuator)
+    law = _law_of_shortcut(actuator) or _law_of_general(actuator)
     if (law, attribute) not in _GAINS:
         right = "gainprm and biasprm can be set instead" if law != "velocity" else "a velocity actuator has kv"
         raise InputError(f"this actuator has no {attribute}", where=place, right=right)
     for field, index, sign in _GAINS[law, attribute]:
         getattr(actuator, field)[index] = sign * value
+
+
+def _law_of_shortcut(actuator: Any) -> str | None:
+    """The law of an actuator that MJCF has an element for, such as `position`."""
+    kinds = getattr(mujoco, "mjtActuator", None)
+    return None if kinds is None else _LAWS.get(kinds(actuator.type).name.removeprefix("mjACTUATOR_"))
 
 
 def _law_of_general(actuator: Any) -> str:

@@ -57,18 +57,18 @@ class ExplainedSimulator:
         Args:
             commands: (rows, nu), each held for one period.
             period: s.
-            enable: (rows, nu) 1.0 where the motor is on; None: always.
+            enable: (rows, nactuator) 1.0 where the motor is on; None: always.
             start: state to start from; None: home, at rest.
 
         Raises:
-            InputError: `commands` has not one column for each actuator, or fewer than two rows.
+            InputError: `commands` has not one column for each input of an actuator, or fewer than two rows.
         """
         model = self.robot.model
         commands = np.asarray(commands, float)
         if commands.ndim != 2 or commands.shape[1] != model.nu or len(commands) < 2:
             raise InputError(f"commands are {commands.shape}", where="rollout", right=f"give (rows >= 2, {model.nu})")
         rows = len(commands)
-        switched = np.ones((rows, model.nu)) if enable is None else np.asarray(enable, float)
+        switched = np.ones((rows, model.nactuator)) if enable is None else np.asarray(enable, float)
         window = self._window(commands, switched, period, start)
         replay = self._simulated(window, lambda player, values: player.replay(values, [window], np.array([0])))
         return Traces(window.history.time, replay.sensors[0], replay.qpos[0], replay.qvel[0])
@@ -89,14 +89,14 @@ class ExplainedSimulator:
         """
         if rows < 2:
             raise InputError(f"{rows} rows are no motion", where="steered", right="2 or more")
-        nothing = np.zeros((rows, self.robot.model.nu))
-        window, given = self._window(nothing, np.ones_like(nothing), period, None), [nothing]
+        nothing, on = np.zeros((rows, self.robot.model.nu)), np.ones((rows, self.robot.model.nactuator))
+        window, given = self._window(nothing, on, period, None), [nothing]
 
         def play(player: OpenLoopSimulator, values: Values) -> OpenLoopRollout:
             found, given[0] = player.steered(values, window, controller)
             return found
 
-        replay = self._simulated(window, play, int(np.diff(window.steps.sample).max()))
+        replay = self._simulated(window, play, int(np.diff(window.steps.sample).max()) + 1)
         return Traces(window.history.time, replay.sensors[0], replay.qpos[0], replay.qvel[0]), given[0]
 
     def _window(self, commands: np.ndarray, enable: np.ndarray, period: float, start: InitialState | None) -> Window:

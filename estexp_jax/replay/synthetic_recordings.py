@@ -158,7 +158,7 @@ def _log(robot: Robot, commands: np.ndarray, traces: Traces, config: RecordConfi
     """
     draw = np.random.default_rng(seed)
     columns = {"time": traces.time}
-    columns |= {f"ctrl.{name}": commands[:, a] for a, name in enumerate(robot.names("actuator"))}
+    columns |= {f"ctrl.{name}": commands[:, a] for a, name in enumerate(robot.command_columns())}
     names = robot.sensor_columns()
     if names:
         for i, name in enumerate(names):

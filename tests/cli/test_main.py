@@ -141,13 +141,14 @@ def test_ctrl_c_ends_cleanly(root):
 def test_every_command_refuses_models_that_read_elsewhere(arm, command, capsys):
     from tests.physics.meshes import urdf, write_box
 
+    (arm / "robot" / "package.xml").write_text("<package/>")
     (arm / "robot" / "arm.urdf").write_text(urdf("../../secret.stl"))
     write_box(arm / "secret.stl")
     logs = ["a.csv", "b.csv"] if command in ("check", "explain") else []
     model = ["--model", "arm.urdf"] if command == "bench" else ["arm.urdf"]
     assert main([command, *model, *logs, "--out", "../out"]) == 2
     error = capsys.readouterr().err
-    assert "leads out of the model's folder" in error and "Traceback" not in error
+    assert "leads out of the model's root" in error and "Traceback" not in error
     assert not (arm / "out").exists()
 
 

@@ -6,7 +6,6 @@ import pytest
 from estexp_jax.experiment_design.excitation import (
     Wave,
     excitation_range,
-    is_position_command,
     multisine,
     ramp_and_hold,
     ramps,
@@ -42,7 +41,6 @@ def test_servos_move_about_home_within_their_range_and_motors_up_to_their_force(
     centre, reach = excitation_range(arm)
     np.testing.assert_allclose(centre, [0.2, 0.0])
     np.testing.assert_allclose(reach, [0.6, 3.0])
-    assert [is_position_command(arm.model, a) for a in range(2)] == [True, False]
 
 
 @pytest.mark.parametrize("excitation", [multisine, random_steps])

@@ -17,8 +17,10 @@ from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines import choice
 from estexp_jax.physics.engines.agreement import Agreement
+from estexp_jax.physics.engines.c.open_loop import COpenLoop
 from estexp_jax.physics.engines.choice import choose_engine
 from estexp_jax.physics.engines.mjx.model import mjx_model
+from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.control.network import RecurrentPolicy
 from tests.lanes.lanes_twin import exact, stepped, visited
@@ -177,19 +179,24 @@ def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> N
 
 def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = Agreement(states=32, physics_steps=2, median=0.2, high=0.4, largest=0.6)
-    monkeypatch.setattr(choice, "closed_loop_agreement", lambda *_: wrong)
+    right = Agreement(32, 2, 0.0, 0.0, 0.0)
+    monkeypatch.setattr(choice, "closed_loop_agreement", lambda s, *_: right if s.choice.engine == "mjx" else wrong)
     short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     instead = choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short)
-    assert instead.choice.engine == "mjx" and "differs from the converged C engine" in instead.choice.reason
+    assert instead.choice.engine == "mjx" and "differs from plain MuJoCo" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine mjx"):
         choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
 
 
 def test_replays_in_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
-    wrong = Agreement(states=32, physics_steps=1, median=0.2, high=0.4, largest=0.6)
-    monkeypatch.setattr(choice, "open_loop_agreement", lambda *_: wrong)
+    wrong, right = (Agreement(32, 2, *errors) for errors in ((0.2, 0.4, 0.6), (0.0, 0.0, 0.0)))
+
+    def compared(simulator: OpenLoopSimulator, *_: Any, **__: Any) -> Agreement:
+        return right if isinstance(simulator, COpenLoop) else wrong
+
+    monkeypatch.setattr(choice, "open_loop_agreement", compared)
     one, effects = robot("cartpole"), catalogue(["body_mass"])
     instead = choice.open_loop_simulator(one, effects, [one])
-    assert instead.choice.engine == "c" and "differs from the converged C engine" in instead.choice.reason
+    assert instead.choice.engine == "c" and "differs from plain MuJoCo" in instead.choice.reason
     with pytest.raises(InputError, match="use --engine c"):
         choice.open_loop_simulator(one, effects, [one], engine="lanes")

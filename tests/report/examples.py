@@ -73,6 +73,7 @@ FINDINGS = {
     },
     "advice": ["Record a motion with the motor off."],
     "data": [{"file": "b <i>$\\x$.csv", "role": "test", "rows": 60, "hz": 10.0, "notes": ["ignored: <b>x</b>"]}],
+    "engine": {"name": "lanes", "largest_difference": 2e-6},
     "cost": {"wall_s": 61.2, "compile_s": None, "robot_steps": 1500000},
     "seed": 5,
     "versions": {"jax": "0.9.2", "mujoco": "4.0.1"},

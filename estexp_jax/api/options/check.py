@@ -32,6 +32,9 @@ class CheckOptions(CheckedOptions):
     """Logs that are kept for the test."""
     map: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="OURS=THEIRS")] = ()
     """A column of the logs that has another name than ours."""
+    root: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """The folder under which the model finds its files. Default: the repository or package around it, else three
+    folders up."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Where to write check.json and check.png."""
     init: bool = False

@@ -31,6 +31,9 @@ class ExplainOptions(CheckedOptions):
     """Logs that are kept for the proof; without any, the last one given."""
     map: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="OURS=THEIRS")] = ()
     """A column of the logs that has another name than ours."""
+    root: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """The folder under which the model finds its files. Default: the repository or package around it, else three
+    folders up."""
     window: Annotated[float | str, Range(0.0, open=True, words=("full",)), tyro.conf.arg(metavar="S|full")] = 2.0
     """Length of the windows that are compared and written, s; or `full`, whole recordings."""
     most: Annotated[int, Range(1)] = 5

@@ -28,6 +28,9 @@ class RecordOptions(CheckedOptions):
     """Where the recordings go."""
     effect: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar='"EFFECT@NAME P=VALUE"')] = ()
     """An effect that the robot has and its model lacks; none: the robot is as modelled."""
+    root: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """The folder under which the model finds its files. Default: the repository or package around it, else three
+    folders up."""
     duration: Annotated[float, Range(0.1, 1e5)] = 8.0
     """Of each recording, s."""
     rate: Annotated[float, Range(1.0, 1e5)] = 200.0

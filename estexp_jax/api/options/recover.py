@@ -26,6 +26,9 @@ class RecoverOptions(CheckedOptions):
 
     model: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="[MODEL.xml]")] = None
     """An MJCF with position or motor actuators, and touch or jointpos sensors. Default: the quadruped."""
+    root: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """The folder under which the model finds its files. Default: the repository or package around it, else three
+    folders up."""
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("out/recover")
     """Where to write report.html, run.json, history.parquet and traces.npz."""
     situation: Annotated[int | None, Range(1, 13)] = None

@@ -25,6 +25,7 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.estimation.parameters import ParameterSpace, Place, parameter_space
 from estexp_jax.physics.effects.registry import effect, every
+from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -41,8 +42,8 @@ def is_jointly_fitted(case: Case) -> bool:
     robot, model = case.robot, case.robot.model
     if len(robot.scalar_joints) != model.njnt or model.nv <= _JOINTS:
         return False
-    driven = {robot.joint_of_actuator(a) for a in range(model.nu)}
-    return driven >= set(robot.scalar_joints) and all(_is_measured(robot, r) for r in case.recordings)
+    driven = driven_joint_sites(robot) == scalar_joint_sites(robot)
+    return driven and all(_is_measured(robot, r) for r in case.recordings)
 
 
 def _is_measured(robot: Robot, recording: Recording) -> bool:
@@ -80,7 +81,7 @@ def explain_jointly(
     known = known_values(case.robot, settings)
     names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
     apart = apart_in(case, whole.segments, case.indices("train"))
-    simulator = replayer_of(case, config, list(names), apart)
+    simulator = replayer_of(case, config, list(names), apart, whole.segments)
     places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
     problem = JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
     _, fit = yield from joint_fit(problem)

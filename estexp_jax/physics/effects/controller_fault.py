@@ -53,7 +53,7 @@ class CommandRoute(ControllerFault):
 
     @abc.abstractmethod
     def route(self, robot: Robot, values: Any) -> Any:
-        """Index of the command that each motor obeys, or -1 for its own.
+        """Address of the command that stands in each command's place, or -1 for its own.
 
         Args:
             robot: the nominal robot.

@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 
+from estexp_jax.physics.effects.sites import driven_joint_sites
 from estexp_jax.physics.model.robot import Robot
 
 SHARES = (0.004, 0.04, 0.3)
@@ -45,6 +46,6 @@ def along_axes(bounds: Bounds, share: float) -> Vectors:
 
 def other_elements(robot: Robot, kind: str, site: str) -> list[float]:
     """References (1 + index) to every other element of a kind; of joints, to those that a motor drives."""
-    driven = {robot.joint_of_actuator(a) for a in range(robot.model.nu)}
     names = robot.names(kind)
-    return [1.0 + i for i, name in enumerate(names) if name != site and (kind != "joint" or i in driven)]
+    choices = driven_joint_sites(robot) if kind == "joint" else names
+    return [1.0 + i for i, name in enumerate(names) if name != site and name in choices]

@@ -21,8 +21,8 @@ def goal_followers(robot: Robot) -> tuple[str, ...]:
 
 def servo_damping(robot: Robot) -> np.ndarray:
     """What the model says it is, N m s/rad at the joint, for each of `servos`."""
-    own = list(servos(robot))
-    return -robot.model.actuator_biasprm[own, 2] * robot.model.actuator_gear[own, 0] ** 2
+    own, model = list(servos(robot)), robot.model
+    return -model.actuator_biasprm[own, 2] * model.actuator_gear[model.actuator_outadr[own], 0] ** 2
 
 
 def servo_damping_at(robot: Robot, actuator: str) -> float:

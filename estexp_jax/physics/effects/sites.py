@@ -7,6 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import affine_actuators
 from estexp_jax.physics.model.robot import Robot
 
 ALL_ALIKE = "*"
@@ -55,14 +56,17 @@ def angle_unit(robot: Robot, spec: mujoco.MjSpec, joint: str) -> float:
 
 
 def driven_joint_sites(robot: Robot) -> tuple[str, ...]:
-    """Names of the hinge and slide joints that an actuator drives directly."""
-    names, driven = robot.names("joint"), {robot.joint_of_actuator(a) for a in range(robot.model.nu)}
+    """Names of the hinge and slide joints that `driven_actuators` drive, and no other kind of actuator directly."""
+    names, own = robot.names("joint"), set(driven_actuators(robot))
+    driven = {robot.joint_of_actuator(a) for a in own}
+    driven -= {robot.joint_of_actuator(a) for a in range(robot.model.nactuator) if a not in own}
     return tuple(names[j] for j in robot.scalar_joints if j in driven)
 
 
 def driven_actuators(robot: Robot) -> tuple[int, ...]:
-    """Indices of the actuators that drive a hinge or slide joint directly."""
-    return tuple(a for a in range(robot.model.nu) if robot.joint_of_actuator(a) in robot.scalar_joints)
+    """Indices of the actuators that drive a hinge or slide joint directly, with a force that is affine in one input."""
+    affine = np.flatnonzero(affine_actuators(robot.model)).tolist()
+    return tuple(a for a in affine if robot.joint_of_actuator(a) in robot.scalar_joints)
 
 
 def actuator_sites(robot: Robot) -> tuple[str, ...]:

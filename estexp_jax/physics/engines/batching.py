@@ -16,10 +16,17 @@ import numpy as np
 
 
 class EngineChoice(NamedTuple):
-    """An engine, and why it."""
+    """An engine, and why it.
+
+    Attributes:
+        engine: its name.
+        reason: why it is this one.
+        largest_difference: from plain MuJoCo on the user's robot, relative; None where it was not compared.
+    """
 
     engine: str
     reason: str
+    largest_difference: float | None = None
 
 
 def cores() -> int:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from estexp_jax.errors import InputError, known
+from estexp_jax.lanes.capabilities import refusal
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.engines.agreement import Agreement, closed_loop_agreement, open_loop_agreement, sample_states
+from estexp_jax.physics.engines.agreement import Agreement, closed_loop_agreement, sample_states
 from estexp_jax.physics.engines.batching import EngineChoice
 from estexp_jax.physics.engines.c.lane_models import recorded_fields
 from estexp_jax.physics.engines.c.open_loop import C_REPLAY, COpenLoop
@@ -26,14 +29,16 @@ from estexp_jax.physics.engines.mjx.closed_loop import MjxClosedLoop, mjx_width
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.open_loop import MJX_REPLAY, MjxOpenLoop
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
+from estexp_jax.physics.engines.open_loop_agreement import open_loop_agreement
 from estexp_jax.physics.engines.per_recording_model import per_recording_model
 from estexp_jax.physics.engines.policy import Policy
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.window import Window
 
 Engine = Literal["auto", "lanes", "c", "mjx"]
 ENGINES: Sequence[Engine] = ("auto", "lanes", "c", "mjx")
 _STATES = 32
-"""States from which lanes are tried against the C engine before they are believed."""
+"""States from which closed loops are tried against the C engine before they are believed."""
 
 
 def choose_engine(
@@ -103,7 +108,8 @@ def closed_loop_simulator(
         engine: auto, lanes or mjx.
 
     Raises:
-        InputError: no engine can simulate the robot, or not the one that is wanted; C is none for closed loops.
+        InputError: no engine simulates the robot as MuJoCo does, or not the one that is wanted; C is none for closed
+            loops.
     """
     if engine == "c":
         what = "the C engine replays recordings, but drives no controllers"
@@ -121,7 +127,12 @@ def closed_loop_simulator(
         if found.agrees:
             return fast
         choice = _distrusted(engine, found, robot, "mjx")
-    return MjxClosedLoop(on_mjx, face, policy, rows, substeps, mjx_width(population), choice)
+    slow = MjxClosedLoop(on_mjx, face, policy, rows, substeps, mjx_width(population), choice)
+    found = closed_loop_agreement(slow, sample_states(robot, face, _STATES))
+    if not found.agrees:
+        what = "; ".join((f"the mjx engine, as compiled here, {found.sentence()}", *_unusual(robot)))
+        raise InputError(what, where=robot.source, right="leave out of the model what differs")
+    return slow
 
 
 def open_loop_simulator(
@@ -130,50 +141,94 @@ def open_loop_simulator(
     per_recording: Sequence[Robot],
     *,
     engine: str = "auto",
+    windows: Sequence[Window] = (),
     width: int | None = None,
     block: int | None = None,
 ) -> OpenLoopSimulator:
-    """An open-loop simulator for recordings of a robot.
+    """An open-loop simulator for recordings of a robot, of the first engine that agrees with plain MuJoCo on it.
 
     Args:
         robot: the nominal robot.
         catalogue: the effects that hypotheses draw on.
         per_recording: the nominal robot with each recording's known settings.
         engine: auto, lanes, c or mjx.
+        windows: of the recordings; engines are compared with MuJoCo from their states, among others.
         width: lanes in a chunk; None: what suits the engine.
         block: physics steps in a call; None: what suits the engine.
 
     Raises:
-        InputError: no engine can simulate the model, or a recording's settings change the model's structure.
+        InputError: no engine simulates the model as MuJoCo does, or not the one that is wanted; or a recording's
+            settings change the model's structure.
     """
     _refuse_unknown(engine)
-
-    def on_c(reason: str) -> OpenLoopSimulator:
-        recorded, choice = recorded_fields(robot, per_recording), EngineChoice("c", reason)
-        return COpenLoop(robot, catalogue, width or C_REPLAY[0], block or C_REPLAY[1], choice, recorded)
-
-    if engine == "c":
-        return on_c("as asked for")
-    try:
-        nominal = mjx_model(robot, catalogue)
-    except InputError as error:
-        if engine != "auto":
-            raise
-        return on_c(error.what)
-    differs = per_recording_model(nominal, per_recording)
-    instead = "mjx" if accelerated() else "c"
-    choice = choose_engine(engine, nominal, differs.fields, instead)
-    if choice.engine == "lanes":
-        lanes, steps = width or LANES_REPLAY[0], block or LANES_REPLAY[1]
-        fast = LanesOpenLoop(robot, catalogue, lanes, steps, choice, nominal, differs)
-        found = open_loop_agreement(fast, per_recording[0], _STATES)
+    tried: list[str] = []
+    reason = "as asked for"
+    for name in _candidates(engine):
+        try:
+            simulator = _built(name, robot, catalogue, per_recording, width, block)
+        except InputError as error:
+            if engine != "auto":
+                raise
+            reason = error.what
+            tried.append(reason)
+            continue
+        found = _open_loop_agreement(simulator, per_recording[0], windows)
         if found.agrees:
-            return fast
-        choice = _distrusted(engine, found, robot, instead)
-    if choice.engine == "c":
-        return on_c(choice.reason)
-    lanes, steps = width or MJX_REPLAY[0], block or MJX_REPLAY[1]
-    return MjxOpenLoop(robot, catalogue, lanes, steps, choice, nominal, differs)
+            if engine == "auto" and not tried:
+                reason = "the fastest that can simulate this robot"
+            return replace(simulator, choice=EngineChoice(name, reason, found.largest))
+        reason = f"the {name} engine, as it runs here, {found.sentence()}"
+        tried.append(reason)
+    raise InputError("; ".join((*tried, *_unusual(robot))), where=robot.source, right=_instead(engine))
+
+
+def _instead(engine: str) -> str:
+    """What to do where an engine, or all of them, simulate another robot than MuJoCo does."""
+    if engine == "auto":
+        return "leave out of the model what differs"
+    return "use --engine " + {"lanes": "mjx" if accelerated() else "c", "mjx": "c"}.get(engine, "auto")
+
+
+def _unusual(robot: Robot) -> tuple[str, ...]:
+    """What a robot has beyond the common, in words, by which a difference may be explained."""
+    reason = refusal(robot.model)
+    return () if reason is None else (f"the model has {re.sub(' (is|are) not supported$', '', reason)}",)
+
+
+def _candidates(engine: str) -> tuple[str, ...]:
+    """Engines to be tried for open loops, in turns."""
+    if engine != "auto":
+        return (engine,)
+    return ("lanes", "mjx", "c") if accelerated() else ("lanes", "c", "mjx")
+
+
+def _built(
+    name: str,
+    robot: Robot,
+    catalogue: Catalogue,
+    per_recording: Sequence[Robot],
+    width: int | None,
+    block: int | None,
+) -> OpenLoopSimulator:
+    """An open-loop simulator on an engine, not yet compared; see `open_loop_simulator`."""
+    choice = EngineChoice(name, "")
+    if name == "c":
+        recorded = recorded_fields(robot, per_recording)
+        return COpenLoop(robot, catalogue, width or C_REPLAY[0], block or C_REPLAY[1], choice, recorded)
+    nominal = mjx_model(robot, catalogue)
+    differs = per_recording_model(nominal, per_recording)
+    if name == "mjx":
+        return MjxOpenLoop(robot, catalogue, width or MJX_REPLAY[0], block or MJX_REPLAY[1], choice, nominal, differs)
+    choose_engine("lanes", nominal, differs.fields, "mjx" if accelerated() else "c")
+    return LanesOpenLoop(robot, catalogue, width or LANES_REPLAY[0], block or LANES_REPLAY[1], choice, nominal, differs)
+
+
+def _open_loop_agreement(simulator: OpenLoopSimulator, robot: Robot, windows: Sequence[Window]) -> Agreement:
+    """Its distance from plain MuJoCo; the C engine, which compiles nothing, is tried in chunks of the usual size."""
+    if isinstance(simulator, COpenLoop):
+        usual = replace(simulator, width=C_REPLAY[0], block=C_REPLAY[1])
+        return open_loop_agreement(usual, robot, windows, converged=False)
+    return open_loop_agreement(simulator, robot, windows)
 
 
 def _distrusted(engine: str, found: Agreement, robot: Robot, instead: str) -> EngineChoice:

@@ -12,6 +12,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.catalogue.part_lost import lost_masks
+from estexp_jax.physics.model.actuators import unusual_actuator
 from estexp_jax.physics.model.robot import Robot
 
 _SWING = np.pi / 4
@@ -88,9 +89,12 @@ def interface_of(robot: Robot) -> Interface:
     if not sensors:
         right = robot.remedy or "add some to <sensor>"
         raise InputError("the robot has no touch and no jointpos sensor", where=robot.source, right=right)
-    if not model.nu:
+    if not model.nactuator:
         raise InputError("the robot has no actuator", where=robot.source, right=robot.remedy)
-    for a in range(model.nu):
+    if (odd := unusual_actuator(model)) is not None:
+        where = f"{robot.source}, actuator '{robot.names('actuator')[odd[0]]}'"
+        raise InputError(f"the actuator has {odd[1]}", where=where, right="recover moves actuators with one input each")
+    for a in range(model.nactuator):
         if robot.joint_of_actuator(a) not in robot.scalar_joints:
             where = f"{robot.source}, actuator '{robot.names('actuator')[a]}'"
             raise InputError("recover moves only actuators on hinge and slide joints", where=where)

@@ -12,6 +12,7 @@ import mujoco
 from estexp_jax.physics.effects.base import Term
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.model.actuators import gear_of
 from estexp_jax.physics.model.robot import Robot
 
 
@@ -42,7 +43,7 @@ def motor_readings(robot: Robot, catalogue: Catalogue) -> list[MotorReading]:
                 kind, at = int(model.sensor_type[sensor]), int(model.sensor_objid[sensor])
                 factor = 0.0
                 if kind == int(mujoco.mjtSensor.mjSENS_ACTUATORFRC) and at in motors:
-                    factor = 1.0 / (float(model.actuator_gear[at, 0]) * len(motors))
+                    factor = 1.0 / (gear_of(model, at) * len(motors))
                 elif kind == int(mujoco.mjtSensor.mjSENS_JOINTACTFRC) and at == joint:
                     factor = 1.0
                 if factor:

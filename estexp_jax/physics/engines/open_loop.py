@@ -31,7 +31,7 @@ from estexp_jax.physics.engines.open_loop_inputs import (
     instances_with,
     rolled_rows,
 )
-from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, at_rows
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, at_rows, shows_forces
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
 
@@ -77,8 +77,8 @@ class OpenLoopSimulator(abc.ABC):
     dtype: ClassVar[type[np.floating]] = np.float32
 
     @abc.abstractmethod
-    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
-        """Constants of all blocks; `recording` is the index of each lane's."""
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
+        """Constants of all blocks; a window for each lane."""
 
     @abc.abstractmethod
     def _rested(self, prepared: Any, roll: RolledRows) -> Any:
@@ -115,7 +115,7 @@ class OpenLoopSimulator(abc.ABC):
             windows: those that can be replayed.
             which: (lanes,) index of each lane's window.
         """
-        which = np.asarray(which)
+        which, windows = np.asarray(which), self._read(windows)
         remembers = instances_with(self.robot, stateful(self.catalogue), values)
         order = np.lexsort([which, self._at_work(values, which), [windows[w].steps.n_steps for w in which]])
         size = self._chunk_size(len(which), max(windows[w].steps.n_steps for w in which))
@@ -141,55 +141,65 @@ class OpenLoopSimulator(abc.ABC):
 
     def _chunk(self, values: Values, windows: list[Window], n: int, *, remembers: bool) -> OpenLoopRollout:
         """Replay a chunk's lanes, keep the first `n`; if none remembers, what came before the start does not matter."""
-        n_steps = max(s.steps.n_steps for s in windows) + 2  # one before for the forces, one more to read the last row
+        n_steps = max(s.steps.n_steps for s in windows) + 1  # one more to read the last row
         blocks = -(-n_steps // self.block)
         drive = command_steps(self.robot, self.catalogue, values, windows, blocks * self.block, self.dtype)
         prepared, state = self._started(values, windows, remembers=remembers)
         _, outputs = self._advanced(prepared, state, drive)
-        return self._at_rows(StepReadings(*(x[1:] for x in outputs)), values, windows, n)
+        return self._at_rows(outputs, values, windows, n)
+
+    def _read(self, windows: Sequence[Window]) -> Sequence[Window]:
+        """Windows with steps in which all sensors of the robot can be read at the rows."""
+        return [s.with_pauses for s in windows] if shows_forces(self.robot) else windows
 
     def steered(self, values: Values, window: Window, controller: RowController) -> tuple[OpenLoopRollout, np.ndarray]:
         """Replay one lane from its start under a controller's commands instead of recorded ones; for a `width` of 1.
 
         Args:
             values: (1, n_sites, n_parameters) for each effect.
-            window: from its recording's first row on, each row of at most `block` steps; its commands do not count.
+            window: from its recording's first row on, each row of fewer than `block` steps; its commands do not count.
             controller: gives each row's commands.
 
         Returns:
             The robot's rollout, and its commands (rows, nu).
         """
         values = {name: np.asarray(v, np.float32) for name, v in values.items()}
+        (window,) = self._read([window])
         prepared, state = self._started(values, [window], remembers=False)
-        steps, time, nothing = window.steps, window.history.time, np.zeros(self.block)
+        steps, time = window.steps, window.history.time
         delay, source = command_routes(self.robot, self.catalogue, values)
         rows: list[np.ndarray] = []
         outputs: list[StepReadings] = []
         for row in range(window.rows):
             rows.append(np.asarray(controller(float(time[row]), *(np.asarray(x[0], float) for x in state[:2])), float))
-            own = slice(*steps.sample[row : row + 2]) if row + 1 < window.rows else slice(0, 0)
-            count = own.stop - own.start
-            length, start = nothing.copy(), np.full(self.block, time[row])
-            length[:count], start[:count] = steps.length[own], steps.start[own]
-            ctrl = CommandHistory(time[: row + 1], np.array(rows)).mean(start, length, delay[0], source[0])
-            enable = np.tile(window.enable[row], (self.block, 1))
-            drive = CommandSteps(*(np.asarray(x, self.dtype)[..., None] for x in (length, ctrl, enable)))
-            if row == 0:  # what sensors of forces show in the first row
-                state, _ = self._advanced(prepared, state, drive._replace(length=np.zeros_like(drive.length)))
+            last = row + 1 == window.rows
+            own = slice(steps.sample[row], steps.n_steps if last else steps.sample[row + 1])
+            history, count = CommandHistory(time[: row + 1], np.array(rows)), own.stop - own.start
+            drive = self._row_steps(window, row, own, lambda t, dt, of=history: of.mean(t, dt, delay[0], source[0]))
             state, part = self._advanced(prepared, state, drive)
-            outputs.append(StepReadings(*(x[: max(count, 1)] for x in part)))
+            outputs.append(StepReadings(*(x[: count + last] for x in part)))
         commands = np.array(rows)
         whole = StepReadings(*(np.concatenate(kind) for kind in zip(*outputs, strict=True)))
         played = replace(window, history=window.history.with_commands(commands))
         return self._at_rows(whole, values, [played], 1), commands
 
+    def _row_steps(
+        self, window: Window, row: int, own: slice, commands: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    ) -> CommandSteps:
+        """Steps of one row of one lane, filled up to a block by some without length."""
+        count, enable = own.stop - own.start, np.tile(window.enable[row], (self.block, 1))
+        begin, span, length = np.full(self.block, window.history.time[row]), np.zeros(self.block), np.zeros(self.block)
+        begin[:count], span[:count] = (x[own] for x in window.steps.command_spans())
+        length[:count], enable[:count] = window.steps.length[own], window.switched_on[own]
+        return CommandSteps(*(np.asarray(x, self.dtype)[..., None] for x in (length, commands(begin, span), enable)))
+
     def _started(self, values: Values, windows: list[Window], *, remembers: bool) -> tuple[Any, LaneBatchState]:
         """Constants of all blocks, and the initial state of lanes."""
         model, n = self.robot.model, len(windows)
-        prepared = self._prepared(values, [s.recording for s in windows])
+        prepared = self._prepared(values, windows)
         qpos, qvel = initial_states(self.robot, self.catalogue, values, windows, self.dtype)
-        act, warmstart, sensordata = (np.zeros((n, k), self.dtype) for k in (model.na, model.nv, model.nsensordata))
-        state = LaneBatchState(qpos, qvel, act, warmstart, sensordata, {})
+        act, warmstart = (np.zeros((n, k), self.dtype) for k in (model.na, model.nv))
+        state = LaneBatchState(qpos, qvel, act, warmstart, {})
         if stateful(self.catalogue):
             state = state._replace(hidden=self._hidden(prepared, values, windows, remembers=remembers))
         return prepared, state

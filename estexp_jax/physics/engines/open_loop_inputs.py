@@ -14,6 +14,7 @@ from estexp_jax.physics.effects.base import CommandShift, Distortion, Effect, Re
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.controller_fault import CommandRoute
 from estexp_jax.physics.effects.registry import Catalogue
+from estexp_jax.physics.model.actuators import affine_actuators, gear_of, position_input
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
 
@@ -47,18 +48,14 @@ def command_steps(
     n_steps: int,
     dtype: type[np.floating] = np.float32,
 ) -> CommandSteps:
-    """Steps of lanes, each with its own commands; beyond a window's end the last ones are held.
-
-    The first step has no length: it leaves the robot as it is, under the command before the window's first row, and so
-    gives sensors of forces what they show in that row.
-    """
+    """Steps of lanes, each with its own commands; beyond a window's end the last ones are held, and no time passes."""
     shifts, sources = command_routes(robot, catalogue, values)
-    nu, undelayed = robot.model.nu, _undelayed(shifts, sources)
+    model, undelayed = robot.model, _undelayed(shifts, sources)
     length = np.zeros((n_steps, len(windows)), dtype)
-    ctrl, enable = (np.empty((n_steps, nu, len(windows)), dtype) for _ in range(2))
+    ctrl, enable = (np.empty((n_steps, width, len(windows)), dtype) for width in (model.nu, model.nactuator))
     for i, there in equal_commands(windows, undelayed):
-        s, k = windows[i], windows[i].steps.n_steps + 1
-        length[1:k, there] = s.steps.length[:, None]
+        s, k = windows[i], windows[i].steps.n_steps
+        length[:k, there] = s.steps.length[:, None]
         commands = s.logged if undelayed[i] else s.commands(shifts[i], sources[i])
         for whole, own in ((ctrl, commands), (enable, s.switched_on)):
             whole[:k, :, there], whole[k:, :, there] = own[..., None], own[-1][:, None]
@@ -120,12 +117,13 @@ def _commanded_state(robot: Robot, s: Window) -> tuple[np.ndarray, np.ndarray]:
     model, qpos, qvel = robot.model, robot.home().copy(), np.zeros(robot.model.nv)
     begin = s.steps.start[0] - np.array([3.0, 1.0]) * _LAG / 2.0
     before, now = s.history.mean(begin, np.full(2, _LAG), np.zeros(model.nu))
-    for a in range(model.nu):
-        joint, pull = robot.joint_of_actuator(a), -model.actuator_biasprm[a, 1] * model.actuator_gear[a, 0]
-        if joint in robot.scalar_joints and pull != 0.0:
-            factor = model.actuator_gainprm[a, 0] / pull
-            qpos[model.jnt_qposadr[joint]] = factor * now[a]
-            qvel[model.jnt_dofadr[joint]] = factor * (now[a] - before[a]) / _LAG
+    affine = affine_actuators(model)
+    for a in range(model.nactuator):
+        joint, gear, target = robot.joint_of_actuator(a), gear_of(model, a), position_input(model, a)
+        if joint in robot.scalar_joints and target is not None and gear != 0.0:
+            factor = (model.actuator_gainprm[a, 0] / -model.actuator_biasprm[a, 1] if affine[a] else 1.0) / gear
+            qpos[model.jnt_qposadr[joint]] = factor * now[target]
+            qvel[model.jnt_dofadr[joint]] = factor * (now[target] - before[target]) / _LAG
     return qpos, qvel
 
 
@@ -142,7 +140,7 @@ def rolled_rows(
     undelayed, n = _undelayed(shifts, sources), n_rows + 1
     model, length = robot.model, np.zeros((n, len(windows)), dtype)
     qpos, qvel, ctrl, enable = (
-        np.empty((n, width, len(windows)), dtype) for width in (model.nq, model.nv, model.nu, model.nu)
+        np.empty((n, width, len(windows)), dtype) for width in (model.nq, model.nv, model.nu, model.nactuator)
     )
     found = RolledRows(qpos, qvel, ctrl, enable, length)
     for i, there in equal_commands(windows, undelayed):
@@ -164,7 +162,7 @@ def instances_with(robot: Robot, effects: Sequence[Effect], values: Values) -> n
 
 
 def command_routes(robot: Robot, catalogue: Catalogue, values: Values) -> tuple[np.ndarray, np.ndarray]:
-    """Delay of each lane's commands (s) and the motor whose command each motor gets, (lanes, nu) each."""
+    """Delay of each lane's commands (s) and the address of the one in its place, (lanes, nu) each."""
     return _shifts(robot, catalogue, values, CommandShift, robot.model.nu), _sources(robot, catalogue, values)
 
 
@@ -183,7 +181,7 @@ def delay_readings(
     delay = _shifts(robot, catalogue, values, ReadingShift, robot.model.nsensordata)
     for i, column in np.argwhere(delay > 0.0).tolist():
         s, n = windows[i], windows[i].steps.n_steps
-        time = np.append(s.steps.start, s.steps.start[-1] + s.steps.length[-1])
+        time = np.append(s.steps.start, s.steps.end)
         read = np.interp(time - delay[i, column], time, sensors[: n + 1, column, i])
         for sensed, place, _ in s.start.sensed:
             if sensed == column and s.path is not None:
@@ -197,7 +195,7 @@ def add_drift(robot: Robot, catalogue: Catalogue, sensors: np.ndarray, values: V
     drift = _drifts(robot, catalogue, values)
     for i in np.flatnonzero(drift.any(axis=1)).tolist():
         steps = windows[i].steps
-        age = np.append(steps.start, steps.start[-1] + steps.length[-1]) - windows[i].history.time[0]
+        age = np.append(steps.start, steps.end) - windows[i].history.time[0]
         sensors[: len(age), :, i] += age[:, None] * drift[i]
 
 
@@ -222,7 +220,7 @@ def _shifts(
 
 
 def _sources(robot: Robot, catalogue: Catalogue, values: Values) -> np.ndarray:
-    """Index of the motor whose command each motor gets, (lanes, nu)."""
+    """Address of the command that stands in each command's place, (lanes, nu)."""
     source = np.tile(np.arange(robot.model.nu), (_lanes(values), 1))
     for effect in catalogue:
         if isinstance(effect, CommandRoute):

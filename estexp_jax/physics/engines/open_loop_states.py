@@ -23,7 +23,6 @@ class LaneBatchState(NamedTuple):
     qvel: _Array
     act: _Array
     warmstart: _Array
-    sensordata: _Array  # of the step before
     hidden: Any  # as the engine keeps it
 
 
@@ -47,7 +46,6 @@ def at_rows(x: np.ndarray, windows: Sequence[Window], rows: int) -> np.ndarray:
     return found
 
 
-def is_acceleration(robot: Robot) -> np.ndarray:
-    """Which values of `sensordata` (nsensordata,) are forces or accelerations, which belong to the step before."""
-    acceleration = robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
-    return np.repeat(acceleration, robot.model.sensor_dim)
+def shows_forces(robot: Robot) -> bool:
+    """Whether a robot has a sensor of forces or accelerations: a row's command would show there, were it in force."""
+    return bool(np.any(robot.model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)))

@@ -1,8 +1,7 @@
-"""The files of a model, MJCF or URDF: found inside the model's own folder, or refused before anything opens them.
+"""The files of a model, MJCF or URDF: found under the model's root, or refused before anything opens them.
 
-A model's folder is the one its file is in; or the ROS package around that, a folder with a `package.xml`, since there
-`urdf/` and `meshes/` stand side by side. A way out of it, by `..`, an absolute path or a link, is the user's error: a
-model from somebody else reads nothing but what came with it.
+A model's root is the folder that it came in, as `model_root` finds it, or that the user names. A way out of it, by
+`..`, an absolute path or a link, is the user's error: a model from somebody else reads nothing but what came with it.
 
 Of what MuJoCo opens, included files and attached models are found in the text, all others in the description that it
 makes of the text.
@@ -20,32 +19,32 @@ from typing import Any, final
 import mujoco
 
 from estexp_jax.errors import InputError, abbreviated
+from estexp_jax.physics.model.root import checked_root, model_root, package_folder
 from estexp_jax.physics.model.xml_text import Element, xml_elements
 
 _MOST_XML, _MOST_BYTES, _MOST_FILES = 16 * 2**20, 256 * 2**20, 1000
 _MOST_PIXELS = 2**26
-_PACKAGE_LEVELS = 3
-"""Number of folders above a model's file in which its package's `package.xml` is sought."""
 _OPENED = {"include": "file", "model": "file", "flexcomp": "file"}
 """Elements whose file MuJoCo opens while it reads."""
 _SCHEMES = ("package://", "model://")
 
 
-def read_description(path: Path) -> mujoco.MjSpec:
-    """Read a model whose files are all in its own folder.
+def read_description(path: Path, root: Path | None = None) -> mujoco.MjSpec:
+    """Read a model whose files are all under its root.
 
     Args:
         path: of an MJCF or a URDF.
+        root: the folder that its files have to be under; None: that of `model_root`.
 
     Returns:
         Its description, not compiled; files that it refers to are given by absolute paths.
 
     Raises:
-        InputError: the model, or a file that it refers to, is missing, leads out of the model's folder, or is too
-            large.
+        InputError: the model, or a file that it refers to, is missing, leads out of the model's root, or is too large;
+            or the root is no folder above the model.
         ValueError: MuJoCo cannot read the text.
     """
-    files = _Files(path, _folder(path))
+    files = _Files(path, model_root(path) if root is None else checked_root(path, root), package_folder(path))
     models = files.read(path)
     spec = mujoco.MjSpec.from_file(str(path))
     for place, owner in _assets(spec):
@@ -53,15 +52,6 @@ def read_description(path: Path) -> mujoco.MjSpec:
             _refer(owner, field, files.asset(file, place, owner.compiler, spec.strippath, models))
     spec.strippath = False
     return spec
-
-
-def _folder(path: Path) -> Path:
-    """The folder that a model may read from."""
-    own = path.absolute().parent.resolve()
-    for folder in (own, *own.parents[: _PACKAGE_LEVELS - 1]):
-        if (folder / "package.xml").is_file():
-            return folder
-    return own
 
 
 def _assets(spec: mujoco.MjSpec) -> Iterator[tuple[str, Any]]:
@@ -96,11 +86,13 @@ class _Files:
 
     Attributes:
         model: its file.
-        root: the folder that all have to be in, resolved.
+        root: the folder that all have to be under, resolved.
+        package: the ROS package around it, or else its own folder, resolved.
     """
 
     model: Path
     root: Path
+    package: Path
 
     def __post_init__(self) -> None:
         self._visited: set[Path] = set()
@@ -148,13 +140,15 @@ class _Files:
         place = f"{self.model}, {what}"
         subfolder = compiler.texturedir if what.startswith("texture") else compiler.meshdir
         named = Path(file).name if stripped else file
-        tried = [self._inside(candidate, file, place) for candidate in self._candidates(named, subfolder, models)]
-        found = list(dict.fromkeys(candidate for candidate in tried if is_file(candidate)))
+        tried = list(self._candidates(named, subfolder, models))
+        within = [candidate for candidate in tried if self._is_within(candidate)]
+        inside = [self._inside(candidate, file, place) for candidate in within or tried]
+        found = list(dict.fromkeys(candidate for candidate in inside if is_file(candidate)))
         if not found:
-            right = (
-                f"put it there, or the model beside its files; a ROS package is known by its package.xml ({self.root})"
-            )
-            raise InputError(f"there is no file {abbreviated(file)} in the model's folder", where=place, right=right)
+            if outside := next((candidate for candidate in tried if candidate not in within), None):
+                self._inside(outside, file, place)
+            right = f"put it under {self.root}, or give --root DIR; a ROS package is known by its package.xml"
+            raise InputError(f"there is no file {abbreviated(file)} under the model's root", where=place, right=right)
         if len(found) > 1 and len({candidate.read_bytes() for candidate in found}) > 1:
             raise InputError(
                 f"{abbreviated(file)} may be any of {len(found)} files", where=place, right="name them apart"
@@ -173,18 +167,25 @@ class _Files:
             yield from (folder / subfolder / file for folder in models)
             return
         package, _, rest = file.removeprefix(scheme).partition("/")
-        yield self.root / rest
-        yield self.root / package / rest
+        for base in dict.fromkeys((self.package, self.package.parent, self.root)):
+            if base.is_relative_to(self.root):
+                yield from (base / rest, base / package / rest)
+
+    def _is_within(self, candidate: Path) -> bool:
+        try:
+            return candidate.resolve().is_relative_to(self.root)
+        except (OSError, ValueError, RuntimeError):
+            return False
 
     def _inside(self, candidate: Path, file: str, place: str) -> Path:
-        """A path with all links followed, if it is in the model's folder."""
+        """A path with all links followed, if it is under the root."""
         try:
             resolved = candidate.resolve()
         except (OSError, ValueError, RuntimeError):  # a loop of links, a NUL, a name that no file can have
             raise InputError(f"{abbreviated(file)} is no path", where=place) from None
         if not resolved.is_relative_to(self.root):
-            right = f"a model reads only what is in its folder, {self.root}; copy the file there"
-            raise InputError(f"{abbreviated(file)} leads out of the model's folder", where=place, right=right)
+            right = f"a model reads only what is under its root, {self.root}; copy the file there, or give --root DIR"
+            raise InputError(f"{abbreviated(file)} leads out of the model's root", where=place, right=right)
         return resolved
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.files import is_file, read_description
-from estexp_jax.physics.model.spec import freeze, spec_elements, with_masses, with_names
+from estexp_jax.physics.model.spec import freeze, set_timestep, spec_elements, with_masses, with_names
 from estexp_jax.physics.model.validation import refuse_invalid, refuse_unbounded, warnings_suppressed
 
 _TYPES = {
@@ -25,7 +25,14 @@ _TYPES = {
     "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
 }
 _FAILURES = (ValueError, RuntimeError, mujoco.FatalError)
-_COUNTS = {"body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "actuator": "nu", "sensor": "nsensor"}
+_COUNTS = {
+    "body": "nbody",
+    "joint": "njnt",
+    "geom": "ngeom",
+    "site": "nsite",
+    "actuator": "nactuator",
+    "sensor": "nsensor",
+}
 
 
 @final
@@ -44,11 +51,16 @@ class Robot:
     source: str = "MJCF"
 
     @classmethod
-    def from_xml(cls, path: str | Path) -> Robot:
-        """Compile the MJCF or URDF at `path`; meshes and whatever else it refers to are read from its own folder.
+    def from_xml(cls, path: str | Path, root: str | Path | None = None) -> Robot:
+        """Compile the MJCF or URDF at `path`; meshes and whatever else it refers to are read from under its root.
+
+        Args:
+            path: of the model.
+            root: the folder that its files have to be under; None: the repository or package around it, else three
+                folders up.
 
         Raises:
-            InputError: there is no such file, it refers to what is not there or leads out of its folder, or it does not
+            InputError: there is no such file, it refers to what is not there or leads out of its root, or it does not
                 compile.
         """
         path = Path(path)
@@ -58,7 +70,7 @@ class Robot:
             )
         try:
             with warnings_suppressed():
-                return cls.from_spec(read_description(path), str(path))
+                return cls.from_spec(read_description(path, None if root is None else Path(root)), str(path))
         except _FAILURES as error:
             raise InputError(f"the MJCF does not compile: {_one_line(error)}", where=str(path)) from None
 
@@ -127,7 +139,7 @@ class Robot:
     @property
     def remedy(self) -> str:
         """Advice for a robot without actuators; empty for others."""
-        if self.model.nu:
+        if self.model.nactuator:
             return ""
         return f"`estexp check {self.source} --init` writes an MJCF of it with servos and sensors, a URDF has none"
 
@@ -155,6 +167,13 @@ class Robot:
                 return None if joint is None else int(model.jnt_bodyid[joint])
             case _:
                 return None
+
+    def command_columns(self) -> tuple[str, ...]:
+        """One name per value of `ctrl`: `<actuator>`, or `<actuator>.0 .1 ...` where it has several inputs."""
+        columns: list[str] = []
+        for name, inputs in zip(self.names("actuator"), self.model.actuator_ctrlnum, strict=True):
+            columns += [name] if inputs == 1 else [f"{name}.{k}" for k in range(inputs)]
+        return tuple(columns)
 
     def sensor_columns(self) -> tuple[str, ...]:
         """One name per value of `sensordata`: `<sensor>`, or `<sensor>.0 .1 ...` where it has several values."""
@@ -188,7 +207,7 @@ class Robot:
     def finer(self, parts: int) -> Robot:
         """The robot with a physics step that is a part of its own."""
         spec = self.spec.copy()
-        spec.option.timestep /= parts
+        set_timestep(spec, spec.option.timestep / parts)
         return Robot.from_spec(spec, self.source)
 
     def home(self) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import gear_of, inputs_of
 from estexp_jax.physics.model.robot import Robot
 
 
@@ -14,16 +15,22 @@ def motor_limit(robot: Robot, actuator: int) -> float:
     A position servo without either is taken to reach the gain times a quarter turn (or 0.1 m).
     """
     model = robot.model
-    gear = float(np.abs(model.actuator_gear[actuator, 0]))
+    gear = abs(gear_of(model, actuator))
     if model.actuator_forcelimited[actuator]:
         return gear * float(np.max(np.abs(model.actuator_forcerange[actuator])))
     gain = float(np.abs(model.actuator_gainprm[actuator, 0]))
-    if model.actuator_ctrllimited[actuator]:
-        return gear * gain * float(np.max(np.abs(model.actuator_ctrlrange[actuator])))
+    if (limits := _first_range(model, actuator)) is not None:
+        return gear * gain * float(np.max(np.abs(limits)))
     is_servo = model.actuator_biastype[actuator] != mujoco.mjtBias.mjBIAS_NONE
     joint = robot.joint_of_actuator(actuator)
     slide = joint is not None and int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
     return gear * gain * ((0.1 if slide else np.pi / 2) if is_servo else 1.0)
+
+
+def _first_range(model: mujoco.MjModel, actuator: int) -> np.ndarray | None:
+    """Range (2,) of an actuator's first input; None where it has none."""
+    inputs = inputs_of(model, actuator)
+    return model.actuator_ctrlrange[inputs[0]] if inputs and model.actuator_ctrllimited[inputs[0]] else None
 
 
 def joint_span(robot: Robot, joint: int) -> tuple[float, float]:
@@ -44,9 +51,9 @@ def joint_speed(robot: Robot, joint: int) -> float:
 def command_reach(robot: Robot, actuator: int) -> float:
     """Size of a motor's commands: half its control range, else what gives it its largest torque."""
     model = robot.model
-    if model.actuator_ctrllimited[actuator]:
-        return 0.5 * float(np.ptp(model.actuator_ctrlrange[actuator]))
-    gain = float(np.abs(model.actuator_gear[actuator, 0] * model.actuator_gainprm[actuator, 0]))
+    if (limits := _first_range(model, actuator)) is not None:
+        return 0.5 * float(np.ptp(limits))
+    gain = abs(gear_of(model, actuator) * float(model.actuator_gainprm[actuator, 0]))
     return motor_limit(robot, actuator) / gain if gain > 0.0 else 1.0
 
 
@@ -98,7 +105,7 @@ def gravity_torque(robot: Robot, joint: int) -> float:
 
 def joint_torque(robot: Robot, joint: int) -> float:
     """Torque that matters at a joint, N m (or N): its motors' limit or gravity's, else a share of its inertia."""
-    limits = [motor_limit(robot, a) for a in range(robot.model.nu) if robot.joint_of_actuator(a) == joint]
+    limits = [motor_limit(robot, a) for a in range(robot.model.nactuator) if robot.joint_of_actuator(a) == joint]
     torque = max([*limits, gravity_torque(robot, joint)])
     return torque if torque > 0.0 else 10.0 * joint_inertia(robot, joint)
 

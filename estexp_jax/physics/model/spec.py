@@ -12,6 +12,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+_ROUNDING = 1e-6
+"""Part of a step by which a buffer may be too short."""
 Index = Callable[[str, str], int]
 """MuJoCo's index in the nominal model of an element of a kind by its name."""
 
@@ -66,6 +68,15 @@ def _write_masses(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Callable[
         if nominal.body_mass[b] > 0.0:
             body.explicitinertial = False  # what it says was not used
             set_masses(body, nominal, b, float(nominal.body_mass[b]))
+
+
+def set_timestep(spec: mujoco.MjSpec, step: float) -> None:
+    """Give a description another step, s; delays stay as long as they are, and the buffers that hold them."""
+    shorter = spec.option.timestep / step
+    for element in (*spec.actuators, *spec.sensors):
+        if element.nsample > 0 and shorter > 1.0:
+            element.nsample = int(np.ceil(element.nsample * shorter - _ROUNDING))
+    spec.option.timestep = step
 
 
 def set_masses(body: Any, nominal: mujoco.MjModel, index: int, mass: float) -> None:

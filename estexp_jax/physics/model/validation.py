@@ -13,6 +13,11 @@ from estexp_jax.errors import InputError
 
 SHORTEST, LONGEST = 1e-6, 1.0
 """Bounds of the step, s: a shorter one never gets anywhere, a longer one jumps over every motion."""
+BLOWN_UP = [
+    int(kind)
+    for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+]
+"""Warnings with which MuJoCo gives a simulation up."""
 _MOST_READINGS = 100_000
 _FIELDS = (
     *("body_mass", "body_inertia", "body_pos", "body_quat", "body_ipos", "jnt_axis", "jnt_pos", "jnt_range"),

@@ -9,6 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import actuator_of_input
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks import clock_agreement, excitation, faults, servo_faults, signals
@@ -33,7 +34,8 @@ def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
         `clock`: `hz` and `period_s` (median), `jitter_s` (standard deviation of the period, gaps left out),
         `shortest_s`, `longest_s`, `steps` (their number), `gaps` (how many steps exceed `GAP` median periods),
         `gap_list` of `{time_s, length_s}`;
-        `commands` by actuator: `low`, `high`, `saturated` (share of rows at or beyond ctrlrange, null without one),
+        `commands` by command (`<actuator>`, with `.0 .1 ...` where it has several inputs): `low`, `high`, `saturated`
+        (share of rows at or beyond ctrlrange, null without one),
         `enabled` (share of rows with the motor on), `changes` (rows whose command differs from the one before),
         `lag_s` (delay of a position servo's joint behind its command, null where it cannot be measured);
         `readings` by column: `samples`, `low` and `high` (null without samples), and `step` (encoder resolution in the
@@ -86,8 +88,10 @@ def _clock(time: np.ndarray) -> dict[str, Any]:
 def _commands(robot: Robot, recording: Recording, readings: dict[str, np.ndarray]) -> dict[str, dict[str, Any]]:
     model, summaries = robot.model, {}
     followers = {follower.actuator: follower.column for follower in _position_servos(robot, readings)}
-    for index, name in enumerate(robot.names("actuator")):
-        values = recording.ctrl[:, index]
+    owners = actuator_of_input(model)
+    for index, name in enumerate(robot.command_columns()):
+        values, owner = recording.ctrl[:, index], int(owners[index])
+        follows = owner in followers and index == servo_faults.target_input(model, owner)
         saturated = None
         if model.actuator_ctrllimited[index]:
             low, high = model.actuator_ctrlrange[index]
@@ -96,9 +100,9 @@ def _commands(robot: Robot, recording: Recording, readings: dict[str, np.ndarray
             "low": float(values.min()),
             "high": float(values.max()),
             "saturated": saturated,
-            "enabled": float(recording.enable[:, index].mean()),
+            "enabled": float(recording.enable[:, owner].mean()),
             "changes": int(np.count_nonzero(np.diff(values))),
-            "lag_s": _lag(robot, recording, index, readings[followers[index]]) if index in followers else None,
+            "lag_s": _lag(robot, recording, owner, readings[followers[owner]]) if follows else None,
         }
     return summaries
 
@@ -129,7 +133,8 @@ def _range(values: np.ndarray) -> dict[str, Any]:
 
 def _joints(robot: Robot, recording: Recording, readings: dict[str, np.ndarray]) -> dict[str, dict[str, Any]]:
     summaries: dict[str, dict[str, Any]] = {}
-    driven = {robot.joint_of_actuator(actuator): actuator for actuator in range(robot.model.nu)}
+    motors = enumerate(actuator_of_input(robot.model).tolist())
+    driven = {robot.joint_of_actuator(actuator): index for index, actuator in motors}
     for joint, name in enumerate(robot.names("joint")):
         kinds = {c: k for c, k in _columns_of_joint(robot, joint, readings).items() if np.isfinite(readings[c]).any()}
         spans = {column: float(np.ptp(readings[column][np.isfinite(readings[column])])) for column in kinds}
@@ -171,7 +176,7 @@ def _position_servos(robot: Robot, readings: dict[str, np.ndarray]) -> Iterator[
     """Each position servo whose joint position is measured."""
     for actuator, name in enumerate(robot.names("actuator")):
         joint = robot.joint_of_actuator(actuator)
-        if joint is None or not servo_faults.is_position_servo(robot.model, actuator):
+        if joint is None or servo_faults.target_input(robot.model, actuator) is None:
             continue
         for column, kind in _columns_of_joint(robot, joint, readings).items():
             if kind != "speed" and np.isfinite(readings[column]).any():
@@ -207,7 +212,7 @@ def _faults(
         moved = servo_faults.follows_commands(robot, recording, follower.actuator, values)
         if len(moved[0]) >= 20:
             yield from clock_agreement.agreement_faults(follower.column, *moved)
-    for index, name in enumerate(robot.names("actuator")):
+    for index, name in enumerate(robot.command_columns()):
         yield from servo_faults.command_faults(robot, recording, index, name, summaries["commands"][name])
 
 

@@ -9,6 +9,7 @@ from typing import Any, final
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import actuator_of_input, gear_of, inputs_of, position_input
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks import signals
@@ -84,7 +85,7 @@ def follows_commands(
     stretch = max((run for run in signals.runs(on.astype(float), 1) if on[run.start]), key=_length, default=None)
     rows = np.flatnonzero(np.isfinite(values))
     rows = rows[(rows >= stretch.start) & (rows < stretch.stop)] if stretch else rows[:0]
-    command = recording.ctrl[rows, actuator] / float(robot.model.actuator_gear[actuator, 0] or 1.0)
+    command = recording.ctrl[rows, inputs_of(robot.model, actuator)[0]] / (gear_of(robot.model, actuator) or 1.0)
     return recording.time[rows], command, values[rows]
 
 
@@ -129,8 +130,8 @@ def command_faults(
     Args:
         robot: with the recording's settings.
         recording: its commands.
-        index: of the actuator.
-        name: of the actuator.
+        index: of the command.
+        name: of the command, as of `Robot.command_columns`.
         summary: the entry of `commands` that `judge` returns.
     """
     if summary["saturated"] is not None and summary["saturated"] > SATURATED:
@@ -138,16 +139,17 @@ def command_faults(
         yield Fault("saturation", f"ctrl.{name}", f"{what}; there the motor cannot show what it does: command less")
     if summary["enabled"] == 0.0:
         yield Fault("motor_off", f"ctrl.{name}", "the motor is off all the time; is enable.* mapped the right way?")
-    joint = robot.joint_of_actuator(index)
+    actuator = int(actuator_of_input(robot.model)[index])
+    joint = robot.joint_of_actuator(actuator)
     hinge = joint is not None and robot.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
-    largest = float(np.abs(recording.ctrl[:, index] * robot.model.actuator_gear[index, 0]).max())
-    if hinge and is_position_servo(robot.model, index) and largest > FULL_TURNS:
+    largest = float(np.abs(recording.ctrl[:, index] * gear_of(robot.model, actuator)).max())
+    if hinge and index == target_input(robot.model, actuator) and largest > FULL_TURNS:
         yield Fault(
             "degrees", f"ctrl.{name}", f'commands up to {largest:.4g} rad; is it in degrees? Then give unit = "deg"'
         )
 
 
-def is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
-    """Whether an actuator's command is a target position."""
+def target_input(model: mujoco.MjModel, actuator: int) -> int | None:
+    """Address in `ctrl` of an actuator's target position; None where it has none, or integrates it."""
     direct = model.actuator_dyntype[actuator] != mujoco.mjtDyn.mjDYN_INTEGRATOR
-    return bool(direct and model.actuator_biasprm[actuator, 1] != 0.0)
+    return position_input(model, actuator) if direct else None

@@ -15,6 +15,7 @@ from typing import final
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import actuator_of_input, position_input
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
@@ -64,7 +65,7 @@ def better_mappings(robot: Robot, recording: Recording) -> list[str]:
     u = recording.ctrl[np.searchsorted(recording.time, grid, side="right") - 1]
     if not np.ptp(q, axis=0).all():
         return []
-    names, motors = list(columns), [f"ctrl.{name}" for name in robot.names("actuator")]
+    names, motors = list(columns), [f"ctrl.{name}" for name in robot.command_columns()]
     wide = np.ptp(np.concatenate([q, u], axis=1), axis=0) > _TURN
     angles = [*(model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE), *(_takes_angle(robot, k) for k in range(len(motors)))]
     in_degrees = {name for name, *both in zip([*names, *motors], wide, angles, strict=True) if all(both)}
@@ -81,11 +82,12 @@ def better_mappings(robot: Robot, recording: Recording) -> list[str]:
     return found
 
 
-def _takes_angle(robot: Robot, actuator: int) -> bool:
-    """Whether an actuator is the position servo of a hinge."""
+def _takes_angle(robot: Robot, command: int) -> bool:
+    """Whether a command is the target of a hinge's position servo."""
+    actuator = int(actuator_of_input(robot.model)[command])
     joint = robot.joint_of_actuator(actuator)
     hinge = joint is not None and robot.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
-    return bool(hinge and robot.model.actuator_biasprm[actuator, 1])
+    return bool(hinge and position_input(robot.model, actuator) == command)
 
 
 def _first(pair: tuple[float, _Mapping]) -> float:

@@ -9,6 +9,7 @@ from typing import final
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import declared_inputs, inputs_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import column_names
 from estexp_jax.recordings.templates.names import NamedColumn, Quantity, are_numbers, owner_of, owners
@@ -20,6 +21,10 @@ _READINGS: Mapping[mujoco.mjtSensor, Quantity] = {
     mujoco.mjtSensor.mjSENS_JOINTPOS: "position",
     mujoco.mjtSensor.mjSENS_JOINTVEL: "velocity",
     mujoco.mjtSensor.mjSENS_JOINTACTFRC: "effort",
+}
+_INPUTS: Mapping[mujoco.mjtCtrlInput, Quantity] = {
+    mujoco.mjtCtrlInput.mjINPUT_POS: "position",
+    mujoco.mjtCtrlInput.mjINPUT_VEL: "velocity",
 }
 
 
@@ -102,26 +107,33 @@ def _sensors(robot: Robot, kind: mujoco.mjtSensor) -> dict[str, str]:
     return {robot.names("sensor")[i]: robot.names("joint")[robot.model.sensor_objid[i]] for i in found}
 
 
-def _command_quantities(robot: Robot) -> dict[str, Quantity]:
-    """What each actuator is commanded: the position or velocity of a servo, else an effort."""
+def _commands(robot: Robot) -> dict[str, tuple[str, Quantity]]:
+    """Each command that is one number: the joint it goes to, or its actuator, and what is commanded there.
+
+    A servo is commanded a position or a velocity, other actuators an effort; orientations are not guessed.
+    """
     model, found = robot.model, {}
-    for index, name in enumerate(robot.names("actuator")):
-        bias = model.actuator_biasprm[index]
-        servo = model.actuator_biastype[index] == mujoco.mjtBias.mjBIAS_AFFINE
-        found[name] = "position" if servo and bias[1] else "velocity" if servo and bias[2] else "effort"
+    joints, columns = list(_actuators(robot).values()), robot.command_columns()
+    for actuator, joint in enumerate(joints):
+        inputs, bias = inputs_of(model, actuator), model.actuator_biasprm[actuator]
+        declared = [_INPUTS.get(kind, "effort") for kind in declared_inputs(model, actuator)]
+        if not declared and len(inputs) == 1:
+            servo = model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_AFFINE
+            declared = ["position" if servo and bias[1] else "velocity" if servo and bias[2] else "effort"]
+        found |= {columns[k]: (joint, quantity) for k, quantity in zip(inputs, declared, strict=False)}
     return found
 
 
 def _groups(robot: Robot, free: Sequence[NamedColumn]) -> dict[str, _Group]:
     """Elements and the columns that may be theirs, by kind and quantity; a later one takes what an earlier left."""
-    joints, wanted = _actuators(robot), _command_quantities(robot)
+    wanted = _commands(robot)
     commands = [column for column in free if column.is_command]
     groups: dict[str, _Group] = {}
-    for quantity in dict.fromkeys(wanted.values()):
-        ours = {f"ctrl.{name}": joints[name] for name in joints if wanted[name] == quantity}
+    for quantity in dict.fromkeys(quantity for _, quantity in wanted.values()):
+        ours = {f"ctrl.{name}": joint for name, (joint, asked) in wanted.items() if asked == quantity}
         groups[f"ctrl {quantity}"] = _Group(ours, [c for c in commands if c.quantity == quantity])
         groups[f"ctrl, any {quantity}"] = _Group(ours, [c for c in commands if not c.quantity])
-    switches = {f"enable.{name}": joint for name, joint in joints.items()}
+    switches = {f"enable.{name}": joint for name, joint in _actuators(robot).items()}
     groups["enable"] = _Group(switches, [c for c in free if c.is_switch])
     readings = [column for column in free if not column.is_command and not column.is_switch]
     for kind, quantity in _READINGS.items():

@@ -24,7 +24,9 @@ from estexp_jax.recordings.templates.names import NamedColumn
 from estexp_jax.runs.files import write_text
 
 
-def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: Sequence[str]) -> None:
+def write_manifest(
+    path: Path, files: Sequence[str], test: Sequence[str], maps: Sequence[str], root: Path | None = None
+) -> None:
     """Write a first `recordings.toml`.
 
     Args:
@@ -32,6 +34,7 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
         files: an MJCF and logs.
         test: logs with the role `test`.
         maps: `ours=theirs`, which are not guessed then.
+        root: the folder that the model's files have to be under; None: see `Robot.from_xml`.
 
     Raises:
         InputError: the file exists, or cannot be written; no model and log are given, or they cannot be read.
@@ -40,7 +43,7 @@ def write_manifest(path: Path, files: Sequence[str], test: Sequence[str], maps: 
         raise InputError("no model and logs to begin a manifest with", where="--init", right="nominal.xml a.csv b.csv")
     if path.exists():
         raise InputError("exists already", where=str(path), right="move it away, or check it without --init")
-    robot = Robot.from_xml(files[0])
+    robot = Robot.from_xml(files[0], root)
     logs = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
     contents = _contents([log for log, _ in logs])
     given = {ours: str(source.column) for ours, source in parse_maps(maps).items()}

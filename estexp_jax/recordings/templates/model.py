@@ -35,7 +35,7 @@ def first_model(robot: Robot) -> mujoco.MjSpec:
     model, spec = robot.model, robot.spec.copy()
     if not robot.scalar_joints:
         raise InputError("the robot has no hinge and no slide joint", where=robot.source)
-    driven = {robot.joint_of_actuator(a) for a in range(model.nu)}
+    driven = {robot.joint_of_actuator(a) for a in range(model.nactuator)}
     sensors = {element.name for element in spec_elements(spec)["sensor"]}
     measured = model.sensor_objid[model.sensor_type == int(mujoco.mjtSensor.mjSENS_JOINTPOS)].tolist()
     for joint in robot.scalar_joints:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from estexp_jax.physics.model.actuators import actuator_of_input
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks.inspect import GAP
@@ -33,13 +34,13 @@ def draw_check(robot: Robot, recordings: Sequence[Recording], path: Path) -> Non
     from matplotlib.figure import Figure
 
     drawn = list(recordings[:MOST_COLUMNS])
-    channels = _channels(robot, drawn)
+    channels, owners = _channels(robot, drawn), actuator_of_input(robot.model)
     rows = channels[:MOST_ROWS]
     figure = Figure(figsize=(3.2 + 3.0 * len(drawn), 1.0 + 1.1 * len(rows)), layout="constrained")
     grid = figure.subplots(len(rows), len(drawn), sharex="col", sharey="row", squeeze=False)
     for column, recording in enumerate(drawn):
         for row, (kind, index, name) in enumerate(rows):
-            _draw_channel(grid[row, column], recording, kind, index)
+            _draw_channel(grid[row, column], recording, kind, index, owners)
             if column == 0:
                 # Names are not formulas, though they may have dollars in them.
                 grid[row, column].set_ylabel(name, rotation=0, ha="right", va="center", fontsize=8, parse_math=False)
@@ -52,7 +53,7 @@ def draw_check(robot: Robot, recordings: Sequence[Recording], path: Path) -> Non
 
 def _channels(robot: Robot, recordings: Sequence[Recording]) -> list[tuple[str, int, str]]:
     """Array, column in it and name of each channel: all commands, and readings with samples in some recording."""
-    channels = [("ctrl", index, f"ctrl.{name}") for index, name in enumerate(robot.names("actuator"))]
+    channels = [("ctrl", index, f"ctrl.{name}") for index, name in enumerate(robot.command_columns())]
     names = {"sensor": [f"sensor.{name}" for name in robot.sensor_columns()]}
     names |= {kind: [f"{kind} {k}" for k in range(getattr(recordings[0], kind).shape[1])] for kind in ("qpos", "qvel")}
     for kind, columns in names.items():
@@ -62,13 +63,13 @@ def _channels(robot: Robot, recordings: Sequence[Recording]) -> list[tuple[str, 
     return channels
 
 
-def _draw_channel(axes: Axes, recording: Recording, kind: str, index: int) -> None:
+def _draw_channel(axes: Axes, recording: Recording, kind: str, index: int, owners: np.ndarray) -> None:
     time, values = recording.time, getattr(recording, kind)[:, index]
     axes.tick_params(labelsize=7)
     axes.margins(x=0.01)
     if kind == "ctrl":
         axes.step(time, values, where="post", color=_COMMAND, linewidth=0.8)
-        _shade_off(axes, time, recording.enable[:, index])
+        _shade_off(axes, time, recording.enable[:, owners[index]])
     else:
         finite = np.isfinite(values)
         # Rows without a sample are skipped: a slow sensor would otherwise be a row of invisible points.

@@ -187,4 +187,11 @@ def _cost(findings: Mapping[str, Any]) -> str:
     if finite(cost["wall_s"]):
         compiled = f", {cost['compile_s']:.0f} s of them compiling" if finite(cost["compile_s"]) else ""
         parts.append(f"{cost['wall_s']:.0f} s{compiled}")
+    if "engine" in findings:
+        parts.append(_engine(findings["engine"]))
     return f"{'; '.join(parts)}; seed {findings['seed']}."
+
+
+def _engine(engine: Mapping[str, Any]) -> str:
+    most = engine["largest_difference"]
+    return f"engine {engine['name']}" + (f", within {most:.1g} of MuJoCo on this robot" if finite(most) else "")

@@ -29,7 +29,7 @@ def figure_commands(proposed: ProposedExperiment) -> Figure:
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, motor in zip(panels, chosen, strict=True):
         axes.step(proposed.time, proposed.commands[:, motor], where="post", color=_COLOURS[0], lw=1.2)
-        name = proposed.robot.names("actuator")[motor]
+        name = proposed.robot.command_columns()[motor]
         axes.set_title(short(name), fontsize=9, loc="left", parse_math=False)
         axes.spines[["top", "right"]].set_visible(False)
     panels[-1].set_xlabel("time (s)")

@@ -16,7 +16,7 @@ from estexp_jax.runs import RunFolder, write_text
 
 def write_proposal(folder: RunFolder, proposed: ProposedExperiment) -> Path:
     """Write commands, what each explanation predicts, advice and report; gives the report's path."""
-    names = proposed.robot.names("actuator")
+    names = proposed.robot.command_columns()
     columns = {f"ctrl.{name}": proposed.commands[:, a] for a, name in enumerate(names)}
     for n, readings in enumerate(proposed.predicted.readings, start=1):
         write_csv(folder.file(f"rivals/{n}.csv"), {"time": proposed.time, **_columns(proposed, readings)})

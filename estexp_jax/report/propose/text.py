@@ -140,7 +140,7 @@ def caution(proposed: ProposedExperiment) -> str:
 
 def command_ranges(proposed: ProposedExperiment) -> list[tuple[str, str, str]]:
     """Each actuator with its lowest and highest command."""
-    pairs = zip(proposed.robot.names("actuator"), proposed.commands.T, strict=True)
+    pairs = zip(proposed.robot.command_columns(), proposed.commands.T, strict=True)
     return [(name, f"{column.min():.3g}", f"{column.max():.3g}") for name, column in pairs]
 
 

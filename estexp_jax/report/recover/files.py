@@ -70,6 +70,6 @@ def write_traces(stream: IO[bytes], state: RunState, robot: Robot, interface: In
         arrays[f"trial_{number}/time"] = trial.time
         for name, column in zip(interface.names, trial.readings.T, strict=True):
             arrays[f"trial_{number}/{name}"] = column
-        for name, column in zip(robot.names("actuator"), trial.commands.T, strict=True):
+        for name, column in zip(robot.command_columns(), trial.commands.T, strict=True):
             arrays[f"trial_{number}/ctrl/{name}"] = column
     np.savez(stream, **arrays)

@@ -32,7 +32,7 @@ class RecoverProgress:
         if isinstance(self._job.target, RemoteTarget):
             what = "a robot of yours"
         self._progress.say(f"{model}, seed {settings.seed}: {what}")
-        engine, reason = self._job.simulator.closed_loop.choice
+        engine, reason, _ = self._job.simulator.closed_loop.choice
         self._progress.say(f"  engine: {engine}, {reason}")
         for change in self._job.planted:
             self._progress.say(f"  planted: {change.sentence()}")

@@ -103,7 +103,7 @@ def whole(index: int) -> Window:
 def c_loop(
     robot: Robot, part: Window, delay: float = 0.0, start: InitialState = START
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Readings and configurations at the rows of a segment; force sensors as left by the step before."""
+    """Readings and configurations at the rows of a segment; force sensors as under the command before."""
     model = converged(robot.spec.copy().compile())
     data, gain, bias = mujoco.MjData(model), model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
     data.qpos[:], data.qvel[:] = start.qpos, start.qvel
@@ -117,11 +117,14 @@ def c_loop(
         model.opt.timestep = steps.length[now]
         moments = steps.start[now] - delay + steps.length[now] * (np.arange(400) + 0.5) / 400
         data.ctrl[:] = log.ctrl[np.maximum(np.searchsorted(log.time, moments, side="right") - 1, 0)].mean(axis=0)
-        on = log.enable[row][:, None]
-        model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * on, bias * on
-        if k == 0:
-            mujoco.mj_forward(model, data)  # nothing was commanded before the log's first row
+        on, command = log.enable[row][:, None], data.ctrl.copy()
+        if k in steps.sample:
+            just_before = np.append(steps.start, steps.end)[k] - delay - 1e-6
+            data.ctrl[:] = log.ctrl[max(np.searchsorted(log.time, just_before, side="right") - 1, 0)]
+            mujoco.mj_forward(model, data)
+            data.ctrl[:] = command
         before, place = data.sensordata.copy(), data.qpos.copy()
+        model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * on, bias * on
         mujoco.mj_step(model, data)
         if k in steps.sample:
             readings.append(np.where(forces, before, data.sensordata))

@@ -1,4 +1,4 @@
-"""Models with files: found in the model's own folder, refused elsewhere, and taken along."""
+"""Models with files: found under the model's root, refused elsewhere, and taken along."""
 
 import os
 import struct
@@ -127,7 +127,7 @@ OUT = {
 def test_nothing_outside_is_opened(tmp_path: Path, kind: str, way: str) -> None:
     """Up, absolute, by a link to a file, by a link to a folder, up through a folder that is not there."""
     _write(tmp_path / "secret.xml", f"<mujoco><worldbody>{BODY}</worldbody></mujoco>")
-    (tmp_path / "own").mkdir()
+    _write(tmp_path / "own" / "package.xml", "<package/>")
     (tmp_path / "own" / "linked.xml").symlink_to(tmp_path / "secret.xml")
     (tmp_path / "own" / "folder").symlink_to(tmp_path)
     text = f"<mujoco>{OUT[kind].format(way.format(tmp_path))}<worldbody>{BODY}</worldbody></mujoco>"
@@ -139,10 +139,10 @@ def test_nothing_outside_is_opened(tmp_path: Path, kind: str, way: str) -> None:
 @pytest.mark.parametrize("folder", ['meshdir=".."', 'meshdir="/etc"', 'assetdir="../.."', 'meshdir="up"'])
 def test_folders_of_files_stay_inside(tmp_path: Path, folder: str) -> None:
     write_box(tmp_path / "link.stl")
-    (tmp_path / "own").mkdir()
+    _write(tmp_path / "own" / "pyproject.toml", "")
     (tmp_path / "own" / "up").symlink_to("..")
     text = f'<mujoco><compiler {folder}/><asset><mesh file="link.stl"/></asset><worldbody>{BODY}</worldbody></mujoco>'
-    with pytest.raises(InputError, match="'link.stl' leads out of the model's folder"):
+    with pytest.raises(InputError, match="'link.stl' leads out of the model's root"):
         Robot.from_xml(_write(tmp_path / "own" / "model.xml", text))
 
 
@@ -151,6 +151,7 @@ def test_folders_of_files_stay_inside(tmp_path: Path, folder: str) -> None:
 )
 def test_ways_out_of_a_urdf(tmp_path: Path, mesh: str) -> None:
     write_box(tmp_path / "link.stl")
+    _write(tmp_path / "own" / "package.xml", "<package/>")
     with pytest.raises(InputError, match="leads out of|there is no file"):
         Robot.from_xml(_write(tmp_path / "own" / "arm.urdf", urdf(mesh)))
 
@@ -210,7 +211,7 @@ def test_files_that_are_too_large_or_none(tmp_path: Path) -> None:
         Robot.from_xml(model)
     (tmp_path / "t.png").unlink()
     os.mkfifo(tmp_path / "t.png")
-    with pytest.raises(InputError, match=r"there is no file 't\.png' in the model's folder"):
+    with pytest.raises(InputError, match=r"there is no file 't\.png' under the model's root"):
         Robot.from_xml(model)
     with model.open("wb") as stream:
         stream.truncate(10**12)

@@ -5,6 +5,7 @@ import pytest
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.templates.guess import guesses
 from estexp_jax.recordings.templates.names import NamedColumn
+from tests.physics.mixed_actuators import MIXED
 
 TWO = """
 <mujoco><worldbody>
@@ -33,6 +34,13 @@ TWO = """
 )
 def test_guesses(names, found):
     assert _guessed(Robot.from_string(TWO), names) == found
+
+
+def test_each_input_of_an_actuator_is_found_by_what_it_is():
+    robot = Robot.from_string(MIXED, "mixed.xml")
+    names = ["cmd_pos_elbow", "cmd_vel_elbow", "cmd_torque_push", "cmd_pos_wrist"]
+    found = {"ctrl.pid.0": names[0], "ctrl.pid.1": names[1], "ctrl.push": names[2], "ctrl.servo": names[3]}
+    assert _guessed(robot, names) == found
 
 
 def _guessed(robot, names):

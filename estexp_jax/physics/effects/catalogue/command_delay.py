@@ -23,7 +23,7 @@ class CommandDelay(CommandShift):
     source: ClassVar[str] = "transport delay"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return with_all(robot.names("actuator"))
+        return with_all(tuple(robot.names("actuator")[a] for a in _with_inputs(robot)))
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
         return ((0.0, 0.2),)
@@ -33,5 +33,12 @@ class CommandDelay(CommandShift):
         return f"all motors ({site}) obey {how}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {how}"
 
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
-        own, alike = np.split(values[..., 0], [robot.model.nu], axis=-1)
-        return np.maximum(own + alike.sum(axis=-1, keepdims=True), 0.0)
+        motors = _with_inputs(robot)
+        own, alike = np.split(values[..., 0], [len(motors)], axis=-1)
+        each = np.maximum(own + alike.sum(axis=-1, keepdims=True), 0.0)
+        return np.repeat(each, robot.model.actuator_ctrlnum[motors], axis=-1)
+
+
+def _with_inputs(robot: Robot) -> np.ndarray:
+    """Indices of the actuators with a command."""
+    return np.flatnonzero(robot.model.actuator_ctrlnum)

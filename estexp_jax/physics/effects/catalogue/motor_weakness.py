@@ -60,7 +60,7 @@ class MotorWeakness(Edit, Damage, ModelError):
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         driven = np.array(driven_actuators(robot), dtype=int)
-        loss = jnp.zeros(robot.model.nu, values.dtype).at[driven].add(per_element(values[:, 0], len(driven)))
+        loss = jnp.zeros(robot.model.nactuator, values.dtype).at[driven].add(per_element(values[:, 0], len(driven)))
         share = jnp.maximum(1.0 - loss, 0.0)[:, None]
         return model.replace(
             actuator_gainprm=model.actuator_gainprm * share,

@@ -27,7 +27,7 @@ def lost_masks(robot: Robot) -> dict[str, np.ndarray]:
     body = np.zeros((len(names), model.nbody))
     for row, name in enumerate(names):
         body[row, list(robot.subtree(robot.index("body", name)))] = 1.0
-    joints = [robot.joint_of_actuator(a) for a in range(model.nu)]
+    joints = [robot.joint_of_actuator(a) for a in range(model.nactuator)]
     driven = [None if j is None else int(model.jnt_bodyid[j]) for j in joints]
     sensed = [robot.body_of_sensor(s) for s in range(model.nsensor)]
     return {

@@ -13,6 +13,7 @@ from estexp_jax.physics.effects.base import Edit, Parameter
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.servos import servo_damping_at, servos
 from estexp_jax.physics.model import scales
+from estexp_jax.physics.model.actuators import gear_of
 from estexp_jax.physics.model.robot import Robot, spec_element
 
 
@@ -56,13 +57,12 @@ class ServoDamping(Edit):
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         own = np.array(servos(robot), dtype=int)
-        slope = (
-            jnp.zeros(robot.model.nu, values.dtype).at[own].add(values[:, 0] / robot.model.actuator_gear[own, 0] ** 2)
-        )
+        gear = robot.model.actuator_gear[robot.model.actuator_outadr[own], 0]
+        slope = jnp.zeros(robot.model.nactuator, values.dtype).at[own].add(values[:, 0] / gear**2)
         return model.replace(actuator_biasprm=model.actuator_biasprm.at[:, 2].add(-slope))
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         actuator = spec_element(spec, robot, "actuator", site)
         bias = np.array(actuator.biasprm)
-        bias[2] -= values["k"] / robot.model.actuator_gear[robot.index("actuator", site), 0] ** 2
+        bias[2] -= values["k"] / gear_of(robot.model, robot.index("actuator", site)) ** 2
         actuator.biasprm = bias

@@ -5,6 +5,7 @@ from typing import Any, ClassVar, final
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter
 from estexp_jax.physics.effects.controller_fault import CommandRoute, Parameters
@@ -12,6 +13,7 @@ from estexp_jax.physics.effects.damage import PRESENT, Amounts, Damage
 from estexp_jax.physics.effects.guesses import Vectors, other_elements
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
+from estexp_jax.physics.model.actuators import actuator_of_input, first_input, single_inputs, unusual_actuator
 from estexp_jax.physics.model.robot import Robot
 
 
@@ -29,16 +31,16 @@ class TiedOutputs(CommandRoute, Damage):
     amounts: ClassVar[Amounts] = PRESENT
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
-        return robot.names("actuator")
+        return tuple(robot.names("actuator")[a] for a in single_inputs(robot.model))
 
     def bounds(self, robot: Robot, site: str) -> tuple[tuple[float, float], ...]:
-        return ((1.0, float(robot.model.nu)),)
+        return ((1.0, float(robot.model.nactuator)),)
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the motor {site} repeats the command of motor number {int(values['with'])}"
 
     def initial_guesses(self, robot: Robot, site: str, observed: Observed) -> Vectors:
-        return [(other,) for other in other_elements(robot, "actuator", site)]
+        return [(other,) for other in other_elements(robot, "actuator", site) if self._is_possible(robot, other)]
 
     def at_amount(self, robot: Robot, site: str, amount: float, partner: int) -> dict[str, float]:
         return {"with": float(partner)}
@@ -51,4 +53,13 @@ class TiedOutputs(CommandRoute, Damage):
         return network._replace(output_of=jnp.where(source >= 0, source, network.output_of))
 
     def route(self, robot: Robot, values: Any) -> Any:
-        return values[..., 0].astype(int) - 1
+        other, model = values[..., 0].astype(int) - 1, robot.model
+        if unusual_actuator(model) is None:
+            return other
+        own, owners = single_inputs(model), actuator_of_input(model)
+        source = np.where(other >= 0, first_input(model)[other], -1)
+        row = np.clip(np.searchsorted(own, owners), 0, max(len(own) - 1, 0))
+        return np.where(np.isin(owners, own), source[..., row] if len(own) else -1, -1)
+
+    def _is_possible(self, robot: Robot, other: float) -> bool:
+        return int(other) - 1 in single_inputs(robot.model)

@@ -46,7 +46,7 @@ class TorqueSaturation(Edit):
 
     def edit(self, robot: Robot, model: mjx.Model, values: jax.Array) -> mjx.Model:
         driven = np.array(driven_actuators(robot), dtype=int)
-        most = (values[:, 0] / jnp.abs(model.actuator_gear[driven, 0]))[:, None]
+        most = (values[:, 0] / jnp.abs(model.actuator_gear[robot.model.actuator_outadr[driven], 0]))[:, None]
         limits = jnp.clip(model.actuator_forcerange[driven], -most, most)
         return model.replace(actuator_forcerange=model.actuator_forcerange.at[driven].set(limits))
 

@@ -71,7 +71,7 @@ class ActingEffects:
     def begin(
         self, qpos: np.ndarray, qvel: np.ndarray, ctrl: np.ndarray, enable: np.ndarray, dt: np.ndarray
     ) -> StepTable:
-        """The table filled with the beginning of a step: arrays (lanes, ...), switches of motors by their commands."""
+        """The table filled with the beginning of a step: arrays (lanes, ...), switches of motors among them."""
         table = self.table
         table["qpos"][:], table["qvel"][:], table["ctrl"][:], table["dt"][:, 0] = qpos, qvel, ctrl, dt
         table["on"][:] = self.switches(enable)
@@ -84,10 +84,8 @@ class ActingEffects:
         return table
 
     def switches(self, enable: np.ndarray) -> np.ndarray:
-        """Which motors (lanes, motors) are on, of switches (lanes, nu) of their commands; 1.0 or 0.0."""
-        adr = self._chunk.robot.model.actuator_ctrladr
-        on = enable[:, np.maximum(adr, 0)] if enable.shape[1] else np.ones((len(enable), len(adr)))
-        return np.where(self._disabled, 0.0, np.where(adr < 0, 1.0, on))
+        """Which motors (lanes, motors) are on, of their switches (lanes, motors); 1.0 or 0.0."""
+        return np.where(self._disabled, 0.0, enable)
 
     def rest(self) -> LaneHidden:
         """Hidden variables of robots that have been where the table says, under its commands, for long."""

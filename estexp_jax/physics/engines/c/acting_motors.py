@@ -11,6 +11,7 @@ from estexp_jax.physics.engines.c.carried_momenta import CarriedMomenta
 from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.engines.c.law_inputs import MotorFields, RobotFields
 from estexp_jax.physics.engines.c.step_table import StepTable
+from estexp_jax.physics.model.actuators import first_input
 from estexp_jax.physics.model.robot import Robot
 
 
@@ -25,7 +26,11 @@ class Chunk(NamedTuple):
 
 def motor_fields(models: LaneModels, lane: np.ndarray, motors: np.ndarray) -> MotorFields:
     """Numbers of motors (motors, n) of lanes (n,)."""
-    return MotorFields(*(_limits(name, models.read(name)[lane, motors]) for name in MotorFields._fields))
+    model = models.batch.model
+    inputs, outputs = first_input(model)[motors], model.actuator_outadr[motors]
+    address = dict.fromkeys(("actuator_ctrllimited", "actuator_ctrlrange"), inputs) | {"actuator_gear": outputs}
+    fields = (_limits(name, models.read(name)[lane, address.get(name, motors)]) for name in MotorFields._fields)
+    return MotorFields(*fields)
 
 
 def _limits(name: str, x: np.ndarray) -> np.ndarray:
@@ -39,8 +44,8 @@ def motor_rows(chunk: Chunk, lane: np.ndarray, motors: np.ndarray) -> np.ndarray
 
 
 def command_of(robot: Robot, motors: np.ndarray) -> np.ndarray:
-    """Index of the command of motors; motors without one get any."""
-    return np.maximum(robot.model.actuator_ctrladr[motors], 0)
+    """Address of the first command of motors; motors without one get any."""
+    return first_input(robot.model)[motors]
 
 
 class WholeRobot:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, final
 
 import mujoco
@@ -13,6 +14,7 @@ import numpy as np
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import NEVER
 from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.c.histories import lengthen_histories
 from estexp_jax.physics.model.robot import Robot
 
 _KEPT_PER_SIMULATION = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
@@ -52,9 +54,14 @@ def recorded_fields(robot: Robot, per_recording: Sequence[Robot]) -> dict[str, n
     return found
 
 
-def _without_simple_bodies(robot: Robot) -> mujoco.MjModel:
+@lru_cache(maxsize=16)
+def _lane_model(robot: Robot, *, simple: bool) -> mujoco.MjModel:
+    """The model that lanes begin with: with buffers for shorter steps; bodies may be simple, or none is."""
+    if simple and not robot.model.nhistory:
+        return robot.model
     spec = robot.spec.copy()
-    for body in spec.bodies:
+    lengthen_histories(spec)
+    for body in spec.bodies if not simple else ():
         body.simple = 0
     return spec.compile()
 
@@ -80,7 +87,7 @@ class LaneModels:
             recording: index of each lane's recording.
             simple: whether bodies may be *simple* as MuJoCo compiles them: those have to keep their centres of mass.
         """
-        model = copy.copy(robot.model) if simple else _without_simple_bodies(robot)
+        model = copy.copy(_lane_model(robot, simple=simple))
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lane that blows up must not start again
         persistent = bool(int(model.opt.enableflags) & int(_KEPT_PER_SIMULATION))
         self._robot, self.lanes, self.failed = robot, len(recording), np.zeros(len(recording), bool)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import final
 
 import mujoco
 import numpy as np
 
 from estexp_jax.physics.engines.c.lane_models import LaneModels
+from estexp_jax.physics.model.actuators import affine_actuators
 
 _UNLIMITED = 1e20
 """Force limit of a motor without one."""
-_GAINS = (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtGain.mjGAIN_AFFINE))
-_BIASES = (int(mujoco.mjtBias.mjBIAS_NONE), int(mujoco.mjtBias.mjBIAS_AFFINE))
 
 
 @final
@@ -22,8 +22,7 @@ class MotorScales:
     def __init__(self, models: LaneModels) -> None:
         """With edited models."""
         self._models, model = models, models.batch.model
-        simple = np.isin(model.actuator_gaintype, _GAINS) & np.isin(model.actuator_biastype, _BIASES)
-        self._odd = np.flatnonzero(~simple)
+        self._odd = np.flatnonzero(~affine_actuators(model))
         names = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
         self._gain, self._bias, self._range = (np.array(models.read(name)) for name in names)
         self._limited = np.array(models.read("actuator_forcelimited")).astype(bool)
@@ -51,3 +50,13 @@ class MotorScales:
             own("actuator_biasprm")[:, odd] = self._bias[:, odd]
         own("actuator_forcerange")[:] = limits
         self._on, self._share = on.copy(), share.copy()
+
+
+def with_switched_motors(model: mujoco.MjModel, on: np.ndarray) -> mujoco.MjModel:
+    """A copy of a model with motors on or off, (nactuator,) 1.0 or 0.0; as `MotorScales`."""
+    other, affine = copy(model), affine_actuators(model)
+    other.actuator_gainprm[affine] *= on[affine, None]
+    other.actuator_biasprm[affine] *= on[affine, None]
+    off = ~affine & (on == 0.0)
+    other.actuator_forcelimited[off], other.actuator_forcerange[off] = 1, 0.0
+    return other

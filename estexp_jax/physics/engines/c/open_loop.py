@@ -17,11 +17,12 @@ from estexp_jax.physics.engines.batching import cores
 from estexp_jax.physics.engines.c.acting import ActingEffects, LaneHidden
 from estexp_jax.physics.engines.c.distortions import distort_readings
 from estexp_jax.physics.engines.c.edits import edited_models
+from estexp_jax.physics.engines.c.histories import filled_histories
 from estexp_jax.physics.engines.c.stepping import LaneSteps, ShownVariable
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator, RowController
-from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
-from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows, command_routes
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
 from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
 from estexp_jax.physics.window import Window
 
@@ -64,17 +65,22 @@ class COpenLoop(OpenLoopSimulator):
 
     def _chunk_size(self, n: int, n_steps: int) -> int:
         model = self.robot.model
-        width = n_steps * (model.nsensordata + model.nq + model.nv + 2 * model.nu + 1)
+        width = n_steps * (model.nsensordata + model.nq + model.nv + model.nu + model.nactuator + 1)
         most = max(1, min(self.width, _NUMBERS // width))
         return min(most, max(_FEWEST, -(-n // cores())))
 
     def _filled_up(self, lanes: np.ndarray) -> np.ndarray:
         return lanes
 
-    def _prepared(self, values: Values, recording: Sequence[int]) -> _Prepared:
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> _Prepared:
+        recording = [s.recording for s in windows]
         with np.errstate(all="ignore"):  # what a hypothesis blows up is NaN, and no warning
             models = edited_models(self.robot, self.catalogue, self.recorded, recording, values)
             acting = ActingEffects(self.robot, self.catalogue, models, values)
+        if self.robot.model.nhistory:
+            routes = command_routes(self.robot, self.catalogue, values)
+            if (before := filled_histories(models.batch.model, windows, *routes)) is not None:
+                models.batch.bind("history")[:] = before
         return _Prepared(values, LaneSteps(models, acting), self._displayed(acting))
 
     def _displayed(self, acting: ActingEffects) -> list[ShownVariable]:
@@ -102,8 +108,7 @@ class COpenLoop(OpenLoopSimulator):
     def _advanced(
         self, prepared: _Prepared, state: LaneBatchState, drive: CommandSteps
     ) -> tuple[LaneBatchState, StepReadings]:
-        before = is_acceleration(self.robot)
         with np.errstate(all="ignore"):
-            after, found = prepared.steps.advance(state, drive, before, prepared.displayed)
+            after, found = prepared.steps.advance(state, drive, prepared.displayed)
         distort_readings(self.robot, self.catalogue, prepared.values, found.sensors)
         return after, found

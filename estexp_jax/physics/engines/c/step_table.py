@@ -20,7 +20,7 @@ class StepTable:
 
     def __init__(self, model: mujoco.MjModel, lanes: int) -> None:
         """For lanes of a model; all zeros."""
-        motors = len(model.actuator_trnid)
+        motors = model.nactuator
         sizes = {"qpos": model.nq, "dt": 1, "ctrl": model.nu, "on": motors, "share": motors}
         self._columns, end = {}, 0
         for part in PARTS:

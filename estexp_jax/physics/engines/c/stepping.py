@@ -14,9 +14,8 @@ from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.engines.c.motor_scales import MotorScales
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
+from estexp_jax.physics.model.validation import BLOWN_UP
 
-_WARNING = mujoco.mjtWarning
-_BLOWN_UP = [int(w) for w in (_WARNING.mjWARN_BADQPOS, _WARNING.mjWARN_BADQVEL, _WARNING.mjWARN_BADQACC)]
 _PER_STEP = {"damping": "dof_damping", "friction": "dof_frictionloss"}
 """Fields of the model to which parts of the step's table are added."""
 _STATE = ("qpos", "qvel", "act", "qacc_warmstart")
@@ -50,24 +49,24 @@ class LaneSteps:
         self._alive, self._varies = ~models.failed, models.batch.expanded("opt.timestep") is not None
 
     def advance(
-        self, state: LaneBatchState, drive: CommandSteps, before: np.ndarray, displayed: Sequence[ShownVariable]
+        self, state: LaneBatchState, drive: CommandSteps, displayed: Sequence[ShownVariable]
     ) -> tuple[LaneBatchState, StepReadings]:
         """Take steps; the state after them, and readings and states at the beginning of each.
 
         Args:
             state: at the beginning.
             drive: the steps.
-            before: (nsensordata,) which readings belong to the step before.
             displayed: hidden variables that sensors show.
         """
-        for name, x in zip(_STATE, state[:4], strict=True):
+        for name, x in zip(_STATE, state[:-1], strict=True):
             self._data[name][:] = x
         self._alive &= np.isfinite(state.qpos).all(axis=1) & np.isfinite(state.qvel).all(axis=1)
-        n, lanes, sensed, hidden = len(drive.length), self._models.lanes, np.array(state.sensordata), state.hidden
+        n, lanes, hidden = len(drive.length), self._models.lanes, state.hidden
+        sensed = np.array(self._data["sensordata"])
         found = StepReadings(*(np.empty((n, x.shape[1], lanes)) for x in (sensed, state.qpos, state.qvel)))
         moved = np.ones(lanes, bool)
         for k in range(n):
-            broken, felt = ~self._alive, sensed
+            broken = ~self._alive
             found.qpos[k], found.qvel[k] = self._data["qpos"].T, self._data["qvel"].T
             moves = drive.length[k] > 0.0
             if (moves | moved).any():  # else all have come to their ends, and were read there
@@ -76,11 +75,11 @@ class LaneSteps:
                 for s in displayed:
                     sensed[s.lanes, s.column] += s.factor * after[s.effect][s.state, s.instances]
                 hidden = self.acting.kept(moves, hidden, after)
-            found.sensors[k], moved = np.where(before, felt, sensed).T, moves
+            found.sensors[k], moved = sensed.T, moves
             for x in found:
                 x[k][:, broken] = np.nan
         qpos, qvel, act, warmstart = (np.array(self._data[name]) for name in _STATE)
-        return LaneBatchState(qpos, qvel, act, warmstart, sensed, hidden), found
+        return LaneBatchState(qpos, qvel, act, warmstart, hidden), found
 
     def _step(self, now: CommandSteps, moves: np.ndarray, reads: np.ndarray, hidden: LaneHidden) -> LaneHidden:
         """Step lanes that move, compute readings of others that `reads`; hidden variables after the step."""
@@ -96,7 +95,7 @@ class LaneSteps:
             self._data["qacc_warmstart"][read] = warmstart
         if stepped.size:
             self._call(self._batch.step, stepped)
-        self._alive &= ~self._batch.warning[:, _BLOWN_UP, 1].any(axis=1)
+        self._alive &= ~self._batch.warning[:, BLOWN_UP, 1].any(axis=1)
         return after
 
     def _call(self, what: Callable[..., None], lanes: np.ndarray, **kwargs: Any) -> None:

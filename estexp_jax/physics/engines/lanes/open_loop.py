@@ -25,7 +25,8 @@ from estexp_jax.physics.engines.mjx.edited_open_loop import EditedOpenLoop
 from estexp_jax.physics.engines.mjx.terms import Hidden
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
-from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
+from estexp_jax.physics.window import Window
 
 LANES_REPLAY = 72, 64
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
@@ -36,16 +37,16 @@ LANES_REPLAY = 72, 64
 class LanesOpenLoop(EditedOpenLoop):
     """Open loops in lanes."""
 
-    _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
-    _programs: dict[str, Any] = field(default_factory=dict, init=False)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+    _programs: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
     def lanes(self) -> LanesModel:
         """The robot in lanes."""
         return lanes_model(self.on_mjx, self.differing.fields)
 
-    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
-        overrides = self.overrides(recording)
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
+        overrides = self.overrides([s.recording for s in windows])
 
         def compile_it() -> Any:
             return lower(jax.vmap(self._edited, out_axes=-1), values, overrides).compile()
@@ -71,8 +72,7 @@ class LanesOpenLoop(EditedOpenLoop):
     def _advanced(
         self, prepared: Any, state: LaneBatchState, drive: CommandSteps
     ) -> tuple[LaneBatchState, StepReadings]:
-        qpos, qvel, act, warmstart, felt = map(_lanes_last, state[:-1])
-        carried = LaneBatchState(qpos, qvel, act, warmstart, felt, state.hidden)
+        carried = LaneBatchState._make([*map(_lanes_last, state[:-1]), state.hidden])
         first = CommandSteps(*(x[: self.block] for x in drive))
 
         def compile_it() -> Any:
@@ -117,11 +117,10 @@ class LanesOpenLoop(EditedOpenLoop):
         params, acting = self._acting(prepared, state.qpos.dtype)
         stepper = Stepper(layout, params, TOLERANCE[np.dtype(state.qpos.dtype)])
         reader = SensorReader(layout, params, stepper.inertias)
-        before = jnp.asarray(is_acceleration(self.robot))[:, None]
         motor_sensors = motor_readings(self.robot, self.catalogue)
 
-        def step(carry: tuple[LaneState, Any, Hidden], now: CommandSteps) -> Any:
-            lanes, felt, hidden = carry
+        def step(carry: tuple[LaneState, Hidden], now: CommandSteps) -> Any:
+            lanes, hidden = carry
             left: jax.Array = now.length
             moves = left > 0.0
             length = jnp.where(moves, left, layout.model.opt.timestep).astype(left.dtype)
@@ -130,19 +129,21 @@ class LanesOpenLoop(EditedOpenLoop):
             stepped, instant = stepper.step(lanes, commands, length, added)
             lanes, hidden = jax.tree.map(partial(jnp.where, moves), (stepped, after), (lanes, hidden))
             read = reader.read(instant, range(layout.model.nsensor))
-            sensed = felt if not read else jnp.stack([read[i] + jnp.zeros_like(qpos[0]) for i in sorted(read)])
+            sensed = (
+                state.qpos[:0] if not read else jnp.stack([read[i] + jnp.zeros_like(qpos[0]) for i in sorted(read)])
+            )
             for s in motor_sensors:
                 sensed = sensed.at[s.column].add(s.factor * after[s.effect][s.state][s.row])
-            return (lanes, sensed, hidden), (jnp.where(before, felt, sensed), qpos, qvel)
+            return (lanes, hidden), (sensed, qpos, qvel)
 
-        start = (to_lanes(layout, state.qpos, state.qvel, state.warmstart), state.sensordata, state.hidden)
-        (lanes, felt, hidden), (sensors, qpos, qvel) = jax.lax.scan(step, start, drive)
+        start = (to_lanes(layout, state.qpos, state.qvel, state.warmstart), state.hidden)
+        (lanes, hidden), (sensors, qpos, qvel) = jax.lax.scan(step, start, drive)
         for effect in self.catalogue:
             if isinstance(effect, Distortion):
                 distort = jax.vmap(lambda x, v, e=effect: e.distort(self.robot, x, v), in_axes=-1, out_axes=-1)
                 sensors = distort(sensors, values[effect.name])
         after = from_lanes(layout, lanes)
-        return LaneBatchState(after[0], after[1], state.act, after[2], felt, hidden), (sensors, qpos, qvel)
+        return LaneBatchState(after[0], after[1], state.act, after[2], hidden), (sensors, qpos, qvel)
 
 
 def _lanes_last(x: Any) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, listing
 from estexp_jax.lanes.collision_pairs import contacts_on, touching_pairs
+from estexp_jax.physics.model.actuators import unusual_actuator
 from estexp_jax.physics.model.collision_pairs import overlapping_bodies
 from estexp_jax.physics.model.robot import Robot
 
@@ -73,8 +74,11 @@ def reduced_to_mjx(robot: Robot) -> ReducedRobot:
     """A robot's model without what MJX lacks and its motion hardly needs.
 
     Raises:
-        InputError: two shapes that MJX cannot let touch may carry the robot.
+        InputError: two shapes that MJX cannot let touch may carry the robot, or an actuator has several inputs or none.
     """
+    if (odd := unusual_actuator(robot.model)) is not None:
+        name, right = robot.names("actuator")[odd[0]], "use --engine c; or actuators with one input each"
+        raise InputError(f"MJX has no actuator with {odd[1]}: '{name}'", where=robot.source, right=right)
     left_out = _left_out(robot)
     fused = [bodies for bodies in overlapping_bodies(robot) if bodies not in left_out]
     model = copy.deepcopy(robot.without_contacts([*left_out, *fused]).model)
@@ -87,7 +91,7 @@ def reduced_to_mjx(robot: Robot) -> ReducedRobot:
 def _to_joints(model: mujoco.MjModel) -> None:
     """Give joints the damping and armature of the actuators that turn them."""
     scalar = (int(_JOINT.mjJNT_HINGE), int(_JOINT.mjJNT_SLIDE))
-    for a in range(model.nu):
+    for a in range(model.nactuator):
         joint, gear = int(model.actuator_trnid[a, 0]), float(model.actuator_gear[a, 0])
         if int(model.actuator_trntype[a]) != mujoco.mjtTrn.mjTRN_JOINT or int(model.jnt_type[joint]) not in scalar:
             continue

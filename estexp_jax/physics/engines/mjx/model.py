@@ -88,7 +88,8 @@ def mjx_model(robot: Robot, catalogue: Catalogue) -> MjxModel:
         _arm_forces(robot, model)
     try:
         if np.any(model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)) and not _rows(model):
-            _arm(robot, model)  # without any row, MJX's forward pass ends before the sensors of accelerations
+            # Without any row, MJX's forward pass ends before the sensors of accelerations.
+            model.dof_frictionloss[:] = np.maximum(model.dof_frictionloss, _ARMED)
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", 'Mesh ".*" has a coplanar face')  # slow contacts, which may be left out
             return MjxModel(robot, catalogue, model, mjx.put_model(model), mjx.make_data(model))

@@ -19,7 +19,8 @@ from estexp_jax.physics.engines.mjx.model import with_motors_switched, with_time
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.engines.motor_readings import motor_readings
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
-from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings, is_acceleration
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
+from estexp_jax.physics.window import Window
 
 MJX_REPLAY = 64, 256
 """Lanes in a chunk, and physics steps in a call."""
@@ -28,10 +29,20 @@ MJX_REPLAY = 64, 256
 @final
 @dataclass(frozen=True, eq=False)
 class MjxOpenLoop(EditedOpenLoop):
-    """Open loops on MJX."""
+    """Open loops on MJX; equal are those that share their compiled programs."""
 
-    def _prepared(self, values: Values, recording: Sequence[int]) -> Any:
-        return values, self.overrides(recording)
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MjxOpenLoop) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[int, ...]:
+        return id(self.on_mjx), id(self.differing), id(self.robot), self.width, self.block
+
+    def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
+        return values, self.overrides([s.recording for s in windows])
 
     def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
         return _rested(self, *prepared, RolledRows(*map(_lanes_first, roll)))
@@ -62,18 +73,16 @@ def _block(self: MjxOpenLoop, values: Values, overrides: tuple, state: LaneBatch
 def _block_one(self: MjxOpenLoop, values: Values, overrides: tuple, state: LaneBatchState, drive: CommandSteps) -> Any:
     """One lane's block: its state after it, and (sensors, qpos, qvel) at the beginning of each step."""
     model = self.model(values, overrides)
-    # Position and velocity sensors read the state a step begins with; force and acceleration sensors what acted before.
-    before = jnp.asarray(is_acceleration(self.robot))
 
     def step(state: LaneBatchState, now: CommandSteps):  # noqa: ANN202
         length = jnp.where(now.length > 0.0, now.length, self.robot.model.opt.timestep)
         data, hidden = _step(self, model, values, state, now._replace(length=length))
-        sensors: Any = jnp.where(before, state.sensordata, data.sensordata)
+        sensors: Any = data.sensordata
         for effect in self.catalogue:
             if isinstance(effect, Distortion):
                 sensors = effect.distort(self.robot, sensors, values[effect.name])
-        after = LaneBatchState(data.qpos, data.qvel, data.act, data.qacc_warmstart, data.sensordata, hidden)
-        after = jax.tree.map(partial(jnp.where, now.length > 0.0), after, state)._replace(sensordata=data.sensordata)
+        after = LaneBatchState(data.qpos, data.qvel, data.act, data.qacc_warmstart, hidden)
+        after = jax.tree.map(partial(jnp.where, now.length > 0.0), after, state)
         return after, (sensors, state.qpos, state.qvel)
 
     return jax.lax.scan(step, state, drive)

@@ -1,6 +1,8 @@
 """Open loops on the C engine: what plain MuJoCo does to the last digit, and each effect as in MJX."""
 
 import warnings
+from copy import copy
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,6 +23,7 @@ from estexp_jax.physics.window import InitialState, Window, window_of
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.runs import count_compilations
+from tests.physics.mixed_actuators import MIXED
 
 # What lanes refuse, and some of what MJX passes over: a ball joint, tendons that yield, a mimic joint, a group that is
 # switched off, a joint's and a tendon's force range, delays, an integrator that derives forces by speed.
@@ -99,7 +102,7 @@ def recorded(robot: Robot, *, off: bool = False) -> Recording:
     """A recording at 100 Hz; with the second motor off for a while."""
     model, time = robot.model, 0.01 * np.arange(ROWS)
     ctrl = np.stack([0.9 * np.sin((9.0 - 2.0 * k) * time + k) for k in range(model.nu)], axis=1)
-    on = np.ones_like(ctrl)
+    on = np.ones((ROWS, model.nactuator))
     on[ROWS // 3 : ROWS // 2, 1] = 1.0 - off
     sensor, qpos, qvel = (np.full((ROWS, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
     return Recording("r.csv", time, ctrl, on, sensor, qpos, qvel)
@@ -111,7 +114,7 @@ def window(robot: Robot, recordings: list[Recording], index: int = 0) -> Window:
 
 
 def plain(model: mujoco.MjModel, qpos: np.ndarray, part: Window) -> tuple[np.ndarray, np.ndarray]:
-    """Readings and configurations at rows of a loop over `mj_step`; accelerations of the step before."""
+    """Readings and configurations at rows of a loop over `mj_step`; accelerations as under the command before."""
     data, steps, gain, bias = (
         mujoco.MjData(model),
         part.steps,
@@ -124,13 +127,14 @@ def plain(model: mujoco.MjModel, qpos: np.ndarray, part: Window) -> tuple[np.nda
     for k in range(steps.n_steps + 1):
         now = min(k, steps.n_steps - 1)
         model.opt.timestep, on = steps.length[now], part.enable[steps.row[now]][:, None]
-        data.ctrl[:] = part.logged[now + 1]
-        model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * on, bias * on
-        if k == 0:
+        data.ctrl[:] = part.logged[max(now - (k in steps.sample and k < steps.n_steps), 0)]
+        if k in steps.sample:
             warmstart = data.qacc_warmstart.copy()
             mujoco.mj_forward(model, data)
             data.qacc_warmstart[:] = warmstart
         last, place = data.sensordata.copy(), data.qpos.copy()
+        data.ctrl[:] = part.logged[now]
+        model.actuator_gainprm[:], model.actuator_biasprm[:] = gain * on, bias * on
         mujoco.mj_step(model, data)
         if k in steps.sample:
             readings.append(np.where(before, last, data.sensordata))
@@ -148,6 +152,29 @@ def test_a_robot_that_other_engines_refuse_moves_as_in_plain_mujoco() -> None:
     np.testing.assert_allclose(replay.qpos[0], places, rtol=0, atol=1e-12)
     np.testing.assert_allclose(replay.sensors[0, 1:], readings[1:], rtol=1e-10, atol=1e-10)
     assert np.abs(places - places[0]).max() > 0.1 and simulator.left_out == ()
+
+
+def test_actuators_with_several_inputs_or_none_move_as_in_plain_mujoco_and_can_be_switched_off() -> None:
+    robot = Robot.from_string(MIXED, "mixed.xml")
+    log = recorded(robot)
+    on = np.ones((ROWS, robot.model.nactuator))
+    on[ROWS // 3 : ROWS // 2, :4] = 0.0
+    log = replace(log, enable=on, ctrl=0.5 * log.ctrl)
+    part = window(robot, [log])
+    simulator = open_loop_simulator(robot, ZEROED, [robot])
+    assert simulator.choice.engine == "c" and simulator.choice.largest_difference == pytest.approx(0.0, abs=1e-12)
+    replay = simulator.replay(stack([encode(robot, ZEROED, [])]), [part], np.zeros(1, int))
+    model, data, places = copy(robot.model), mujoco.MjData(robot.model), []
+    for k in range(ROWS):
+        places.append(data.qpos.copy())
+        model.actuator_forcelimited[:], model.actuator_forcerange[:] = robot.model.actuator_forcelimited, 0.0
+        model.actuator_forcelimited[on[k] == 0.0] = 1
+        data.ctrl[:] = log.ctrl[k]
+        steps = int(np.diff(part.steps.sample)[min(k, ROWS - 2)])
+        model.opt.timestep = 0.01 / steps
+        mujoco.mj_step(model, data, steps)
+    np.testing.assert_allclose(replay.qpos[0], places, rtol=0, atol=1e-9)
+    assert np.ptp(places, axis=0).max() > 0.1
 
 
 def test_settings_of_recordings_and_edits_are_those_of_recompiled_models() -> None:
