@@ -98,7 +98,7 @@ def _command_before(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Let the commands have been in force for long, also of delayed actuators."""
     for a in np.flatnonzero(model.actuator_history[:, 0] > 0).tolist():
         n = int(model.actuator_history[a, 0])
-        values = np.tile(data.ctrl[list(inputs_of(model, a))], n)
+        values = np.tile(data.ctrl[list(inputs_of(model, a))], (n, 1))
         mujoco.mj_initCtrlHistory(model, data, a, float(model.opt.timestep) * np.arange(-n, 0), values)
 
 

@@ -65,6 +65,9 @@ FEATURES = {
     "ball joint, accelerometer": _ball(_ROUND),
     "orientation servo": _ball('<orientation joint="neck" kp="30"/>'),
     "PID controller": _arm(actuators='<pid joint="shoulder" kp="30" kv="2"/>'),
+    "delay of a PID controller": _arm(
+        actuators='<pid joint="shoulder" kp="30" kv="2" delay=".008" nsample="2"/><motor joint="elbow"/>'
+    ),
     "motor without input": _arm(actuators='<dcmotor joint="elbow" resistance="1" motorconst=".5" input="none"/>'),
     "lone free body, Euler": _HEAD.format(integrator="Euler", option="") + _LONE,
     "contacts with a plane": _arm(world=_FLOOR, geom='contype="2" conaffinity="1"'),
