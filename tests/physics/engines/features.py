@@ -65,6 +65,7 @@ FEATURES = {
     "ball joint, accelerometer": _ball(_ROUND),
     "orientation servo": _ball('<orientation joint="neck" kp="30"/>'),
     "PID controller": _arm(actuators='<pid joint="shoulder" kp="30" kv="2"/>'),
+    "delay beyond its buffer, RK4": _arm("RK4", actuators=_SERVOS.replace('kv="6"', 'kv="6" delay=".02" nsample="2"')),
     "delay of a PID controller": _arm(
         actuators='<pid joint="shoulder" kp="30" kv="2" delay=".008" nsample="2"/><motor joint="elbow"/>'
     ),
