@@ -60,16 +60,21 @@ def open_loop_agreement(
 
 
 def _replayed(simulator: OpenLoopSimulator, robot: Robot, probes: Probes) -> _Expected:
-    step, n = float(robot.model.opt.timestep), len(probes.kind)
-    time = step * np.arange(_STEPS + 1)
-    steps, on = physics_steps(time, step), np.ones((len(time), robot.model.nactuator))
+    step, n, first = float(robot.model.opt.timestep), len(probes.kind), probes.before.shape[1]
+    time = step * np.arange(-first, _STEPS + 1)
+    steps, on = physics_steps(time[first:], step), np.ones((len(time), robot.model.nactuator))
     windows = [
-        Window(0, 0, _STEPS, steps, CommandHistory(time, np.tile(ctrl, (len(time), 1))), on, InitialState(qpos, qvel))
-        for ctrl, qpos, qvel in zip(probes.ctrl, probes.qpos, probes.qvel, strict=True)
+        Window(0, first, first + _STEPS, steps, CommandHistory(time, commands), on, InitialState(qpos, qvel))
+        for commands, qpos, qvel in zip(_commands(probes), probes.qpos, probes.qvel, strict=True)
     ]
     values = stack([encode(simulator.robot, simulator.catalogue, ())] * n)
     found = simulator.replay(values, windows, np.arange(n))
     return _Expected(found.qvel, found.sensors)
+
+
+def _commands(probes: Probes) -> np.ndarray:
+    """Commands (states, rows, nu): those before each state, and from then on."""
+    return np.concatenate([probes.before, np.repeat(probes.ctrl[:, None], _STEPS + 1, axis=1)], axis=1)
 
 
 def _referee(robot: Robot, probes: Probes, converged: bool) -> _Expected:
@@ -79,12 +84,13 @@ def _referee(robot: Robot, probes: Probes, converged: bool) -> _Expected:
         model.opt.iterations, model.opt.ls_iterations, model.opt.tolerance = 100, 50, 1e-12
     data, shape = mujoco.MjData(model), (len(probes.kind), _STEPS + 1)
     found = _Expected(np.empty((*shape, model.nv)), np.empty((*shape, model.nsensordata)))
-    for i, (qpos, qvel, ctrl) in enumerate(zip(probes.qpos, probes.qvel, probes.ctrl, strict=True)):
+    for i, (qpos, qvel, ctrl, before) in enumerate(zip(*probes[1:], strict=True)):
         mujoco.mj_resetData(model, data)
-        data.qpos[:], data.qvel[:], data.ctrl[:] = qpos, qvel, ctrl
-        _command_before(model, data)
+        data.qpos[:], data.qvel[:], data.ctrl[:] = qpos, qvel, before[-1]
+        _command_before(model, data, before)
         for row in range(_STEPS + 1):
             if row:
+                data.ctrl[:] = ctrl
                 mujoco.mj_step(model, data)
             warmstart, found.qvel[i, row] = data.qacc_warmstart.copy(), data.qvel
             mujoco.mj_forward(model, data)
@@ -94,11 +100,11 @@ def _referee(robot: Robot, probes: Probes, converged: bool) -> _Expected:
     return found
 
 
-def _command_before(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Let the commands have been in force for long, also of delayed actuators."""
+def _command_before(model: mujoco.MjModel, data: mujoco.MjData, before: np.ndarray) -> None:
+    """Let delayed actuators have been commanded `before` (steps, nu) in the steps until now."""
     for a in np.flatnonzero(model.actuator_history[:, 0] > 0).tolist():
         n = int(model.actuator_history[a, 0])
-        values = np.tile(data.ctrl[list(inputs_of(model, a))], n)
+        values = before[-n:, inputs_of(model, a)]
         mujoco.mj_initCtrlHistory(model, data, a, float(model.opt.timestep) * np.arange(-n, 0), values)
 
 

@@ -29,13 +29,15 @@ class Probes(NamedTuple):
     Attributes:
         kind: what is special about each.
         qpos, qvel: (n, nq), (n, nv).
-        ctrl: (n, nu) in force from long before.
+        ctrl: (n, nu) from now on.
+        before: (n, steps, nu) in each of the steps until now: as many as the robot's delays remember, at least one.
     """
 
     kind: tuple[str, ...]
     qpos: np.ndarray
     qvel: np.ndarray
     ctrl: np.ndarray
+    before: np.ndarray
 
 
 def probes_of(robot: Robot, windows: Sequence[Window] = (), seed: int = 0) -> Probes:
@@ -61,7 +63,9 @@ def probes_of(robot: Robot, windows: Sequence[Window] = (), seed: int = 0) -> Pr
     rows += [("recorded", w.start.qpos, w.start.qvel, w.logged[0]) for w in chosen]
     kind, *states = zip(*rows, strict=True)
     qpos, qvel, ctrl = (np.array(x, np.float32).astype(float) for x in states)
-    return Probes(kind, qpos, qvel, ctrl)
+    remembered = max(1, int(robot.model.actuator_history[:, 0].max(initial=0)))
+    before = rng.uniform(low, high, (len(kind), remembered, len(low))).astype(np.float32).astype(float)
+    return Probes(kind, qpos, qvel, ctrl, before)
 
 
 def command_limits(robot: Robot) -> tuple[np.ndarray, np.ndarray]:

@@ -65,6 +65,10 @@ FEATURES = {
     "ball joint, accelerometer": _ball(_ROUND),
     "orientation servo": _ball('<orientation joint="neck" kp="30"/>'),
     "PID controller": _arm(actuators='<pid joint="shoulder" kp="30" kv="2"/>'),
+    "delay beyond its buffer, RK4": _arm("RK4", actuators=_SERVOS.replace('kv="6"', 'kv="6" delay=".02" nsample="2"')),
+    "delay of a PID controller": _arm(
+        actuators='<pid joint="shoulder" kp="30" kv="2" delay=".008" nsample="2"/><motor joint="elbow"/>'
+    ),
     "motor without input": _arm(actuators='<dcmotor joint="elbow" resistance="1" motorconst=".5" input="none"/>'),
     "lone free body, Euler": _HEAD.format(integrator="Euler", option="") + _LONE,
     "contacts with a plane": _arm(world=_FLOOR, geom='contype="2" conaffinity="1"'),

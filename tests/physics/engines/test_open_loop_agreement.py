@@ -57,6 +57,7 @@ def test_the_c_engine_agrees_to_the_last_bit_and_says_so() -> None:
         ({"joint": 'range="-1 1" limited="true"'}, "the motion of joint 'shoulder'"),
         ({"actuator": 'kv="6.3"'}, "the motion of joint 'shoulder'"),
         ({"sensor": 'cutoff="3"'}, "sensor 'felt'"),
+        ({"actuator": 'kv="6" delay=".008" nsample="2"'}, "the motion of joint 'shoulder'"),
     ],
 )
 def test_what_an_engine_passes_over_is_found_and_named(what: dict[str, str], words: str) -> None:

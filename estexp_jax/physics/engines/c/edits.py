@@ -30,7 +30,13 @@ _LANES = 64
 
 
 def edited_models(
-    robot: Robot, catalogue: Catalogue, recorded: dict[str, np.ndarray], recording: Sequence[int], values: Values
+    robot: Robot,
+    catalogue: Catalogue,
+    recorded: dict[str, np.ndarray],
+    recording: Sequence[int],
+    values: Values,
+    *,
+    finer: bool = False,
 ) -> LaneModels:
     """Models of lanes with their recordings' settings and their edits.
 
@@ -40,10 +46,11 @@ def edited_models(
         recorded: `recorded_fields` of the robot.
         recording: index of each lane's recording.
         values: (lanes, n_sites, n_parameters) for each effect.
+        finer: whether steps may be shorter than the robot's own.
     """
-    models = LaneModels(robot, recorded, recording)
+    models = LaneModels(robot, recorded, recording, finer=finer)
     if not _edit_all(robot, catalogue, models, values):
-        models = LaneModels(robot, recorded, recording, simple=False)
+        models = LaneModels(robot, recorded, recording, simple=False, finer=finer)
         _edit_all(robot, catalogue, models, values)
     return models
 

@@ -51,6 +51,6 @@ def filled_histories(
             n = int(model.actuator_history[a, 0])
             before = step * np.arange(-n, 0)
             commands = window.history.mean(window.steps.start[0] + before, np.full(n, step), shift, source)
-            mujoco.mj_initCtrlHistory(model, data, a, before, commands[:, inputs_of(model, a)].ravel())
+            mujoco.mj_initCtrlHistory(model, data, a, before, commands[:, inputs_of(model, a)])
         found[lane] = data.history
     return found

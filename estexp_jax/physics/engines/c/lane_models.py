@@ -55,12 +55,14 @@ def recorded_fields(robot: Robot, per_recording: Sequence[Robot]) -> dict[str, n
 
 
 @lru_cache(maxsize=16)
-def _lane_model(robot: Robot, *, simple: bool) -> mujoco.MjModel:
-    """The model that lanes begin with: with buffers for shorter steps; bodies may be simple, or none is."""
-    if simple and not robot.model.nhistory:
+def _lane_model(robot: Robot, *, simple: bool, finer: bool) -> mujoco.MjModel:
+    """The model that lanes begin with; bodies may be simple, or none is; with buffers for finer steps, or as it is."""
+    finer = finer and robot.model.nhistory > 0
+    if simple and not finer:
         return robot.model
     spec = robot.spec.copy()
-    lengthen_histories(spec)
+    if finer:
+        lengthen_histories(spec)
     for body in spec.bodies if not simple else ():
         body.simple = 0
     return spec.compile()
@@ -77,7 +79,13 @@ class LaneModels:
     """
 
     def __init__(
-        self, robot: Robot, recorded: dict[str, np.ndarray], recording: Sequence[int], *, simple: bool = True
+        self,
+        robot: Robot,
+        recorded: dict[str, np.ndarray],
+        recording: Sequence[int],
+        *,
+        simple: bool = True,
+        finer: bool = False,
     ) -> None:
         """Nominal models with their recordings' settings.
 
@@ -86,8 +94,9 @@ class LaneModels:
             recorded: its `recorded_fields`.
             recording: index of each lane's recording.
             simple: whether bodies may be *simple* as MuJoCo compiles them: those have to keep their centres of mass.
+            finer: whether steps may be shorter than the robot's own, for which delays need longer buffers.
         """
-        model = copy.copy(_lane_model(robot, simple=simple))
+        model = copy.copy(_lane_model(robot, simple=simple, finer=finer))
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lane that blows up must not start again
         persistent = bool(int(model.opt.enableflags) & int(_KEPT_PER_SIMULATION))
         self._robot, self.lanes, self.failed = robot, len(recording), np.zeros(len(recording), bool)

@@ -75,13 +75,21 @@ class COpenLoop(OpenLoopSimulator):
     def _prepared(self, values: Values, windows: Sequence[Window]) -> _Prepared:
         recording = [s.recording for s in windows]
         with np.errstate(all="ignore"):  # what a hypothesis blows up is NaN, and no warning
-            models = edited_models(self.robot, self.catalogue, self.recorded, recording, values)
+            finer = self._is_finer(windows)
+            models = edited_models(self.robot, self.catalogue, self.recorded, recording, values, finer=finer)
             acting = ActingEffects(self.robot, self.catalogue, models, values)
         if self.robot.model.nhistory:
             routes = command_routes(self.robot, self.catalogue, values)
             if (before := filled_histories(models.batch.model, windows, *routes)) is not None:
                 models.batch.bind("history")[:] = before
         return _Prepared(values, LaneSteps(models, acting), self._displayed(acting))
+
+    def _is_finer(self, windows: Sequence[Window]) -> bool:
+        """Whether there are steps shorter than the robot's own, pauses left out."""
+        step = float(self.robot.model.opt.timestep)
+        return any(
+            ((w.steps.length > 0.0) & (w.steps.length < step)).any() for w in {id(w): w for w in windows}.values()
+        )
 
     def _displayed(self, acting: ActingEffects) -> list[ShownVariable]:
         found = []
