@@ -15,13 +15,18 @@ from estexp_jax.discovery.searching import _added, _goes_on, _simplified, _unbou
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import verdict as verdict_of
+from estexp_jax.physics.model.robot import Robot
 from tests.discovery import planted
 
 
 def problem(steps: int, joints: int = 1) -> Any:
-    names = {"joint": ("shoulder", "elbow"), "actuator": ("shoulder_motor", "elbow_motor")}
-    robot = SimpleNamespace(model=SimpleNamespace(nv=joints), names=names.get, joint_of_actuator=lambda a: a)
-    return SimpleNamespace(counted=[steps], replayer=SimpleNamespace(robot=robot))
+    """After so many steps, with a chain of joints, each with a motor."""
+    names, links = ["shoulder", "elbow", *map(str, range(2, joints))][:joints], ""
+    for name in reversed(names):
+        links = f'<body><joint name="{name}"/><geom size=".1"/>{links}</body>'
+    motors = "".join(f'<motor name="{name}_motor" joint="{name}"/>' for name in names)
+    xml = f"<mujoco><worldbody>{links}</worldbody><actuator>{motors}</actuator></mujoco>"
+    return SimpleNamespace(counted=[steps], replayer=SimpleNamespace(robot=Robot.from_string(xml, "chain")))
 
 
 def explanation(error: float) -> Explanation:
@@ -207,7 +212,7 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
     place = ("viscous_friction", "elbow")
     free = Free(*place, "c", 0, 0, -0.3, 0.3, 0.0, 0.03)
     hypothesis, asked = Hypothesis((), (free,)), list[Any]()
-    there, search, alike = problem(0), Setting(hypothesis, []), ("viscous_friction", "*")
+    there, search, alike = problem(0, joints=2), Setting(hypothesis, []), ("viscous_friction", "*")
     drags = ("back_emf", "elbow_motor")
     there.places = (place, alike, ("armature", "elbow"), drags, ("back_emf", "shoulder_motor"))
 
@@ -243,7 +248,7 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
     """Elbow's motor bent to its bound beside a moved centre of mass, which fits as well with the motor claimed."""
     moved, weak = ("com_shift", "upper"), ("motor_weakness", "elbow_motor")
     loss, own = Free(*weak, "loss", 0, 0, -0.3, 0.3, 0.0, 0.03), Free(*moved, "x", 0, 0, -1.0, 1.0, 0.0, np.inf)
-    there, search = problem(0), Setting(Hypothesis((), (loss,)), [])
+    there, search = problem(0, joints=2), Setting(Hypothesis((), (loss,)), [])
     there.places = (moved, weak)
     bent = Explanation(Fit(Hypothesis((moved,), (loss, own)), np.array([0.3, 0.04]), 0.1), np.full(4, 0.025))
     both = Hypothesis((moved, weak), (own, replace(loss, high=0.9, spread=np.inf)))

@@ -130,8 +130,9 @@ def test_controller_faults_hit_their_neuron_and_motor_only() -> None:
 def test_a_command_delay_is_never_negative() -> None:
     subject, e = robot("cartpole"), effect("command_delay")
     assert isinstance(e, CommandShift)
-    shift = e.shift(subject, np.array([[[0.03]], [[-0.1]]]))
-    np.testing.assert_allclose(shift, [[0.03], [0.0]], rtol=1e-6)
+    values = np.zeros((2, len(e.sites(subject)), 1))
+    values[:, 0, 0] = 0.03, -0.1
+    np.testing.assert_allclose(e.shift(subject, values)[:, 0], [0.03, 0.0], rtol=1e-6)
 
 
 def test_a_spring_to_a_far_point_is_told_as_a_constant_force() -> None:
