@@ -143,7 +143,8 @@ def bind_columns(
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
     notes += [*table.notes, *_notes(table, sources)]
     name = printable(table.label or Path(table.source).name)
-    return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=tuple(notes))
+    remarks = {"notes": tuple(notes), "clock_faults": ()}
+    return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), **remarks)
 
 
 def _column_places(robot: Robot) -> dict[str, tuple[str, int]]:

@@ -94,7 +94,7 @@ def arrays_of(
 ) -> dict[str, np.ndarray]:
     """The readable columns as arrays (rows,) or (rows, k), float64 or of NumPy's kinds of time; nulls are NaN or NaT.
 
-    They may be views of the table, which cannot be written to. Columns that turn out not to be numeric go to `unusable`.
+    They may be views of the table, not to be written to. Columns that turn out not to be numeric go to `unusable`.
     """
     arrays: dict[str, np.ndarray] = {}
     wanted = set(readable)
