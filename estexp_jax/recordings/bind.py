@@ -202,7 +202,8 @@ def _read_values(table: Table, name: str, source: Source, rows: int) -> np.ndarr
 
 def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
     if "time" not in sources:
-        right = f"seconds, strictly increasing; map it if it has another name; columns are: {_column_list(table)}"
+        right = "seconds, strictly increasing; map it if it has another name, or give the rate of rows without a clock,"
+        right += f" time = {{ hz = 50 }} in a manifest; columns are: {_column_list(table)}"
         raise InputError("no column 'time'", where=table.source, right=right)
     return row_times(table, sources["time"])
 
