@@ -50,7 +50,7 @@ def parsed_stamps(texts: Sequence[str]) -> np.ndarray | None:
             continue
         try:
             found[row] = parse(text)
-        except ValueError:
+        except (ValueError, OverflowError):
             return None
     return found
 

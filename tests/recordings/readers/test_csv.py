@@ -77,7 +77,9 @@ def test_forms_of_text_logs(tmp_path, text):
         np.testing.assert_allclose(table.column(name), values, atol=1e-12)
 
 
-@pytest.mark.parametrize("cells", [("0.1 sec", "1.5"), ("00:01:00", "2026-03-01T10:00"), ("10:00", "1.5")])
+@pytest.mark.parametrize(
+    "cells", [("0.1 sec", "1.5"), ("0.1 sec", "999999999999 hr"), ("00:01:00", "2026-03-01T10:00"), ("10:00", "1.5")]
+)
 def test_times_of_two_kinds_are_refused(tmp_path, cells):
     rows = [f"{cell},1" for cell in cells]
     with pytest.raises(
