@@ -10,6 +10,7 @@ import numpy as np
 
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.believing import is_law
+from estexp_jax.discovery.clock_doubt import doubted
 from estexp_jax.discovery.contest import competing_models_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible
@@ -85,7 +86,7 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     body = {
         "schema": "estexp.findings/1",
         "verdict": judged,
-        **_told(case, config, found, shown, judged, step, shares),
+        **doubted(_told(case, config, found, shown, judged, step, shares), case.recordings),
         "engine": {"name": engine.engine, "largest_difference": engine.largest_difference},
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": found.problem.counted[0]},

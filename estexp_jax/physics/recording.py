@@ -25,6 +25,7 @@ class Recording:
         role: `train` or `test`.
         settings: what is known to differ in this recording, `<element>.<name>.<attribute>` to value.
         notes: remarks of the reader on what it found (ignored columns, gaps).
+        clock_faults: that its clocks do not agree, as sentences: alone it can look like any physics.
         guessed: (rows,) which rows' commands nobody logged; None: all were logged.
     """
 
@@ -38,6 +39,7 @@ class Recording:
     role: str = "train"
     settings: Mapping[str, float | tuple[float, ...]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    clock_faults: tuple[str, ...] = ()
     guessed: np.ndarray | None = None
 
     def __post_init__(self) -> None:

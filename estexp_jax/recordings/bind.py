@@ -149,7 +149,8 @@ def bind_columns(
         raise InputError("no reading of any sensor or joint", where=table.source, right=right)
     notes += [*table.notes, *input_notes, *_notes(table, sources)]
     name = printable(table.label or Path(table.source).name)
-    return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), notes=tuple(notes))
+    remarks = {"notes": tuple(notes), "clock_faults": ()}
+    return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), **remarks)
 
 
 def _column_places(robot: Robot) -> dict[str, tuple[str, int]]:
@@ -207,7 +208,8 @@ def _read_values(table: Table, name: str, source: Source, rows: int) -> np.ndarr
 
 def _time(table: Table, sources: Mapping[str, Source]) -> np.ndarray:
     if "time" not in sources:
-        right = f"seconds, strictly increasing; map it if it has another name; columns are: {_column_list(table)}"
+        right = "seconds, strictly increasing; map it if it has another name, or give the rate of rows without a clock,"
+        right += f" time = {{ hz = 50 }} in a manifest; columns are: {_column_list(table)}"
         raise InputError("no column 'time'", where=table.source, right=right)
     return row_times(table, sources["time"])
 

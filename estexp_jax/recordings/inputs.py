@@ -95,8 +95,8 @@ def _inputs(model: Path, robot: Robot, recordings: Sequence[Recording], judged_l
 
 def _with_clock_remarks(robot: Robot, recording: Recording) -> Recording:
     judged = judge(apply_settings(robot, recording.settings, where=recording.name), recording)
-    remarks = [f"{fault['name']}: {fault['sentence']}" for fault in judged["faults"] if fault["kind"] in CLOCK_KINDS]
-    return replace(recording, notes=(*recording.notes, *remarks))
+    faults = tuple(f"{each['name']}: {each['sentence']}" for each in judged["faults"] if each["kind"] in CLOCK_KINDS)
+    return replace(recording, notes=(*recording.notes, *faults), clock_faults=faults)
 
 
 def parse_maps(maps: Sequence[str]) -> dict[str, Source]:

@@ -94,7 +94,7 @@ def arrays_of(
 ) -> dict[str, np.ndarray]:
     """The readable columns as arrays (rows,) or (rows, k), float64 or of NumPy's kinds of time; nulls are NaN or NaT.
 
-    Columns that turn out not to be numeric go to `unusable`.
+    They may be views of the table, not to be written to. Columns that turn out not to be numeric go to `unusable`.
     """
     arrays: dict[str, np.ndarray] = {}
     wanted = set(readable)
@@ -134,7 +134,7 @@ def _to_numpy(values: Any) -> np.ndarray:
         whole = counts.fill_null(0).to_numpy(zero_copy_only=False).astype(f"{kind}[{values.type.unit}]")
         return np.where(empty, np.array("NaT", whole.dtype), whole)
     if not types.is_nested(values.type):
-        return np.array(values.cast(pyarrow.float64(), safe=False).to_numpy(zero_copy_only=False), dtype=np.float64)
+        return np.asarray(values.cast(pyarrow.float64(), safe=False).to_numpy(zero_copy_only=False), dtype=np.float64)
     lengths = compute.call_function("list_value_length", [values])
     width = compute.call_function("min_max", [lengths]).as_py()
     if width["min"] != width["max"]:
@@ -180,10 +180,11 @@ def read_feather(path: Path, selection: Selection) -> Table:
                 for name, values in arrays_of(part, columns.readable, path, columns.unusable).items():
                     pieces.setdefault(name, []).append(values)
                 check_size(sum(piece.size for parts in pieces.values() for piece in parts), str(path))
+            arrays = joined(pieces, columns.unusable, str(path))
     except (pyarrow.ArrowException, OSError, ValueError, KeyError, OverflowError) as error:
         reason = " ".join(str(error).split())[:200]
         raise InputError(f"is not a Feather or Arrow file: {reason}", where=str(path)) from None
-    return table_of(joined(pieces, columns.unusable, str(path)), columns, str(path))
+    return table_of(arrays, columns, str(path))
 
 
 def _opened(ipc: Any, file: Any) -> Any:
@@ -205,9 +206,13 @@ def _batches(reader: Any) -> Iterator[Any]:
 
 
 def joined(pieces: dict[str, list[np.ndarray]], unusable: dict[str, InputError], source: str) -> dict[str, np.ndarray]:
-    """Whole columns from those of consecutive parts; lists that differ in length between parts go to `unusable`."""
+    """Whole columns from those of consecutive parts; lists that differ in length between parts go to `unusable`.
+
+    Parts are taken out of `pieces` as they are copied, so that they need no memory beside the whole columns.
+    """
     columns: dict[str, np.ndarray] = {}
-    for name, parts in pieces.items():
+    for name in list(pieces):
+        parts = pieces.pop(name)
         width = max((part.shape[1] for part in parts if part.ndim == 2), default=0)
         # A part without any list says nothing of their length.
         parts = [np.full((len(p), width), np.nan) if p.ndim == 2 and p.shape[1] == 0 else p for p in parts]

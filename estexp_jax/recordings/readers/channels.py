@@ -138,6 +138,20 @@ class Channel:
         """Whether anything of it was asked for."""
         return bool(self.missing or self.groups)
 
+    @property
+    def n_columns(self) -> int:
+        """How many columns were asked for."""
+        return len(self.missing) + sum(len(group.members) for group in self.groups.values())
+
+    def values_in(self, message: Any) -> dict[str, Any]:
+        """What each column's path leads to in a message, number or not."""
+        values: dict[str, Any] = {}
+        for group in self.groups.values():
+            for rest, step in group.members.items():
+                path = walked(message, (*group.prefix, step))
+                values |= {} if path is None else {rest: path[-1]}
+        return values
+
     def expect(self, rest: str) -> None:
         """Ask for one more column."""
         if not any(rest in group.members for group in self.groups.values()):

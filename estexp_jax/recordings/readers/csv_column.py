@@ -35,7 +35,7 @@ class TextColumn:
         values, wrong = _parse_numbers(cells, self.marks if decimal_comma else None)
         if wrong is not None:
             stamps = parsed_stamps(["" if cell.strip().lower() in ABSENT else cell.strip() for cell in cells])
-            if stamps is None or not all(is_stamp(piece) or np.isnan(piece).all() for piece in self.pieces):
+            if stamps is None or not all(p.dtype == stamps.dtype or _is_empty(p) for p in self.pieces):
                 self.error = self._fault(cells[wrong], lines[wrong], path)
                 return
             values = stamps
@@ -43,16 +43,21 @@ class TextColumn:
 
     def _fault(self, cell: str, line: int, path: Path) -> InputError:
         what, right = f"'{cell[:80]}' is not a number", "a number, or an empty cell for no sample"
+        right += "; times also as 2026-02-03T10:20:30.5, 10:20:30.5 or 0.5 sec" if re.search(r"\d\D+\d", cell) else ""
         if self.marks >= {",", "."}:
             what, right = f"'{cell[:80]}' is after a decimal point or comma of the other kind", "one kind in a column"
         return InputError(what, where=f"{path}, row {line}, column '{self.name}'", right=right)
 
     def values(self) -> np.ndarray:
         """All values, of time stamps too."""
-        if any(is_stamp(piece) for piece in self.pieces):
-            none = np.datetime64("NaT", "ns")
-            return np.concatenate([p if is_stamp(p) else np.full(len(p), none) for p in self.pieces])
+        kind = next((piece.dtype for piece in self.pieces if is_stamp(piece) and not _is_empty(piece)), None)
+        if kind is not None:
+            return np.concatenate([np.full(len(p), "NaT", kind) if _is_empty(p) else p for p in self.pieces])
         return np.concatenate([np.empty(0), *self.pieces])
+
+
+def _is_empty(piece: np.ndarray) -> bool:
+    return bool((np.isnat(piece) if is_stamp(piece) else np.isnan(piece)).all())
 
 
 def _parse_numbers(cells: Sequence[str], marks: set[str] | None) -> tuple[np.ndarray, int | None]:

@@ -63,13 +63,13 @@ def form_of(path: Path) -> CsvForm:
     names, height = _header(lines[first:], separator)
     if not any(names):
         raise InputError("has no header", where=where, right="the first line names the columns")
-    if not all(_is_value(name) for name in names):
-        return CsvForm(separator, names, first + height, first + 1)
     comment = max((k for k in range(first) if lines[k].strip()), default=None)
-    if comment is not None:  # as numpy.savetxt writes it
+    if comment is not None and any(name and _is_value(name) for name in names):  # as of numpy.savetxt, rostopic echo -p
         named = _cells(re.sub(r"^\s*(#+|%+|//)", "", lines[comment]), separator)
         if len(named) == len(names) and not any(_is_value(name) for name in named):
             return CsvForm(separator, named, first, comment + 1)
+    if not all(_is_value(name) for name in names):
+        return CsvForm(separator, names, first + height, first + 1)
     right = "the first line names the columns"
     raise InputError(f"has no header: the first line holds '{lines[first].strip()[:80]}'", where=where, right=right)
 
@@ -98,8 +98,8 @@ def _head(path: Path) -> tuple[list[str], list[int]]:
 
 
 def is_comment(line: str) -> bool:
-    """Whether a line is a comment."""
-    return line.lstrip().startswith(COMMENTS)
+    """Whether a line is a comment, or tells a spreadsheet the separator."""
+    return line.lstrip().startswith(COMMENTS) or bool(re.fullmatch(r"sep=.?\s*", line))
 
 
 def units_in(cells: Sequence[str], names: Sequence[str]) -> dict[str, str] | None:

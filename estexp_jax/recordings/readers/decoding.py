@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
-from typing import Any
+from functools import cached_property
+from typing import Any, final
+
+from estexp_jax.recordings.readers.cdr import Located, locate
 
 MOST_MESSAGE_BYTES = 2**26
 """Size limit of an unpacked message; those of joints have some hundred bytes, pictures a few MB."""
@@ -56,12 +59,50 @@ def decoder_of(encoding: str, schema: Any) -> Callable[[bytes], Any]:
         return _protobuf_decoder(schema)
     if encoding != "cdr" or schema is None:
         raise ValueError(f"messages in '{encoding}' are not read; JSON and ROS 2 (CDR) are, protobuf with its schema")
-    decode = _ros2_decoder(schema)
+    return CdrDecoder(schema)
 
-    def decode_cdr(data: bytes) -> Any:
-        return decode(plain_cdr(unpacked(data)))
 
-    return decode_cdr
+@final
+class CdrDecoder:
+    """Decodes the ROS 2 messages of a channel; raises ValueError on those that are not as it says."""
+
+    def __init__(self, schema: Any) -> None:
+        """For a channel's schema, with `name`, `encoding` and `data`.
+
+        Raises:
+            ValueError: its definition is of a kind that is not read.
+        """
+        self._name, self._text = schema.name, _ros2_definition(schema)
+        from mcap_ros2._dynamic import generate_dynamic
+
+        self._decode = generate_dynamic(self._name, self._text)[self._name]
+
+    def __call__(self, data: bytes) -> Any:
+        """A decoded message."""
+        return self._decode(plain_cdr(unpacked(data)))
+
+    def locate(self, data: bytes) -> Located:
+        """Where the numbers of a message lie in its bytes.
+
+        Raises:
+            ValueError, KeyError: it is compressed, or not as its definition says.
+        """
+        return locate(plain_cdr(data), self._definitions[self._name], self._definitions)
+
+    @cached_property
+    def _definitions(self) -> dict[str, Any]:
+        """The definition of each kind of message, as the decoder has them."""
+        from mcap_ros2._dynamic import TimeDefinition, _for_each_msgdef
+
+        found: dict[str, Any] = dict.fromkeys(
+            ("builtin_interfaces/Time", "builtin_interfaces/Duration"), TimeDefinition
+        )
+
+        def keep(name: str, short_name: str, definition: Any) -> None:
+            found[name] = found[short_name] = definition
+
+        _for_each_msgdef(self._name, self._text, keep)
+        return found
 
 
 def unpacked(data: bytes) -> bytes:
@@ -104,7 +145,12 @@ def _decode_json(data: bytes) -> Any:
     return json.loads(unpacked(data))
 
 
-def _ros2_decoder(schema: Any) -> Callable[[bytes], Any]:
+def _ros2_definition(schema: Any) -> str:
+    """The text that defines a channel's messages.
+
+    Raises:
+        ValueError: it is of a kind that is not read.
+    """
     text = schema.data.decode("utf-8", "replace")
     if schema.name == _JOINT_STATE and (schema.encoding != "ros2msg" or not text.strip()):
         text = _JOINT_STATE_TEXT
@@ -113,9 +159,7 @@ def _ros2_decoder(schema: Any) -> Callable[[bytes], Any]:
     if re.search(r"\[\s*0+\s*\]", text):
         # Such an array takes no bytes, so a message could claim any number of them.
         raise ValueError("their definition has an array of no length")
-    from mcap_ros2._dynamic import generate_dynamic
-
-    return generate_dynamic(schema.name, text)[schema.name]
+    return text
 
 
 def _protobuf_decoder(schema: Any) -> Callable[[bytes], Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
@@ -45,35 +45,38 @@ def read_mcaps(paths: Sequence[Path], source: str, selection: Selection) -> Tabl
     definitions: dict[str, set[bytes]] = {}
     for number, path in enumerate(paths):
         with mcap_chunks.opened(path) as stream:
-            wanted: dict[int, bool] = {}
-            for schema, channel, message in _messages(stream, path, notes):
+            wanted, unwanted = set[int](), set[int]()
+            for schema, channel, message in _messages(stream, path, notes, unwanted):
                 if channel.id not in wanted:
                     decode = partial(decoder_of, channel.message_encoding, schema)
-                    wanted[channel.id] = merger.open((number, channel.id), channel.topic, decode)
-                    if wanted[channel.id]:
-                        definitions.setdefault(channel.topic, set()).add(schema.data if schema else b"")
-                if wanted[channel.id]:
-                    merger.add((number, channel.id), message.data, message.log_time, message.publish_time)
+                    if not merger.open((number, channel.id), channel.topic, decode):
+                        unwanted.add(channel.id)
+                        continue
+                    wanted.add(channel.id)
+                    definitions.setdefault(channel.topic, set()).add(schema.data if schema else b"")
+                merger.add((number, channel.id), message.data, message.log_time, message.publish_time)
     for topic in sorted(topic for topic, texts in definitions.items() if len(texts) > 1):
         notes.append(f"topic {topic} has channels with different definitions; each is read by its own")
     return merger.table(notes)
 
 
-def _messages(stream: IO[bytes], path: Path, notes: list[str]) -> Iterator[tuple[Any, Any, Any]]:
-    """Schema, channel and message of each message record, in order of the file."""
+def _messages(
+    stream: IO[bytes], path: Path, notes: list[str], unwanted: Collection[int]
+) -> Iterator[tuple[Any, Any, mcap_chunks.RawMessage]]:
+    """Schema, channel and message of each message record, in order of the file, but for unwanted channels."""
     from mcap.exceptions import EndOfFile
-    from mcap.records import Channel, Message, Schema
+    from mcap.records import Channel, Schema
 
     schemas: dict[int, Any] = {}
     channels: dict[int, Any] = {}
     n_messages = 0
     try:
-        for record in mcap_chunks.records(stream):
+        for record in mcap_chunks.records(stream, unwanted):
             if isinstance(record, Schema):
                 schemas[record.id] = record
             elif isinstance(record, Channel):
                 channels[record.id] = record
-            elif isinstance(record, Message):
+            elif isinstance(record, mcap_chunks.RawMessage):
                 n_messages += 1
                 yield schemas.get(channels[record.channel_id].schema_id), channels[record.channel_id], record
     except EndOfFile:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Collection, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import IO, Any, cast, final
+from zlib import crc32
 
 MOST_CHUNK_BYTES = 2**28
 """Size limit of a record or unpacked chunk; usual chunks have a few MB."""
 _MOST_TIMES, _FEW_BYTES = 1000, 2**26
-_CHUNK, _MAGIC = 6, 8
+_CHUNK = 6
+_RECORD, _MESSAGE = struct.Struct("<BQ"), struct.Struct("<H4xQQ")
+"""The beginnings of a record (kind, length) and of a message (channel, times) in it: https://mcap.dev/spec."""
 
 
 @contextmanager
@@ -70,28 +74,74 @@ class _Stream:
         return data
 
 
-def records(stream: Any) -> Iterator[Any]:
-    """All records of an opened file, including those in chunks.
+@final
+@dataclass(frozen=True, slots=True)
+class RawMessage:
+    """A message record: its channel, times in ns, and bytes."""
+
+    channel_id: int
+    log_time: int
+    publish_time: int
+    data: bytes
+
+
+def records(stream: Any, unwanted: Collection[int] = ()) -> Iterator[Any]:
+    """All records of an opened file, including those in chunks; messages as `RawMessage`.
+
+    Args:
+        stream: as `opened` gives it.
+        unwanted: channels whose messages may be left out; it may grow meanwhile.
 
     Raises:
         EndOfFile: after the last record of a file that has no end; what is whole in its last chunk comes before.
         Exception: of the parser, on damaged bytes.
     """
     from mcap.exceptions import EndOfFile
-    from mcap.records import Chunk
-    from mcap.stream_reader import StreamReader, breakup_chunk
+    from mcap.records import Chunk, Message
+    from mcap.stream_reader import CRCValidationError, StreamReader
 
     try:
         for record in StreamReader(stream, emit_chunks=True, record_size_limit=MOST_CHUNK_BYTES).records:
             stream.pieces.clear()
-            if not isinstance(record, Chunk):
+            if isinstance(record, Message):
+                yield RawMessage(record.channel_id, record.log_time, record.publish_time, record.data)
+            elif isinstance(record, Chunk):
+                data = _decompress(record)
+                if record.uncompressed_crc and crc32(data) != record.uncompressed_crc:
+                    raise CRCValidationError(record.uncompressed_crc, crc32(data), record)
+                at = yield from _whole_records(data, unwanted)
+                if at != len(data):
+                    raise ValueError("a record of a chunk is longer than the chunk")
+            else:
                 yield record
-                continue
-            record.data, record.compression = _decompress(record), ""
-            yield from breakup_chunk(record, validate_crc=True)
     except EndOfFile:
-        yield from _whole_in_cut_chunk(b"".join(stream.pieces))
+        yield from _whole_records(_beginning_of_chunk(b"".join(stream.pieces)), unwanted)
         raise
+
+
+def _whole_records(data: bytes, unwanted: Collection[int]) -> Generator[Any, None, int]:
+    """The schemas, channels and messages that are whole in a chunk's bytes; returns where the last one ends."""
+    from mcap.data_stream import ReadDataStream
+    from mcap.opcode import Opcode
+    from mcap.records import Channel, Schema
+
+    kinds = {int(Opcode.SCHEMA): Schema, int(Opcode.CHANNEL): Channel}
+    message, at = int(Opcode.MESSAGE), 0
+    while at + _RECORD.size <= len(data):
+        kind, length = _RECORD.unpack_from(data, at)
+        first, end = at + _RECORD.size, at + _RECORD.size + length
+        if end > len(data):
+            break
+        if kind == message:
+            if length < _MESSAGE.size:
+                raise ValueError(f"a message record has {length} bytes")
+            channel_id, log_time, publish_time = _MESSAGE.unpack_from(data, first)
+            if channel_id not in unwanted:
+                yield RawMessage(channel_id, log_time, publish_time, data[first + _MESSAGE.size : end])
+        elif kind in kinds:
+            yield kinds[kind].read(ReadDataStream(BytesIO(data[first:end])))
+        at = end
+    return at
 
 
 def _decompress(chunk: Any) -> bytes:
@@ -115,44 +165,6 @@ def _decompress(chunk: Any) -> bytes:
     if len(data) != chunk.uncompressed_size:
         raise ValueError(f"a chunk does not unpack to the {chunk.uncompressed_size:,} bytes that it claims")
     return data
-
-
-def _whole_in_cut_chunk(record: bytes) -> Iterator[Any]:
-    """The records that are whole in a chunk which the end of the file cuts off; its checksum cannot be checked."""
-    from mcap.data_stream import ReadDataStream
-    from mcap.exceptions import EndOfFile
-    from mcap.opcode import Opcode
-    from mcap.records import Channel, Message, Schema
-
-    found = _beginning_of_chunk(record)
-    inner = _Stream(_Bytes(found))
-    stream = ReadDataStream(cast(IO[bytes], inner))
-    try:
-        while True:
-            opcode, length = stream.read1(), stream.read8()
-            if opcode == Opcode.SCHEMA:
-                yield Schema.read(stream)
-            elif opcode == Opcode.CHANNEL:
-                yield Channel.read(stream)
-            elif opcode == Opcode.MESSAGE:
-                yield Message.read(stream, length)
-            else:
-                stream.read(length)
-    except EndOfFile:
-        return
-
-
-@final
-@dataclass
-class _Bytes:
-    """Bytes as a stream that does not allocate what is asked for."""
-
-    data: bytes
-    at: int = 0
-
-    def read(self, length: int) -> bytes:
-        self.at += length
-        return self.data[self.at - length : self.at]
 
 
 def _beginning_of_chunk(record: bytes) -> bytes:

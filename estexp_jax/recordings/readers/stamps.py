@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
@@ -29,19 +30,39 @@ def seconds(values: np.ndarray) -> np.ndarray:
 
 _PER_S = {"W": 1 / 604_800, "D": 1 / 86_400, "h": 1 / 3600, "m": 1 / 60, "s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 _PER_S |= {"ps": 1e12, "fs": 1e15, "as": 1e18}
+_LONG = {"sec": "s", "min": "m", "hr": "h"}
+_DURATION = re.compile(
+    r"(?:(\d{1,6}):)?(\d{1,2}):(\d{1,2}(?:\.\d{1,12})?)|(-?\d{1,12}(?:\.\d{1,15})?) ?(sec|min|hr|ms|us|ns|s)"
+)
 
 
 def parsed_stamps(texts: Sequence[str]) -> np.ndarray | None:
-    """Texts such as `2026-02-03T10:20:30.125+01:00` as time stamps in ns, empty ones as NaT; None if one is none."""
-    found = np.full(len(texts), np.datetime64("NaT"), "datetime64[ns]")
+    """Texts as time stamps or durations in ns, empty ones as NaT; None if one is neither, or they are of both kinds.
+
+    Time stamps are such as `2026-02-03T10:20:30.125+01:00`, durations `10:20:30.125` (also a time of the day) and
+    `0.125 sec`, as MATLAB writes them.
+    """
+    first = next((text for text in texts if text), "")
+    kind, parse = ("timedelta64[ns]", _duration) if _DURATION.fullmatch(first) else ("datetime64[ns]", _stamp)
+    found = np.full(len(texts), "NaT", kind)
     for row, text in enumerate(texts):
         if not text:
             continue
         try:
-            found[row] = _stamp(text)
-        except ValueError:
+            found[row] = parse(text)
+        except (ValueError, OverflowError):
             return None
     return found
+
+
+def _duration(text: str) -> np.timedelta64:
+    match = _DURATION.fullmatch(text)
+    if match is None:
+        raise ValueError("no duration")
+    hours, minutes, seconds, number, unit = match.groups()
+    if number is not None:
+        return np.timedelta64(round(float(number) * 1e9 / _PER_S[_LONG.get(unit, unit)]), "ns")
+    return np.timedelta64((int(hours or 0) * 60 + int(minutes)) * 60_000_000_000 + round(float(seconds) * 1e9), "ns")
 
 
 def _stamp(text: str) -> np.datetime64:

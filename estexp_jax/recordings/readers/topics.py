@@ -14,6 +14,8 @@ import numpy as np
 
 from estexp_jax.errors import InputError, listing
 from estexp_jax.recordings.readers.channels import Channel, Decode, Samples
+from estexp_jax.recordings.readers.decoding import CdrDecoder
+from estexp_jax.recordings.readers.layouts import Layouts
 from estexp_jax.recordings.readers.messages import follow, nanoseconds, numbers_in
 from estexp_jax.recordings.table import MOST_COLUMNS, Selection, Table, check_size
 
@@ -36,6 +38,7 @@ class TopicMerger:
         """
         self._source, self._selection = source, selection
         self._channels: dict[Hashable, Channel] = {}
+        self._layouts: dict[Hashable, Layouts] = {}
         self._samples: dict[str, Samples] = {}
         self._n_messages = 0
 
@@ -57,6 +60,8 @@ class TopicMerger:
                 except Exception as error:  # a definition that cannot be parsed may raise anything
                     channel.why_not.append(_reason(error))
             self._channels[key] = channel
+            if isinstance(channel.decode, CdrDecoder):
+                self._layouts[key] = Layouts(channel, channel.decode.locate)
         return self._channels[key].decode is not None and not self._channels[key].why_not
 
     def add(self, key: Hashable, data: Any, log_ns: int, publish_ns: int) -> None:
@@ -68,8 +73,8 @@ class TopicMerger:
         self._n_messages += 1
         if self._n_messages > _MOST_MESSAGES:
             raise InputError(f"has more than {_MOST_MESSAGES:,} messages", where=self._source, right="a shorter log")
-        channel = self._channels[key]
-        if channel.why_not:
+        channel, layouts = self._channels[key], self._layouts.get(key)
+        if channel.why_not or (layouts is not None and layouts.add(data, log_ns, publish_ns)):
             return
         where = f"{self._source}, topic '{channel.topic}'"
         try:
@@ -84,7 +89,8 @@ class TopicMerger:
             channel.why_not.append(what)
             return
         times: dict[str, int | None] = {"log": log_ns, "publish": publish_ns}
-        for rest, value in channel.samples_in(message, where):
+        found = dict(channel.samples_in(message, where))
+        for rest, value in found.items():
             samples = channel.samples.get(rest) or self._samples_of(channel, rest)
             if samples.clock not in times:
                 times["header"] = _stamp(message)
@@ -94,6 +100,8 @@ class TopicMerger:
                 raise InputError(f"a message has no time on the clock '{samples.clock}'", where=where, right=right)
             samples.times.append(time)
             samples.values.append(value)
+        if layouts is not None:
+            layouts.learn(data, found, times.get("header"), _STAMPS)
 
     def _samples_of(self, channel: Channel, rest: str) -> Samples:
         """The samples of a column, which all channels of its topic share."""

@@ -36,7 +36,7 @@ _NAMELESS = COMMAND | SWITCH | _QUANTITIES.keys() | _MEASURED | _GENERIC | _UNIT
 _ASIDE = frozenset(
     "error errors err layout offset stride seq secs nsecs sec nanosec nanos seconds temperature temp".split()
 )
-_CLOCK = frozenset({"time", "timestamp", "timestamps", "stamp", "t"})
+_CLOCK = frozenset("time timestamp timestamps stamp t zeit temps tiempo tempo".split())
 
 
 def words(name: str) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from estexp_jax.discovery.clock_doubt import clock_lines
 from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.estimation.windows import FINER
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
@@ -44,6 +45,7 @@ def explain_page(
         model=Path(diagnosis.case.robot.source).name,
         verdict=findings["verdict"],
         headline=explain_headline(findings),
+        clocks=clock_lines(diagnosis.case.recordings),
         proof=_agreement(findings["fit"]) if findings["verdict"] == "consistent" else _proof(findings["fit"]),
         claims=[_claim(entry, diagnosis) for entry in findings["what"]],
         nothing=_NOTHING[findings["verdict"]],

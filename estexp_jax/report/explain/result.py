@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+from estexp_jax.discovery.clock_doubt import clock_lines
 from estexp_jax.discovery.diagnosis import Diagnosis
 from estexp_jax.discovery.telling_laws import joint_unit
 from estexp_jax.report.drawing.picture import Picture
@@ -34,8 +35,8 @@ class ExplainResult:
     findings: Mapping[str, Any]
 
     def summary(self) -> str:
-        """The verdict, what is missing, and how much better unseen recordings are predicted."""
-        return explain_summary(self.findings)
+        """Clocks that do not agree, the verdict, what is missing, and how well unseen recordings are predicted."""
+        return "\n".join([*clock_lines(self.diagnosis.case.recordings), explain_summary(self.findings)])
 
     def table(self) -> Any:
         """The claimed effects, one parameter a row: a DataFrame where pandas is present, else a list of dicts."""

@@ -34,6 +34,15 @@ string frame_id
 """
 
 
+class Schema:
+    """Of a channel, as an MCAP file has it."""
+
+    encoding = "ros2msg"
+
+    def __init__(self, name, text):
+        self.name, self.data = name, text.encode()
+
+
 def write_form(form, folder, logs, model, roles=("train", "train", "test")):
     """Write logs, each (time, goal, position) with NaN where there is no sample, in one form; the manifest's path."""
     folder.mkdir()

@@ -64,6 +64,10 @@ GOOD = {"time": [0.0, 0.1, 0.2], "x": [1.5, -2.0, 0.25]}
         "time,x\n0,1.5\n0.1,-2\n0.2,0.25\n0.3,1",
         'time,x\n0,1.5\n0.1,-2\n0.2,0.25\n0.3,"1',
         "time,x\n2026-03-01T10:00:00,1.5\n2026-03-01T10:00:00.100,-2\n2026-03-01T10:00:00.2000,.25\n",
+        "% my log\n%time,word,x\n0,a,1.5\n0.1,b,-2\n0.2,c,0.25\n",  # as rostopic echo -p has it
+        "sep=;\ntime;x\n0;1,5\n0,1;-2\n0,2;0,25\n",  # for a spreadsheet
+        "time,x\n0.0 sec,1.5\n0.1 sec,-2\n0.2 sec,0.25\n",  # a timetable of MATLAB
+        "time,x\n00:00:00,1.5\n00:00:00.1,-2\n00:00:00.2,0.25\n",
         "time,x\n2026-03-01 10:00:00.9Z,1.5\n2026-03-01 11:00:01+01:00,-2\n2026-03-01 10:00:01.1Z,.25\n",
     ],
 )
@@ -71,6 +75,23 @@ def test_forms_of_text_logs(tmp_path, text):
     table = read_table(_write(tmp_path / "a.csv", text))
     for name, values in GOOD.items():
         np.testing.assert_allclose(table.column(name), values, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "cells", [("0.1 sec", "1.5"), ("0.1 sec", "999999999999 hr"), ("00:01:00", "2026-03-01T10:00"), ("10:00", "1.5")]
+)
+def test_times_of_two_kinds_are_refused(tmp_path, cells):
+    rows = [f"{cell},1" for cell in cells]
+    with pytest.raises(
+        InputError, match="is not a number; .* times also as 2026-02-03T10:20:30.5, 10:20:30.5 or 0.5 sec"
+    ):
+        read_table(_write(tmp_path / "a.csv", "\n".join(["time,x", *rows]))).column("time")
+
+
+def test_times_of_two_kinds_far_apart_are_refused(tmp_path):
+    rows = [*(f"{k * 0.1:.1f} sec,1" for k in range(10_000)), "2026-03-01T10:00:00,1"]
+    with pytest.raises(InputError, match="row 10002, column 'time'"):
+        read_table(_write(tmp_path / "a.csv", "\n".join(["time,x", *rows]))).column("time")
 
 
 def test_a_quoted_name_may_hold_line_breaks(tmp_path):
