@@ -17,6 +17,8 @@ from estexp_jax.physics.model.robot import Robot
 
 _OFTEN, _OFTEN_SLIDE = (3.0, 60.0), (6.0, 500.0)
 """How often it may come in a turn, over 2 pi m of a slide. What comes less often is no cog: a spring, an unbalance."""
+_PERIODS = 2.0
+"""So many periods a joint must have gone through: fewer are a spring, an offset, a load."""
 
 
 @register_effect
@@ -56,7 +58,7 @@ class Cogging(Term):
 
     def identifiable(self, robot: Robot, site: str, values: Mapping[str, float], observed: Observed) -> bool:
         low, high = observed.joint_range(robot, site)
-        return not values["n"] * (high - low) < np.pi  # half a wave is the least
+        return not values["n"] * (high - low) < _PERIODS * 2.0 * np.pi
 
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, n, phase = p
