@@ -8,7 +8,9 @@ import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, CommandLaw, Parameter
+from estexp_jax.physics.effects.delays import is_longer_than_step
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
+from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE, actuator_sites, with_all
 from estexp_jax.physics.model.robot import Robot, spec_element
@@ -37,6 +39,9 @@ class ActuatorLag(CommandLaw):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         who = f"all motors ({site}) follow their" if site == ALL_ALIKE else f"the motor {site} follows its"
         return f"{who} commands with a lag of {1000 * values['tau']:.3g} ms"
+
+    def identifiable(self, robot: Robot, site: str, values: Mapping[str, float], observed: Observed) -> bool:
+        return is_longer_than_step(robot, values["tau"])
 
     def from_simpler(self, simpler: Mapping[str, float], bounds: Bounds) -> Vectors:
         return [(simpler["delay"],)]  # slow commands are as late

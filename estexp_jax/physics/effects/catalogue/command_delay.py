@@ -6,6 +6,8 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import CommandShift, Parameter
+from estexp_jax.physics.effects.delays import is_longer_than_step
+from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE, with_all
 from estexp_jax.physics.model.robot import Robot
@@ -31,6 +33,9 @@ class CommandDelay(CommandShift):
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         how = f"{1000 * values['delay']:.3g} ms late"
         return f"all motors ({site}) obey {how}" if site == ALL_ALIKE else f"the motor {site} obeys its commands {how}"
+
+    def identifiable(self, robot: Robot, site: str, values: Mapping[str, float], observed: Observed) -> bool:
+        return is_longer_than_step(robot, values["delay"])
 
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
         motors = _with_inputs(robot)

@@ -6,6 +6,8 @@ from typing import ClassVar, final
 import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter, ReadingShift
+from estexp_jax.physics.effects.delays import is_longer_than_step
+from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
 from estexp_jax.physics.model.robot import Robot
@@ -30,6 +32,9 @@ class SensorDelay(ReadingShift):
 
     def sentence(self, site: str, values: Mapping[str, float]) -> str:
         return f"the sensor {site} shows what was {1000 * values['delay']:.3g} ms ago"
+
+    def identifiable(self, robot: Robot, site: str, values: Mapping[str, float], observed: Observed) -> bool:
+        return is_longer_than_step(robot, values["delay"])
 
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
         ages = np.zeros((*values.shape[:-2], robot.model.nsensordata))
