@@ -16,7 +16,7 @@ def clock_lines(recordings: Sequence[Recording]) -> list[str]:
     return [f"The clocks of {each.name} do not agree: {fault}." for each in recordings for fault in each.clock_faults]
 
 
-def doubted(findings: Mapping[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:
+def clocks_doubted(findings: Mapping[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:
     """Findings in which wrong clocks come first, and no physics is probable beside them.
 
     Args:

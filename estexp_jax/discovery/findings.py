@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from estexp_jax.discovery.hypotheses import Free
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
@@ -23,6 +24,8 @@ TOLD = 0.01
 """Smallest probability of an alternative worth a line."""
 _LOUD, _LOUDER = 0.1, 10.0
 """Share of its range that the noise of a reading is at least, and how many times that of most, where it is told."""
+_AT_BOUND = 1e-6
+"""Share of the range between a parameter's bounds within which a value is at one."""
 _TIED = 8
 """Alternatives after which those without a probability are left out, however well they fit."""
 
@@ -66,8 +69,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
     parameters = {
         name: {
             "value": value,
-            "low": float(intervals[rows[name], 0]),
-            "high": float(intervals[rows[name], 1]),
+            **_interval(fitted.hypothesis.free[rows[name]], value, intervals[rows[name]]),
             "unit": units.unit_at(robot, e.kind, change.name, own_units[name]),
         }
         for name, value in told.parameters.items()
@@ -92,6 +94,19 @@ def _with_names(robot: Robot, change: Change) -> str:
             number = round(change.parameters[p.name])
             sentence = sentence.replace(f"number {number}", robot.names(p.refers)[number - 1])
     return sentence
+
+
+def _interval(free: Free, value: float, interval: np.ndarray) -> dict[str, float | None]:
+    """Low and high ends; a value at its bound may lie beyond it, so that this end is not known."""
+    near = _AT_BOUND * (free.high - free.low)
+    low, high = (float(x) for x in interval)
+    if free.chosen or not near > 0.0:
+        return {"low": low, "high": high}
+    lowest, highest = value <= free.low + near, value >= free.high - near
+    return {
+        "low": None if lowest and free.low != free.neutral else low,
+        "high": None if highest and free.high != free.neutral else high,
+    }
 
 
 def side(changes: Sequence[Change]) -> str | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.believing import is_law
-from estexp_jax.discovery.clock_doubt import doubted
+from estexp_jax.discovery.confirmation import doubted
 from estexp_jax.discovery.contest import competing_models_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.clock_doubt import clock_lines, doubted
+from estexp_jax.discovery.clock_doubt import clock_lines, clocks_doubted
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.inputs import read_inputs
@@ -27,11 +27,11 @@ def _recording(*faults):
 
 
 def test_claims_of_sound_clocks_stay():
-    assert doubted(FINDINGS, [_recording()]) == FINDINGS and clock_lines([_recording()]) == []
+    assert clocks_doubted(FINDINGS, [_recording()]) == FINDINGS and clock_lines([_recording()]) == []
 
 
 def test_wrong_clocks_come_first_and_lower_what_is_claimed():
-    found = doubted(FINDINGS, [_recording(), replace(_recording("sensor.angle: is early"), name="b.csv")])
+    found = clocks_doubted(FINDINGS, [_recording(), replace(_recording("sensor.angle: is early"), name="b.csv")])
     assert [entry["probability"] for entry in found["what"]] == [0.5, 0.2]
     assert all(entry["sentence"].endswith("if the clocks are not to blame") for entry in found["what"])
     assert found["alternatives"][0]["probability"] == 0.5

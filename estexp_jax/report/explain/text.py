@@ -37,12 +37,18 @@ def claim(entry: Mapping[str, Any]) -> str:
 
 
 def intervals(entry: Mapping[str, Any]) -> str:
-    """`T = 1.02 (0.97 to 1.08) N m` for each parameter; without brackets if it has no interval."""
+    """`T = 1.02 (0.97 to 1.08) N m` for each parameter; `at least` where it is at its bound."""
     parts = []
     for name, p in entry["parameters"].items():
-        within = "" if None in (p["low"], p["high"]) else f" ({p['low']:.3g} to {p['high']:.3g})"
+        within = _within(p["low"], p["high"])
         parts.append(f"{name} = {p['value']:.3g}{within} {p['unit']}".rstrip())
     return ", ".join(parts)
+
+
+def _within(low: float | None, high: float | None) -> str:
+    if low is None:
+        return "" if high is None else f" (at most {high:.3g})"
+    return f" (at least {low:.3g})" if high is None else f" ({low:.3g} to {high:.3g})"
 
 
 def proof(findings: Mapping[str, Any]) -> str:

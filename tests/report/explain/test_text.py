@@ -11,6 +11,8 @@ def test_a_claim_has_its_numbers_and_its_probability():
     assert text == "The joint resists motion with 1.02 N m (T = 1.02 (0.97 to 1.08) N m; probability 94%)."
     unbounded = deepcopy(FINDINGS["what"][0])
     unbounded["parameters"]["T"]["high"] = None
+    assert intervals(unbounded) == "T = 1.02 (at least 0.97) N m"
+    unbounded["parameters"]["T"]["low"] = None
     assert intervals(unbounded) == "T = 1.02 N m"
 
 
