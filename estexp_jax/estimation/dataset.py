@@ -51,6 +51,11 @@ class Dataset:
         """Index of each window's recording, (windows,)."""
         return np.array([w.recording for w in self.windows])
 
+    @cached_property
+    def durations(self) -> np.ndarray:
+        """Length of each window, (windows,) s."""
+        return np.array([float(w.steps.length.sum()) for w in self.windows])
+
     def subset(self, chosen: Sequence[int] | np.ndarray) -> Dataset:
         """The same with some windows only."""
         return Dataset(self.recordings, self.channels, tuple(self.windows[int(i)] for i in chosen))

@@ -48,37 +48,43 @@ def reading_noise_of(data: Dataset, simulated: np.ndarray, least: np.ndarray, cl
     return np.sqrt(np.maximum(np.nanmean(bounded**2, axis=0), least**2))
 
 
-def linearised(data: Dataset, found: Responses, noise: np.ndarray, independent: float, clip: float) -> Linearised:
+def independent_data(data: Dataset, correlation_time: float) -> np.ndarray:
+    """How many independent data there are in each window (windows,) and channel, one at least."""
+    return np.maximum(data.durations / correlation_time, 1.0)
+
+
+def linearised(data: Dataset, found: Responses, noise: np.ndarray, correlation_time: float, clip: float) -> Linearised:
     """Whiten windows by measurement noise, model error and the initial states' covariance.
 
     Args:
         data: the windows.
         found: simulated about the point.
         noise: (channels,) standard deviation of noise and model error together.
-        independent: independent data in a window and channel.
+        correlation_time: how long a model error lasts, s: so often there is an independent datum in a channel.
         clip: residuals count as at most so many standard deviations.
     """
     residuals, columns, owners = [], [], []
     left = data.measurements - found.point
     known = np.isfinite(left)
+    independent = independent_data(data, correlation_time)
     costs = np.clip(np.where(known, left, 0.0) / noise, -clip * 10.0, clip * 10.0)[known]
     for w in range(len(left)):
         there = known[w]
         if not there.any():
             continue
         rows = max(float(there.sum(axis=0).max()), 1.0)
-        std = np.broadcast_to(noise * np.sqrt(max(rows / independent, 1.0)), there.shape)[there]
+        std = np.broadcast_to(noise * np.sqrt(max(rows / independent[w], 1.0)), there.shape)[there]
         start = np.nan_to_num(found.initial_state[:, w][:, there]).T
         covariance = np.diag(std**2) + start @ start.T
         factor = np.linalg.cholesky(covariance)
         own = np.concatenate([left[w][there][:, None], np.nan_to_num(found.change[:, w][:, there]).T], axis=1)
         white = np.linalg.solve(factor, own)
-        size = np.sqrt(np.mean(white[:, 0] ** 2) * len(white) / (independent * there.shape[1]))
+        size = np.sqrt(np.mean(white[:, 0] ** 2) * len(white) / (independent[w] * there.shape[1]))
         white *= min(1.0, clip / max(size, 1e-12))  # a window that is far off counts as one that is `clip` off
         residuals.append(white[:, 0])
         columns.append(white[:, 1:])
         owners.append(np.full(len(white), w))
-    count = independent * sum(int(k.any(axis=0).sum()) for k in known)
+    count = float(sum(n * k.any(axis=0).sum() for n, k in zip(independent, known, strict=True)))
     return Linearised(
         np.concatenate(residuals), np.concatenate(columns), float(np.mean(costs**2)), count, np.concatenate(owners)
     )

@@ -14,6 +14,7 @@ def data(monkeypatch: pytest.MonkeyPatch) -> Dataset:
     found = Dataset((), Channels(("q",), np.array([0]), np.zeros(0, int)), ())
     measured = np.random.default_rng(0).standard_normal((3, 20, 1))
     monkeypatch.setattr(Dataset, "measurements", measured)
+    monkeypatch.setattr(Dataset, "durations", np.full(3, 0.5))
     return found
 
 
@@ -23,7 +24,7 @@ def _responses(data: Dataset, start: np.ndarray) -> Responses:
 
 
 def test_a_window_counts_as_few_independent_data(data: Dataset):
-    found = linearised(data, _responses(data, np.zeros((20, 1))), np.ones(1), 2.0, 3.0)
+    found = linearised(data, _responses(data, np.zeros((20, 1))), np.ones(1), 0.25, 3.0)
     assert found.observations == 6.0
     assert np.isclose(np.sum(found.residual**2), 2.0 / 20.0 * np.sum(data.measurements**2))
 
@@ -31,8 +32,8 @@ def test_a_window_counts_as_few_independent_data(data: Dataset):
 def test_what_another_start_would_explain_counts_little(data: Dataset):
     ramp = 50.0 * np.linspace(0.0, 1.0, 20)[:, None]
     data.measurements[:] = ramp
-    free = linearised(data, _responses(data, np.zeros((20, 1))), np.ones(1), 2.0, 1e9)
-    doubted = linearised(data, _responses(data, ramp), np.ones(1), 2.0, 1e9)
+    free = linearised(data, _responses(data, np.zeros((20, 1))), np.ones(1), 0.25, 1e9)
+    doubted = linearised(data, _responses(data, ramp), np.ones(1), 0.25, 1e9)
     assert np.sum(doubted.residual**2) < 0.02 * np.sum(free.residual**2)
 
 

@@ -16,6 +16,8 @@ from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 
+_SMALL = 0.02
+"""Share of a first guess that is small."""
 _LEAST_STEP, _STEP = 1e-3, 0.01
 """Finite-difference steps, as a share of a parameter's range, and of its distance from neutral."""
 
@@ -42,6 +44,13 @@ class Candidate(NamedTuple):
         """Difference (n,) from neutral at a multiple; where the effect is far from linear, only the guess itself."""
         return np.where(self.amounts & (self.least <= 0.0), times * self.direction, self.direction)
 
+    def as_derivative(self) -> Candidate:
+        """The same with amounts so small that readings are linear in them, where any multiple may be taken."""
+        if self.least > 0.0:
+            return self
+        direction = np.where(self.amounts, _SMALL * self.direction, self.direction)
+        return self._replace(direction=direction, most=self.most / _SMALL)
+
 
 def candidates(
     space: ParameterSpace, observed: Observed, places: Collection[Place], *, additive: bool
@@ -56,7 +65,12 @@ def candidates(
         e = effect(place[0])
         if place not in places or e.additive != additive or place[1] == ALL_ALIKE or e.grows_in_time:
             continue
-        guesses = e.initial_guesses(space.robot, place[1], observed)
+        names = [p.name for p in e.parameters]
+        guesses = [
+            values
+            for values in e.initial_guesses(space.robot, place[1], observed)
+            if e.identifiable(space.robot, place[1], dict(zip(names, values, strict=False)), observed)
+        ]
         directions = [with_values(space, space.neutral, place, values) - space.neutral for values in guesses]
         amounts = _amounts(space, place)
         own = [Candidate(place, d, amounts, *_multiples(space, d), len(e.parameters)) for d in directions if d.any()]

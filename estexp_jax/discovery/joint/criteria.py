@@ -23,10 +23,17 @@ class SelectionCriteria:
             second, longer ones no longer linear where gravity is not held.
         memory: time before a window along which hidden variables of effects are rolled, s. Convention: gears, belts and
             controllers forget sooner; what does not, like heat, is left to other strategies.
-        independent: independent data in a window and channel, where a model error lasts as long as motions do.
-            Measured: two of half-second windows on the machines' board.
+        correlation_time: how long a model error lasts, s, so that there is one independent datum of a channel in each
+            such time. Measured: two of half-second windows on the machines' board.
         native_odds: prior odds of an effect that changes a value MJCF has, before one that repeats it under another
             name, nats. Convention: enough to decide between equals.
+        standard_errors: a held-out gain counts from so many of its standard errors on. Convention: two, one in forty.
+        kept_errors: an effect that all readings call for goes where its held-out gain is at most so many standard
+            errors: stretches need not prove it once more, but they may not contradict it. Convention.
+        wrong_value: a value of the model that is off by more than so many times `model_error` is a finding. Convention.
+        freedom: degrees of freedom of the error of a window, by Student's t. Convention of robust regression.
+        near: root mean square error, as a share of a reading's range, up to which windows may be lengthened: beyond,
+            the simulator is no longer linear in what it lacks. Measured: on the machines' board.
         clip: residuals count as at most so many standard deviations. Convention of robust regression.
     """
 
@@ -36,6 +43,11 @@ class SelectionCriteria:
     least_share: float = 0.03
     short_window: float = 0.05
     memory: float = 0.3
-    independent: float = 2.0
+    correlation_time: float = 0.25
     native_odds: float = 3.0
+    standard_errors: float = 2.0
+    kept_errors: float = 0.0
+    wrong_value: float = 3.0
+    freedom: float = 4.0
+    near: float = 0.05
     clip: float = 3.0

@@ -16,7 +16,7 @@ from estexp_jax.estimation.parameters import ParameterSpace, Place
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.search.sparse_regression import Posterior, SparseRegression
 
-_STRETCHES = 8
+STRETCHES = 8
 """Stretches that the windows are divided into to see how far they disagree."""
 _SHARES = (1.0, 0.5, 0.25, 0.1)
 """Shares of a step that are tried, all at once."""
@@ -71,7 +71,7 @@ def gauss_newton(
     free = derivatives(space, point, [*own, *errors])
     found = objective.responses(point, free.directions)
     noise = reading_noise_of(objective.dataset, found.point, least_noise, criteria.clip)
-    linear = linearised(objective.dataset, found, noise, criteria.independent, criteria.clip)
+    linear = linearised(objective.dataset, found, noise, criteria.correlation_time, criteria.clip)
     offset = (point - space.neutral)[free.indices] / free.steps
     regression = _regression(space, linear, offset, places, free, criteria)
     chosen = regression.pruned(range(len(places)))
@@ -145,13 +145,32 @@ def _line_search(
     at_once = (point == space.neutral) | (goal == space.neutral) | [p.categorical for p in space.parameters]
     begin = np.where(at_once, goal, point)
     tried = np.array([begin + share * (goal - begin) for share in _SHARES])
-    simulated = objective.simulate(tried)
-    left = (objective.dataset.measurements - simulated) / noise
-    bounded = np.clip(left, -10.0 * criteria.clip, 10.0 * criteria.clip)
-    bounded = np.where(np.isnan(simulated) & np.isfinite(objective.dataset.measurements), 10.0 * criteria.clip, bounded)
-    costs = np.nanmean(bounded**2, axis=(1, 2, 3))
+    costs = cost_at(objective, tried, noise, criteria)
     best = int(np.argmin(costs))
     return tried[best], float(costs[best])
+
+
+def without(space: ParameterSpace, fit: JointFit, places: Sequence[Place]) -> np.ndarray:
+    """The point (n,) at which some effects are absent and all else is as the joint fit's covariance has it then."""
+    point = fit.point.copy()
+    gone = np.isin(fit.indices, [i for place in places for i in space.of_place[place]])
+    if gone.any():
+        offset = (fit.point - space.neutral)[fit.indices]
+        gain = np.linalg.lstsq(fit.covariance[np.ix_(gone, gone)], offset[gone], rcond=None)[0]
+        point[fit.indices[~gone]] -= fit.covariance[np.ix_(~gone, gone)] @ gain
+        point = np.clip(point, space.bounds[:, 0], np.maximum(space.bounds[:, 1], point))
+    for place in places:
+        point[space.of_place[place]] = space.neutral[space.of_place[place]]
+    return point
+
+
+def cost_at(objective: Objective, points: np.ndarray, noise: np.ndarray, criteria: SelectionCriteria) -> np.ndarray:
+    """Mean squared residuals (points,) at points (points, n), in squares of `noise` (channels,), each bounded."""
+    simulated, measured = objective.simulate(points), objective.dataset.measurements
+    most = 10.0 * criteria.clip
+    bounded = np.clip((measured - simulated) / noise, -most, most)
+    bounded = np.where(np.isnan(simulated) & np.isfinite(measured), most, bounded)
+    return np.nanmean(bounded**2, axis=(1, 2, 3))
 
 
 def _jackknife(regression: SparseRegression, linear: Linearised, chosen: Posterior, offset: np.ndarray) -> np.ndarray:
@@ -162,7 +181,7 @@ def _jackknife(regression: SparseRegression, linear: Linearised, chosen: Posteri
     Source: Efron and Stein, Annals of Statistics 9 (1981), the jackknife estimate of variance.
     """
     windows = np.unique(linear.window)
-    n = min(_STRETCHES, len(windows))
+    n = min(STRETCHES, len(windows))
     if n < 2:
         return np.zeros(len(chosen.columns))
     r, found = linear.residual + linear.columns @ offset, []

@@ -15,7 +15,7 @@ from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, known_values, parameters_only, simulated
 from estexp_jax.discovery.joint.fit import JointProblem, joint_fit, values_only
-from estexp_jax.discovery.joint.reading_stage import JointFit
+from estexp_jax.discovery.joint.reading_stage import JointFit, without
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.resolution import resolved
@@ -25,25 +25,22 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.estimation.parameters import ParameterSpace, Place, parameter_space
 from estexp_jax.physics.effects.registry import effect, every
-from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
 _SEVERAL = 3
-"""Effects from which on the joint fit's choice counts; fewer are left to stepwise search, which knows more names."""
-_JOINTS = 3
-"""A robot of more joints is fitted jointly: stepwise search is led astray where each of them lacks something."""
+"""Effects from which on the joint fit's choice counts: stepwise search is led astray where so many are missing, and is
+at its best where fewer are, since it knows laws, onsets and more forms of each effect."""
 _INTERVAL = 1.645
 """Standard deviations to either side that hold 90 % of a normal distribution."""
 
 
 def is_jointly_fitted(case: Case) -> bool:
-    """Whether a robot has many hinges and slides, all driven and all measured, so that torques can be balanced."""
+    """Whether a robot has hinges and slides alone, all measured, so that torques can be balanced."""
     robot, model = case.robot, case.robot.model
-    if len(robot.scalar_joints) != model.njnt or model.nv <= _JOINTS:
+    if len(robot.scalar_joints) != model.njnt:
         return False
-    driven = driven_joint_sites(robot) == scalar_joint_sites(robot)
-    return driven and all(_is_measured(robot, r) for r in case.recordings)
+    return all(_is_measured(robot, r) for r in case.recordings)
 
 
 def _is_measured(robot: Robot, recording: Recording) -> bool:
@@ -75,37 +72,43 @@ def explain_jointly(
     """
     if not is_jointly_fitted(case):
         return None
-    config = replace(config, engine="c" if config.engine == "auto" else config.engine)
-    whole = problem_of(case, config, memory.setdefault("joint fit", {}))
-    settings = {name for r in case.recordings for name in r.settings}
-    known = known_values(case.robot, settings)
-    names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
-    apart = apart_in(case, whole.segments, case.indices("train"))
-    simulator = replayer_of(case, config, list(names), apart, whole.segments)
-    places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
-    problem = JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
-    _, fit = yield from joint_fit(problem)
+    whole, problem = joint_problem_of(case, config, memory.setdefault("joint fit", {}))
+    simulator, known = problem.simulator, problem.known
+    _, fit, rivals = yield from joint_fit(problem, fewest=_SEVERAL - 1)
     if len(fit.places) < _SEVERAL:
         return None
     bent = yield from values_only(problem)
     space = parameter_space(simulator.robot, simulator.catalogue)
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known)
     yield Progress("held-out windows", 0, 1)
-    selection, fits, whole = _selected(whole, space, parameters, fit, bent)
+    selection, fits, whole = _selected(whole, space, parameters, (fit, *rivals), bent)
     return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
 
 
+def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> tuple[Problem, JointProblem]:
+    """The comparison of all windows, and what the joint fit explains; arguments as of `explain_jointly`."""
+    whole = problem_of(case, config, memory)
+    settings = {name for r in case.recordings for name in r.settings}
+    known = known_values(case.robot, settings)
+    names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
+    apart = apart_in(case, whole.segments, case.indices("train"))
+    simulator = replayer_of(case, config, list(names), apart, whole.segments)
+    places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
+    return whole, JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
+
+
 def _selected(
-    whole: Problem, space: ParameterSpace, parameters: Hypothesis, fit: JointFit, bent: JointFit
+    whole: Problem, space: ParameterSpace, parameters: Hypothesis, joint: Sequence[JointFit], bent: JointFit
 ) -> tuple[Selection, dict[str, Fit], Problem]:
-    """The joint fit among what competes with it: nothing, values of the model alone, and itself less one effect."""
-    robot = whole.replayer.robot
+    """The first joint fit, judged among what competes with it: nothing, values alone, less of it, and the others."""
+    robot, fit = whole.replayer.robot, joint[0]
     nominal = Fit(parameters, parameters.start(), np.inf)
     explained = as_fit(robot, space, parameters, fit, fit.places)
     own = as_fit(robot, space, parameters, bent, ())
     problem = whole.heard(explained.member).about(explained.member)
     folds = folds_of(problem)
     less = [as_fit(robot, space, parameters, fit, kept) for kept in _with_fewer(robot, fit.places)]
+    less += [as_fit(robot, space, parameters, other, other.places) for other in joint[1:]]
     plain = replace(problem, rough=None)
     as_it_is, corrected = (as_fitted(p, [nominal], folds)[0] for p in (replace(plain, step=None), plain))
     found = as_fitted(problem, [own, *less, explained], folds)
@@ -144,24 +147,10 @@ def as_fit(robot: Robot, space: ParameterSpace, parameters: Hypothesis, fit: Joi
     for f in hypothesis.free:
         value = float(point[index[f.effect, f.site, f.parameter]])
         if np.isinf(f.spread):  # bounds of a claim come from what motors could do, which the recordings may exceed
-            f = replace(f, low=min(f.low, value), high=max(f.high, value))
+            f = replace(f, low=min(f.low, 2.0 * value), high=max(f.high, 2.0 * value))
         free.append(f)
         vector.append(np.clip(value, f.low, f.high))
     return Fit(Hypothesis(hypothesis.places, tuple(free)), np.array(vector), np.inf)
-
-
-def without(space: ParameterSpace, fit: JointFit, places: Sequence[Place]) -> np.ndarray:
-    """The point (n,) at which some effects are absent and all else is as the joint fit's covariance has it then."""
-    point = fit.point.copy()
-    gone = np.isin(fit.indices, [i for place in places for i in space.of_place[place]])
-    if gone.any():
-        offset = (fit.point - space.neutral)[fit.indices]
-        gain = np.linalg.lstsq(fit.covariance[np.ix_(gone, gone)], offset[gone], rcond=None)[0]
-        point[fit.indices[~gone]] -= fit.covariance[np.ix_(~gone, gone)] @ gain
-        point = np.clip(point, space.bounds[:, 0], np.maximum(space.bounds[:, 1], point))
-    for place in places:
-        point[space.of_place[place]] = space.neutral[space.of_place[place]]
-    return point
 
 
 def _intervals(space: ParameterSpace, explained: Fit, fit: JointFit) -> np.ndarray:

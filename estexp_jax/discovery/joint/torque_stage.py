@@ -39,14 +39,17 @@ class TorqueChoice:
     noise: np.ndarray
 
 
-def torque_choice(
+def torque_choices(
     objective: Objective,
     tried: Sequence[Candidate],
     nuisances: Sequence[int],
     robots: Sequence[Robot],
     criteria: SelectionCriteria,
-) -> TorqueChoice:
-    """Choose effects by the torque balance of short windows.
+) -> list[TorqueChoice]:
+    """Choose effects by the torque balance of short windows: among those that add torque, and among all.
+
+    With values that scale torques there are two: a balance in which nothing acts has little to lack, so that the
+    readings have to decide.
 
     Args:
         objective: its windows are short, its outputs states.
@@ -56,17 +59,29 @@ def torque_choice(
         criteria: what decides.
     """
     space = objective.space
-    errors = _errors(space, nuisances, criteria)
-    directions = np.concatenate([[c.direction for c in tried], errors])
+    directions = np.concatenate([[c.direction for c in tried], _errors(space, nuisances, criteria)])
     balance = torque_balance(objective, space.neutral, directions, robots)
-    kept = [c for c in range(len(tried)) if _is_felt(balance, c, criteria)]
-    columns = np.concatenate([balance.columns[kept], balance.columns[len(tried) :]])
+    felt = [c for c in range(len(tried)) if _is_felt(balance, c, criteria)]
+    adding = [c for c in felt if effect(tried[c].place[0]).additive]
+    offered = [adding, felt] if len(felt) > len(adding) else [felt]
+    return [_choice(objective, balance, tried, kept, criteria) for kept in offered]
+
+
+def _choice(
+    objective: Objective,
+    balance: TorqueBalance,
+    tried: Sequence[Candidate],
+    kept: Sequence[int],
+    criteria: SelectionCriteria,
+) -> TorqueChoice:
+    """The choice among some of what is tried."""
+    space = objective.space
+    columns = np.concatenate([balance.columns[list(kept)], balance.columns[len(tried) :]])
     own = [tried[c] for c in kept]
     std = _noise(_densely_explained(balance, columns, own, criteria), balance, objective.dataset.owner, criteria)
     regression = _regression(balance, columns, std, own, criteria)
     simple = {g for g, c in enumerate(own) if not effect(c.place[0]).nested_in}
-    first = regression.search(allowed=simple)
-    chosen = regression.search(first.groups, exchange=False)
+    chosen = regression.search(allowed=simple)
     chosen = _without_trifles(regression, chosen, balance, columns, criteria)
     times = chosen.coefficients(len(columns))
     point, shares = space.neutral.copy(), dict[Place, float]()

@@ -12,7 +12,6 @@ from estexp_jax.discovery.explain import explain
 from estexp_jax.discovery.joint.strategy import explain_jointly, is_jointly_fitted
 from estexp_jax.physics.model.robot import Robot
 from tests.discovery.joint.arm import NOMINAL, PLANTED, case
-from tests.discovery.planted import ONE
 
 
 def _result(steps: Generator[Any, None, Any]) -> Any:
@@ -51,12 +50,13 @@ def test_where_nothing_is_missing_the_stepwise_search_is_asked():
     assert _result(explain_jointly(case(planted=False), ExplainConfig(), {})) is None
 
 
-def test_it_applies_to_robots_of_many_joints_all_driven_and_measured():
+def test_it_applies_to_robots_of_hinges_and_slides_that_are_all_measured():
     arm = case(planted=True)
     assert is_jointly_fitted(arm)
-    lever = Robot.from_string(ONE, "one")
-    assert not is_jointly_fitted(Case(lever, arm.recordings, (lever,) * 3))
-    idle = Robot.from_string(NOMINAL.replace('<motor name="m4" joint="j4"/>', '<motor name="m4" joint="j3"/>'), "idle")
-    assert not is_jointly_fitted(Case(idle, arm.recordings, (idle,) * 3))
     unmeasured = tuple(replace(r, sensor=r.sensor * [1.0, 1.0, np.nan, 1.0]) for r in arm.recordings)
     assert not is_jointly_fitted(Case(arm.robot, unmeasured, arm.robots))
+    floating = Robot.from_string(
+        NOMINAL.replace('<body name="l1">', '<body name="l1" pos="0 0 1"><freejoint/><geom size=".1"/></body><body>'),
+        "floating",
+    )
+    assert not is_jointly_fitted(Case(floating, arm.recordings, (floating,) * 3))
