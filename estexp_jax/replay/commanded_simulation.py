@@ -16,7 +16,7 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, window_of
 from estexp_jax.recordings.bind import column_names
 
-GivenState = InitialState | Mapping[str, object]
+GivenState = tuple[object, object] | InitialState | Mapping[str, object]
 """A state: (qpos, qvel), or by these names."""
 
 

@@ -111,11 +111,12 @@ def _command_before(model: mujoco.MjModel, data: mujoco.MjData, before: np.ndarr
 def _errors(robot: Robot, found: _Expected, expected: _Expected) -> tuple[np.ndarray, tuple[str, ...]]:
     """Errors (states, degrees of freedom and sensor values), and the names of these."""
     model, joints = robot.model, robot.names("joint")
+    lost = ~(np.isfinite(expected.qvel).all(axis=(1, 2)) & np.isfinite(expected.sensors).all(axis=(1, 2)))
     speed = np.maximum(_SLOW, np.abs(expected.qvel).max(axis=(1, 2), initial=0.0))
     moving = np.abs(found.qvel - expected.qvel).max(axis=1) / speed[:, None]
     owner = np.repeat(np.arange(model.nsensor), model.sensor_dim)
     largest = np.zeros(model.nsensor)
-    np.maximum.at(largest, owner, np.abs(expected.sensors).max(axis=(0, 1), initial=0.0))
+    np.maximum.at(largest, owner, np.abs(expected.sensors[~lost]).max(axis=(0, 1), initial=0.0))
     reading = np.abs(found.sensors - expected.sensors).max(axis=1) / np.maximum(_FAINT, largest)[owner]
     forces = model.sensor_needstage == int(mujoco.mjtStage.mjSTAGE_ACC)
     reading *= np.where(forces, _OF_FORCES, 1.0)[owner]
@@ -125,7 +126,6 @@ def _errors(robot: Robot, found: _Expected, expected: _Expected) -> tuple[np.nda
     )
     errors = np.concatenate([moving, reading], axis=1)
     errors[~np.isfinite(errors)] = np.inf
-    lost = ~(np.isfinite(expected.qvel).all(axis=(1, 2)) & np.isfinite(expected.sensors).all(axis=(1, 2)))
     errors[lost] = 0.0  # where MuJoCo itself diverges, nothing is to be compared
     return errors, names
 
