@@ -1,6 +1,8 @@
 """Planted effects are named, nothing is called missing where nothing is, and test recordings decide nothing."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -103,14 +105,21 @@ def test_predictions_hold_what_was_recorded_row_by_row(diagnosed):
         assert np.isfinite(p.nominal).all() and np.isfinite(p.explained).all()
 
 
-def test_test_recordings_decide_nothing(diagnosed):
+def chosen(findings: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Claims with their numbers, less what the test recordings may lower."""
+    return [{k: v for k, v in entry.items() if k not in ("probability", "sentence")} for entry in findings["what"]]
+
+
+def test_test_recordings_choose_nothing_and_may_only_lower_what_is_told(diagnosed):
     before = diagnosed("coulomb_friction@shaft")
     *train, test = before.case.recordings
     rng = np.random.default_rng(81)
     ruined = replace(test, sensor=rng.permutation(test.sensor) + 3.0, ctrl=rng.permutation(test.ctrl))
     after = explained(Case(before.case.robot, (*train, ruined), before.case.robots))
-    for key in ("verdict", "side", "where", "when", "what"):
+    for key in ("verdict", "side", "where", "when"):
         assert after.findings[key] == before.findings[key]
+    assert chosen(after.findings) == chosen(before.findings)
+    assert after.findings["what"][0]["probability"] <= 0.5 < before.findings["what"][0]["probability"]
     for name in ("nominal", "parameters_only", "explained"):
         assert after.findings["fit"][name]["train"] == before.findings["fit"][name]["train"]
         assert after.findings["fit"][name]["test"] > before.findings["fit"][name]["test"]
@@ -126,7 +135,8 @@ def test_what_test_recordings_belie_is_said_and_changes_nothing(diagnosed):
     *train, _ = before.case.recordings
     oiled = record("one", Plant(), 640, role="test")
     after = explained(Case(before.case.robot, (*train, oiled), before.case.robots)).findings
-    assert after["verdict"] == "missing_physics" and after["what"] == before.findings["what"]
+    assert after["verdict"] == "missing_physics" and chosen(after) == chosen(before.findings)
+    assert after["what"][0]["probability"] <= 0.5 and "may be predicted no better" in after["what"][0]["sentence"]
     assert after["fit"]["gain"]["high"] < 0.0 and "worse with this explanation" in after["advice"][0]
     assert not any("worse with this explanation" in line for line in before.findings["advice"])
 

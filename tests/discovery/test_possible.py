@@ -48,8 +48,8 @@ def test_only_training_recordings_have_a_say():
     assert possible(nominal("one"), STUCK, recordings)
 
 
-@pytest.mark.parametrize(("n", "wanted"), [(3.0, False), (6.0, True)])
-def test_cogging_of_which_less_than_half_a_wave_was_seen_is_not_conceivable(n, wanted):
+@pytest.mark.parametrize(("n", "wanted"), [(16.0, False), (20.0, True)])
+def test_cogging_of_which_less_than_two_waves_were_seen_is_not_conceivable(n, wanted):
     robot = nominal("one")
     own = parameters_only(robot, catalogue(["viscous_friction"]))
     place = "cogging", "shaft"
