@@ -75,10 +75,8 @@ def linearised(data: Dataset, found: Responses, noise: np.ndarray, correlation_t
         rows = max(float(there.sum(axis=0).max()), 1.0)
         std = np.broadcast_to(noise * np.sqrt(max(rows / independent[w], 1.0)), there.shape)[there]
         start = np.nan_to_num(found.initial_state[:, w][:, there]).T
-        covariance = np.diag(std**2) + start @ start.T
-        factor = np.linalg.cholesky(covariance)
         own = np.concatenate([left[w][there][:, None], np.nan_to_num(found.change[:, w][:, there]).T], axis=1)
-        white = np.linalg.solve(factor, own)
+        white = _whitened(own / std[:, None], start / std[:, None])
         size = np.sqrt(np.mean(white[:, 0] ** 2) * len(white) / (independent[w] * there.shape[1]))
         white *= min(1.0, clip / max(size, 1e-12))  # a window that is far off counts as one that is `clip` off
         residuals.append(white[:, 0])
@@ -88,3 +86,15 @@ def linearised(data: Dataset, found: Responses, noise: np.ndarray, correlation_t
     return Linearised(
         np.concatenate(residuals), np.concatenate(columns), float(np.mean(costs**2)), count, np.concatenate(owners)
     )
+
+
+def _whitened(x: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Rows of x (data, n) times the inverse square root of the covariance 1 + spread spread^T.
+
+    Args:
+        x: in standard deviations of independent noise.
+        spread: (data, few) what is common to the data besides, in the same unit.
+    """
+    directions, sizes, _ = np.linalg.svd(spread, full_matrices=False)
+    shrunk = 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+    return x - directions @ (shrunk[:, None] * (directions.T @ x))

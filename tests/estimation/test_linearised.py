@@ -41,3 +41,15 @@ def test_noise_is_what_is_left_but_at_least_that_of_the_readings(data: Dataset):
     measured = data.measurements
     assert np.allclose(reading_noise_of(data, measured, np.array([0.1]), 3.0), 0.1)
     assert np.allclose(reading_noise_of(data, measured + 0.5, np.array([0.1]), 3.0), 0.5)
+
+
+def test_products_of_whitened_columns_are_those_with_the_inverse_covariance(data: Dataset):
+    rng = np.random.default_rng(1)
+    shape = data.measurements.shape
+    start = rng.standard_normal((4, *shape))
+    responses = Responses(np.zeros(shape), rng.standard_normal((2, *shape)), start)
+    found = linearised(data, responses, np.ones(1), 0.25, 1e9)
+    own, spread = responses.change[:, 0, :, 0].T, start[:, 0, :, 0].T
+    covariance = 10.0 * np.eye(20) + spread @ spread.T  # twenty rows that count as two
+    columns = found.columns[found.window == 0]
+    np.testing.assert_allclose(columns.T @ columns, own.T @ np.linalg.solve(covariance, own), rtol=1e-9)

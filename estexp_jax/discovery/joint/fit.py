@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Generator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
@@ -61,6 +62,17 @@ class JointProblem:
     known: Collection[Place]
     observed: Observed
 
+    def dataset(self, length: float, memory: float) -> Dataset:
+        """All windows of a length of the training recordings, both in s as of `dataset_of`; each is cut once."""
+        if (length, memory) not in self._datasets:
+            cut = dataset_of(self.robots, self.recordings, self.channels, length, memory=memory)
+            self._datasets[length, memory] = cut
+        return self._datasets[length, memory]
+
+    @cached_property
+    def _datasets(self) -> dict[tuple[float, float], Dataset]:
+        return {}
+
 
 class JointResult(NamedTuple):
     """What the joint fit found.
@@ -96,11 +108,11 @@ def joint_fit(
     tried = candidates(space, problem.observed, problem.places, additive=True)
     others = candidates(space, problem.observed, problem.places, additive=False)
     tried += [c.as_derivative() for c in others if effect(c.place[0]).model_attribute]
-    data = _dataset(problem, criteria.short_window, criteria)
+    data = problem.dataset(criteria.short_window, criteria.memory)
     data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
     objective = Objective(problem.simulator, space, data, states=True)
     added = [i for i in small if effect(space.parameters[i].effect).additive]
-    errors = _fitted_values(space, problem.known)
+    errors = nuisances(space, problem.known)
     choices = torque_choices(objective, tried, added, problem.robots, criteria)
     fits, longest = list[JointFit](), data
     for k, first in enumerate(choices):
@@ -184,20 +196,11 @@ def values_only(
     """
     criteria = criteria or SelectionCriteria()
     space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
-    errors = _fitted_values(space, problem.known)
+    errors = nuisances(space, problem.known)
     yield Progress("values of the model alone", 0, 1)
     data = _windows(problem, space, space.neutral, len(errors), criteria)
     objective = Objective(problem.simulator, space, data)
     return gauss_newton(objective, space.neutral, (), errors, _least_noise(problem), criteria)
-
-
-def _fitted_values(space: ParameterSpace, known: Collection[Place]) -> list[int]:
-    """Indices of the values of the model that are refitted; not of motors' gains, which have one scale with masses."""
-    return nuisances(space, known)
-
-
-def _dataset(problem: JointProblem, length: float, criteria: SelectionCriteria) -> Dataset:
-    return dataset_of(problem.robots, problem.recordings, problem.channels, length, memory=criteria.memory)
 
 
 def _windows(
@@ -209,9 +212,9 @@ def _windows(
     steps: float = _STEPS,
 ) -> Dataset:
     """Windows as long as the simulator stays near the readings."""
-    data = _dataset(problem, _LENGTHS[-1], criteria)
+    data = problem.dataset(_LENGTHS[-1], criteria.memory)
     for length in _LENGTHS:
-        data = _dataset(problem, length, criteria)
+        data = problem.dataset(length, criteria.memory)
         most = min(_affordable(data, directions, steps), _MOST_LONG)
         if length > _LENGTHS[-1] and min(len(data.windows), most) < _FEWEST_LONG:
             continue

@@ -18,6 +18,8 @@ from estexp_jax.search.sparse_regression import Posterior, SparseRegression
 
 STRETCHES = 8
 """Stretches that the windows are divided into to see how far they disagree."""
+_RIDGE = 1e-9
+"""Precision of a free column in a part of the data, as a share of what all say of it."""
 _SHARES = (1.0, 0.5, 0.25, 0.1)
 """Shares of a step that are tried, all at once."""
 
@@ -185,9 +187,10 @@ def _jackknife(regression: SparseRegression, linear: Linearised, chosen: Posteri
     if n < 2:
         return np.zeros(len(chosen.columns))
     r, found = linear.residual + linear.columns @ offset, []
+    ridge = _RIDGE * np.diag(np.diag(regression.matrix))  # a column may be at work in the stretch alone
     for part in np.array_split(windows, n):
         own = np.isin(linear.window, part)
         j = linear.columns[own]
-        rest = replace(regression, matrix=regression.matrix - j.T @ j, vector=regression.vector - j.T @ r[own])
+        rest = replace(regression, matrix=regression.matrix + ridge - j.T @ j, vector=regression.vector - j.T @ r[own])
         found.append(rest.posterior(chosen.groups).mean)
     return np.sqrt((n - 1) / n * np.sum((np.array(found) - np.mean(found, axis=0)) ** 2, axis=0))
