@@ -8,7 +8,7 @@ from typing import Any
 from estexp_jax.physics.recording import Recording
 
 MOST_PROBABLE = 0.5
-"""Highest probability of a claim from such recordings (convention: that of claims which the test recordings deny)."""
+"""Highest probability of a claim that clocks or test recordings do not bear out: even odds. Convention."""
 
 
 def clock_lines(recordings: Sequence[Recording]) -> list[str]:

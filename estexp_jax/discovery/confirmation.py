@@ -8,11 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from estexp_jax.discovery.clock_doubt import clocks_doubted
+from estexp_jax.discovery.clock_doubt import MOST_PROBABLE, clocks_doubted
 from estexp_jax.physics.recording import Recording
-
-EVEN = 0.5
-"""Largest probability of a claim that the test recordings do not bear out. Convention."""
 
 
 def doubted(findings: Mapping[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:
@@ -45,7 +42,7 @@ def confirmed(
             found.append(dict(entry))
         else:
             sentence = f"{entry['sentence']}; but {doubt}"
-            found.append({**entry, "probability": min(entry["probability"], EVEN), "sentence": sentence})
+            found.append({**entry, "probability": min(entry["probability"], MOST_PROBABLE), "sentence": sentence})
     return found
 
 

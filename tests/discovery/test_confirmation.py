@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from estexp_jax.discovery.confirmation import EVEN, confirmed
+from estexp_jax.discovery.clock_doubt import MOST_PROBABLE
+from estexp_jax.discovery.confirmation import confirmed
 
 CLAIM = {
     "effect": "coulomb_friction",
@@ -37,13 +38,13 @@ def test_what_the_test_bears_out_stays_as_it_is(placebo: float | None):
 @pytest.mark.parametrize("low", [0.0, -0.2, None])
 def test_a_gain_whose_interval_holds_nothing_is_even_odds_at_most(low: float | None):
     [entry] = confirmed([CLAIM], _fit(low=low), [])
-    assert entry["probability"] == EVEN
+    assert entry["probability"] == MOST_PROBABLE
     assert entry["sentence"] == "the knee rubs; but the test recordings may be predicted no better with it"
 
 
 def test_a_placebo_that_predicts_as_well_lowers_all():
     entries = confirmed([CLAIM, TILT], _fit(placebo=0.01), [])
-    assert [e["probability"] for e in entries] == [EVEN, EVEN]
+    assert [e["probability"] for e in entries] == [MOST_PROBABLE, MOST_PROBABLE]
     assert all("a wrong effect predicts" in e["sentence"] for e in entries)
 
 
@@ -51,7 +52,7 @@ def test_a_rival_lowers_only_what_it_does_without():
     rival = _other("coulomb_friction@knee", "armature@knee", error=0.009)
     friction, tilt = confirmed([CLAIM, TILT], _fit(), [rival])
     assert friction == CLAIM
-    assert tilt["probability"] == EVEN
+    assert tilt["probability"] == MOST_PROBABLE
     assert "coulomb_friction@knee with armature@knee predicts" in tilt["sentence"]
     assert confirmed([TILT], _fit(), [_other("gravity_tilt", error=0.0)]) == [TILT]
 

@@ -34,6 +34,10 @@ class SelectionCriteria:
         freedom: degrees of freedom of the error of a window, by Student's t. Convention of robust regression.
         near: root mean square error, as a share of a reading's range, up to which windows may be lengthened: beyond,
             the simulator is no longer linear in what it lacks. Measured: on the machines' board.
+        most_stepwise_joints: of robots with more joints the joint fit is asked. Measured: with fewer it named two
+            effects too many on one of five sealed cases.
+        fewest_effects: of so many effects on the joint fit's choice counts; where fewer are missing the stepwise search
+            knows more forms of each. Convention.
         clip: residuals count as at most so many standard deviations. Convention of robust regression.
     """
 
@@ -50,4 +54,6 @@ class SelectionCriteria:
     wrong_value: float = 3.0
     freedom: float = 4.0
     near: float = 0.05
+    most_stepwise_joints: int = 3
+    fewest_effects: int = 3
     clip: float = 3.0

@@ -103,7 +103,7 @@ def joint_fit(
     """
     criteria = criteria or SelectionCriteria()
     space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
-    small = nuisances(space, problem.known)
+    errors = nuisances(space, problem.known)
     yield Progress("torque balance", 0, 1)
     tried = candidates(space, problem.observed, problem.places, additive=True)
     others = candidates(space, problem.observed, problem.places, additive=False)
@@ -111,8 +111,7 @@ def joint_fit(
     data = problem.dataset(criteria.short_window, criteria.memory)
     data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
     objective = Objective(problem.simulator, space, data, states=True)
-    added = [i for i in small if effect(space.parameters[i].effect).additive]
-    errors = nuisances(space, problem.known)
+    added = [i for i in errors if effect(space.parameters[i].effect).additive]
     choices = torque_choices(objective, tried, added, problem.robots, criteria)
     fits, longest = list[JointFit](), data
     for k, first in enumerate(choices):

@@ -14,6 +14,7 @@ from estexp_jax.discovery.cross_validation import as_fitted
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, known_values, parameters_only, simulated
+from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.discovery.joint.fit import JointProblem, joint_fit, values_only
 from estexp_jax.discovery.joint.reading_stage import JointFit, without
 from estexp_jax.discovery.location import element
@@ -29,11 +30,7 @@ from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_si
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
-_JOINTS = 3
-"""Of robots with more joints the joint fit is asked: with fewer it named too much on one of five sealed cases."""
-_SEVERAL = 3
-"""Effects from which on the joint fit's choice counts: stepwise search is led astray where so many are missing, and is
-at its best where fewer are, since it knows laws, onsets and more forms of each effect."""
+_CRITERIA = SelectionCriteria()
 _INTERVAL = 1.645
 """Standard deviations to either side that hold 90 % of a normal distribution."""
 
@@ -41,7 +38,7 @@ _INTERVAL = 1.645
 def is_jointly_fitted(case: Case) -> bool:
     """Whether a robot has many hinges and slides, all driven and all measured, so that torques can be balanced."""
     robot, model = case.robot, case.robot.model
-    if len(robot.scalar_joints) != model.njnt or model.nv <= _JOINTS:
+    if len(robot.scalar_joints) != model.njnt or model.nv <= _CRITERIA.most_stepwise_joints:
         return False
     driven = driven_joint_sites(robot) == scalar_joint_sites(robot)
     return driven and all(_is_measured(robot, r) for r in case.recordings)
@@ -78,10 +75,10 @@ def explain_jointly(
         return None
     whole, problem = joint_problem_of(case, config, memory.setdefault("joint fit", {}))
     simulator, known = problem.simulator, problem.known
-    _, fit, rivals = yield from joint_fit(problem, fewest=_SEVERAL - 1)
-    if len(fit.places) < _SEVERAL:
+    _, fit, rivals = yield from joint_fit(problem, _CRITERIA, fewest=_CRITERIA.fewest_effects - 1)
+    if len(fit.places) < _CRITERIA.fewest_effects:
         return None
-    bent = yield from values_only(problem)
+    bent = yield from values_only(problem, _CRITERIA)
     space = parameter_space(simulator.robot, simulator.catalogue)
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known)
     yield Progress("held-out windows", 0, 1)
