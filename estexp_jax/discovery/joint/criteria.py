@@ -27,7 +27,7 @@ class SelectionCriteria:
             such time. Measured: two of half-second windows on the machines' board.
         native_odds: prior odds of an effect that changes a value MJCF has, before one that repeats it under another
             name, nats. Convention: enough to decide between equals.
-        standard_errors: a held-out gain counts from so many of its standard errors on. Convention: two, one in forty.
+        chance: level at which a held-out gain counts, shared among all that were tried. Convention.
         kept_errors: an effect that all readings call for goes where its held-out gain is at most so many standard
             errors: stretches need not prove it once more, but they may not contradict it. Convention.
         wrong_value: a value of the model that is off by more than so many times `model_error` is a finding. Convention.
@@ -49,7 +49,7 @@ class SelectionCriteria:
     memory: float = 0.3
     correlation_time: float = 0.25
     native_odds: float = 3.0
-    standard_errors: float = 2.0
+    chance: float = 0.05
     kept_errors: float = 0.0
     wrong_value: float = 3.0
     freedom: float = 4.0

@@ -107,7 +107,7 @@ class Growth:
         return effect(place[0]).identifiable(space.robot, place[1], values, self.observed)
 
     def _is_alike(self, gain: HeldOutGain) -> bool:
-        return gain.total > -self.criteria.standard_errors * gain.standard_error
+        return gain.chance < 1.0 - self.criteria.chance
 
     def _chosen(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[list[Proposal], list[Candidate]]:
         """Effects to be added, one after the other about one linearisation; and the candidates that gain anything."""
@@ -125,8 +125,8 @@ class Growth:
             if not chosen:
                 gaining = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
                 again = list(gaining.values())[:_LOOKED_AT_AGAIN]
-            price = _price(tried, self.criteria)
-            best = next((p for p in proposals if self.is_gain(p.gain, price + p.price) and self._is_seen(p)), None)
+            price, n = _price(tried, self.criteria), len({c.place for c in open_})
+            best = next((p for p in proposals if self.is_gain(p.gain, price + p.price, n) and self._is_seen(p)), None)
             if best is None:
                 break
             chosen.append(best)
@@ -154,19 +154,22 @@ class Growth:
 
     def wrong_values(self, fit: JointFit) -> tuple[Place, ...]:
         """Values of the model that the fit moved farther than they are usually off, where held-out stretches agree."""
-        space, free = self.objective.space, self._free(fit)
+        space, free, n = self.objective.space, self._free(fit), self._n_nuisances(fit)
         held_out, base = self._held_out(fit, [])
         found = []
-        for k, i in enumerate(free[len(free) - self._n_nuisances(fit) :], len(free) - self._n_nuisances(fit)):
+        for k, i in enumerate(free[len(free) - n :], len(free) - n):
             p = space.parameters[i]
             off = abs(fit.point[i] - p.neutral) / (self.criteria.model_error * p.nominal)
-            if off > self.criteria.wrong_value and self.is_gain(held_out.gain_of([k], base), 0.0):
+            if off > self.criteria.wrong_value and self.is_gain(held_out.gain_of([k], base), 0.0, n):
                 found.append(p.place)
         return tuple(found)
 
-    def is_gain(self, gain: HeldOutGain, price: float) -> bool:
-        """Whether a held-out gain is more than chance and choice among many would give."""
-        return gain.total > price and gain.in_errors > self.criteria.standard_errors
+    def is_gain(self, gain: HeldOutGain, price: float, tried: int) -> bool:
+        """Whether a held-out gain is more than chance gives the best of so many that were tried.
+
+        Source: Dunn, Journal of the American Statistical Association 56 (1961), the level shared among comparisons.
+        """
+        return gain.total > price and gain.chance * tried < self.criteria.chance
 
     def _fitted(self, fit: JointFit, proposals: Sequence[Proposal]) -> JointFit:
         gone = [p.instead_of for p in proposals if p.instead_of]

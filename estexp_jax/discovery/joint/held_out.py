@@ -17,6 +17,7 @@ from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
+from scipy import stats
 
 from estexp_jax.estimation.linearised import Linearised
 
@@ -31,16 +32,23 @@ class HeldOutGain(NamedTuple):
         total: over all stretches, nats.
         standard_error: of it, from how stretches differ.
         coefficient: of the column, fitted to all.
+        stretches: that differ.
     """
 
     total: float
     standard_error: float
     coefficient: float
+    stretches: int
 
     @property
     def in_errors(self) -> float:
         """The gain in its standard errors."""
         return self.total / max(self.standard_error, 1e-300)
+
+    @property
+    def chance(self) -> float:
+        """Probability of so large a gain where there is none: Student's t, one-sided, since stretches are few."""
+        return float(stats.t.sf(self.in_errors, max(self.stretches - 1, 1)))
 
 
 @final
@@ -193,4 +201,4 @@ class _Fitted(NamedTuple):
 def _gain(before: np.ndarray, after: np.ndarray, coefficient: float = np.nan) -> HeldOutGain:
     each = before - after
     error = np.sqrt(len(each)) * np.std(each, ddof=1) if len(each) > 1 else np.inf
-    return HeldOutGain(float(each.sum()), float(error), float(coefficient))
+    return HeldOutGain(float(each.sum()), float(error), float(coefficient), len(each))

@@ -16,7 +16,7 @@ from estexp_jax.estimation.parameters import ParameterSpace, Place
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.search.sparse_regression import Posterior, SparseRegression
 
-STRETCHES = 8
+STRETCHES = 16
 """Stretches that the windows are divided into to see how far they disagree."""
 _RIDGE = 1e-9
 """Precision of a free column in a part of the data, as a share of what all say of it."""

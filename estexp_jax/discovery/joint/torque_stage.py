@@ -80,7 +80,7 @@ def _choice(
     own = [tried[c] for c in kept]
     std = _noise(_densely_explained(balance, columns, own, criteria), balance, objective.dataset.owner, criteria)
     regression = _regression(balance, columns, std, own, criteria)
-    simple = {g for g, c in enumerate(own) if not effect(c.place[0]).nested_in}
+    simple = {g for g, c in enumerate(own) if _is_simple(c)}
     chosen = regression.search(allowed=simple)
     chosen = _without_trifles(regression, chosen, balance, columns, criteria)
     times = chosen.coefficients(len(columns))
@@ -89,6 +89,12 @@ def _choice(
         point += own[g].at(times[g])
         shares[own[g].place] = _share(times[g] * columns[g], balance)
     return TorqueChoice(point, tuple(shares), shares, std / balance.scale)
+
+
+def _is_simple(candidate: Candidate) -> bool:
+    """Whether a balance can tell it: relatives of friction look alike; what contains a constant torque does not."""
+    nested = effect(candidate.place[0]).nested_in
+    return not nested or effect(nested).is_constant_torque
 
 
 def _errors(space: ParameterSpace, nuisances: Sequence[int], criteria: SelectionCriteria) -> np.ndarray:

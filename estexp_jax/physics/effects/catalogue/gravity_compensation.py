@@ -32,7 +32,6 @@ class GravityCompensation(Term):
     source: ClassVar[str] = (
         "gravity compensation: Siciliano et al., Robotics (2009), section 8.5.1; MuJoCo: body/gravcomp"
     )
-    additive: ClassVar[bool] = True
     flags: ClassVar[tuple[str, ...]] = ("gravity",)
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
