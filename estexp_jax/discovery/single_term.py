@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import replace
 
-from estexp_jax.discovery.believing import about_joint, outdoes
 from estexp_jax.discovery.cross_validation import judged_again
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.growing import Setting, compared
 from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.law_plausibility import about_joint, outdoes
 from estexp_jax.discovery.law_search import (
     TERMS,
     Unnamed,

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estexp_jax.discovery import growing, searching
+from estexp_jax.discovery import growing, stepwise_search
 from estexp_jax.discovery.growing import Setting, Standing, at_odds
 from estexp_jax.discovery.hypotheses import Free, Hypothesis, parameters_only
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.searching import _added, _goes_on, _simplified, _unbound, select
 from estexp_jax.discovery.selection import Explanation
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.stepwise_search import _added, _goes_on, _simplified, _unbound, select
 from estexp_jax.discovery.verdict import verdict as verdict_of
 from estexp_jax.physics.model.robot import Robot
 from tests.discovery import planted
@@ -113,14 +113,14 @@ def test_what_shows_no_effect_from_values_as_modelled_is_looked_at_once_more(
         return steps(replace(found, chosen=better) if (n, as_bent) == helps else found)
 
     there: Any = Nothing()
-    monkeypatch.setattr(searching, "folds_of", lambda *_: [])
-    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
-    monkeypatch.setattr(searching, "fitted", lambda *_: steps(([own.fitted], there)))
-    monkeypatch.setattr(searching, "as_fitted", lambda *_: [explanation(30.0)])
-    monkeypatch.setattr(searching, "compared", lambda *_: steps(([own], there)))
-    monkeypatch.setattr(searching, "_added", added)
-    monkeypatch.setattr(searching, "_simplified", lambda _, found, __: steps(found))
-    monkeypatch.setattr(searching, "_all_exchanged", lambda _, found, __: steps(found))
+    monkeypatch.setattr(stepwise_search, "folds_of", lambda *_: [])
+    monkeypatch.setattr(stepwise_search, "about", lambda problem, _: problem)
+    monkeypatch.setattr(stepwise_search, "fitted", lambda *_: steps(([own.fitted], there)))
+    monkeypatch.setattr(stepwise_search, "as_fitted", lambda *_: [explanation(30.0)])
+    monkeypatch.setattr(stepwise_search, "compared", lambda *_: steps(([own], there)))
+    monkeypatch.setattr(stepwise_search, "_added", added)
+    monkeypatch.setattr(stepwise_search, "_simplified", lambda _, found, __: steps(found))
+    monkeypatch.setattr(stepwise_search, "_all_exchanged", lambda _, found, __: steps(found))
     with pytest.raises(StopIteration) as end:
         next(select(there, Hypothesis((), ()), 2))
     assert seen == looks
@@ -142,11 +142,11 @@ def test_an_effect_is_exchanged_for_what_one_comparison_finds_better(
     def compared(_: Any, there: Any, fits: list[Fit], __: str) -> Any:
         return steps(([judged[f.hypothesis.places[0][0]] for f in fits], there))
 
-    monkeypatch.setattr(searching, "without", lambda *_: (Hypothesis((), ()), [np.zeros(0)]))
-    monkeypatch.setattr(searching, "grown_from", lambda *_: steps([other.fitted]))
-    monkeypatch.setattr(searching, "compared", compared)
+    monkeypatch.setattr(stepwise_search, "without", lambda *_: (Hypothesis((), ()), [np.zeros(0)]))
+    monkeypatch.setattr(stepwise_search, "grown_from", lambda *_: steps([other.fitted]))
+    monkeypatch.setattr(stepwise_search, "compared", compared)
     found = Standing(problem(0), chosen, ())
-    ends = searching._exchanged(Setting(Hypothesis((), ()), []), found, chosen.places[0])
+    ends = stepwise_search._exchanged(Setting(Hypothesis((), ()), []), found, chosen.places[0])
     with pytest.raises(StopIteration) as end:
         next(ends)
     assert end.value.value.chosen is (other if exchanged else chosen)
@@ -174,8 +174,8 @@ def test_a_fourth_effect_that_is_as_large_as_it_may_be_is_not_added_where_much_i
 
     before = Explanation(Fit(Hypothesis(old, ()), np.zeros(0), 2.0), np.full(4, left**2 / 4.0))
     judged = [claiming(0.7, ("armature", "joint0"), I=113.0), claiming(0.6, ("external_force", "arm"), x=0.1, k=k)]
-    monkeypatch.setattr(searching, "grown_from", lambda *_, **__: steps([e.fitted for e in judged]))
-    monkeypatch.setattr(searching, "compared", lambda *_: steps(([before, *judged], problem(0))))
+    monkeypatch.setattr(stepwise_search, "grown_from", lambda *_, **__: steps([e.fitted for e in judged]))
+    monkeypatch.setattr(stepwise_search, "compared", lambda *_: steps(([before, *judged], problem(0))))
     with pytest.raises(StopIteration) as end:
         next(_added(Setting(Hypothesis((), ()), []), Standing(problem(0), before, ()), [before.fitted], n))
     assert end.value.value.chosen.places[-1][0] == added
@@ -193,8 +193,8 @@ def test_one_effect_more_must_help_the_windows_that_it_is_fitted_to(
         return Explanation(Fit(Hypothesis(places, ()), np.zeros(0), cost), np.full(4, held_out / 4.0))
 
     before, after = fitted_to(1.0, 600.0, *old), fitted_to(share, 60.0, *old, ("torque_offset", "shaft"))
-    monkeypatch.setattr(searching, "grown_from", lambda *_, **__: steps([after.fitted]))
-    monkeypatch.setattr(searching, "compared", lambda *_: steps(([before, after], problem(0))))
+    monkeypatch.setattr(stepwise_search, "grown_from", lambda *_, **__: steps([after.fitted]))
+    monkeypatch.setattr(stepwise_search, "compared", lambda *_: steps(([before, after], problem(0))))
     with pytest.raises(StopIteration) as end:
         next(_added(Setting(Hypothesis((), ()), []), Standing(problem(0), before, ()), [before.fitted], 1 + claims))
     assert end.value.value.chosen is (after if added else before)
@@ -227,10 +227,10 @@ def test_a_value_that_is_bent_far_is_claimed_if_windows_are_predicted_no_worse(m
 
         return steps
 
-    monkeypatch.setattr(searching, "extended", lambda *arguments: (asked.append(arguments), []))
-    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
+    monkeypatch.setattr(stepwise_search, "extended", lambda *arguments: (asked.append(arguments), []))
+    monkeypatch.setattr(stepwise_search, "about", lambda problem, _: problem)
     for value, error, claimed in ((0.2, 0.9, False), (0.29, 0.9, True), (0.29, 1.2, False), (-0.29, 0.9, True)):
-        monkeypatch.setattr(searching, "judged_apart", judged(error))
+        monkeypatch.setattr(stepwise_search, "judged_apart", judged(error))
         steps, begin = _unbound(search, bent(value)), len(asked)
         with pytest.raises(StopIteration) as end:
             while True:
@@ -263,9 +263,9 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
         assert len(tasks) == 1, "what is claimed already is not asked for again"
         return [Explanation(Fit(both, np.array([0.028, 0.39]), 0.1), np.full(4, 0.0251))]
 
-    monkeypatch.setattr(searching, "extended", extended)
-    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
-    monkeypatch.setattr(searching, "judged_apart", judged)
+    monkeypatch.setattr(stepwise_search, "extended", extended)
+    monkeypatch.setattr(stepwise_search, "about", lambda problem, _: problem)
+    monkeypatch.setattr(stepwise_search, "judged_apart", judged)
     steps = _unbound(search, Standing(there, bent, ()))
     with pytest.raises(StopIteration) as end:
         while True:
@@ -278,8 +278,8 @@ def test_beside_an_effect_a_value_at_its_bound_is_claimed_where_only_noise_is_le
         yield
         return [bent]
 
-    monkeypatch.setattr(searching, "simpler", lambda *_: [bent.fitted])
-    monkeypatch.setattr(searching, "judged_apart", fewer)
+    monkeypatch.setattr(stepwise_search, "simpler", lambda *_: [bent.fitted])
+    monkeypatch.setattr(stepwise_search, "judged_apart", fewer)
     steps = _simplified(search, Standing(there, found, ()), lambda _: True)
     with pytest.raises(StopIteration) as end:
         while True:
@@ -308,12 +308,12 @@ def test_what_could_be_instead_is_made_simpler_like_what_was_chosen(monkeypatch:
         yield
         return [fitted((plain, bias), 4.12)] if "instead" in stage else [simple]
 
-    monkeypatch.setattr(searching, "instead", instead)
-    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
-    monkeypatch.setattr(searching, "judged_apart", judged)
+    monkeypatch.setattr(stepwise_search, "instead", instead)
+    monkeypatch.setattr(stepwise_search, "about", lambda problem, _: problem)
+    monkeypatch.setattr(stepwise_search, "judged_apart", judged)
     for helps in (True, False):
         left = iter([[simple.fitted], []] if helps else [[]])
-        monkeypatch.setattr(searching, "simpler", lambda *_, left=left: next(left))
+        monkeypatch.setattr(stepwise_search, "simpler", lambda *_, left=left: next(left))
         there = Standing(problem(0), chosen, (chosen, twin, worse))
         steps = _simplified(Setting(Hypothesis((), ()), []), there, lambda _: True)
         with pytest.raises(StopIteration) as end:
@@ -332,9 +332,9 @@ def test_what_explains_is_not_made_so_simple_that_it_explains_nothing(
     """Where nothing explains enough, the simplest of what is as good stands."""
     rich, poor = explanation(4.0), explanation(4.1)
     left = iter([[poor.fitted], []])
-    monkeypatch.setattr(searching, "about", lambda problem, _: problem)
-    monkeypatch.setattr(searching, "judged_apart", lambda *_: steps([poor]))
-    monkeypatch.setattr(searching, "simpler", lambda *_: next(left))
+    monkeypatch.setattr(stepwise_search, "about", lambda problem, _: problem)
+    monkeypatch.setattr(stepwise_search, "judged_apart", lambda *_: steps([poor]))
+    monkeypatch.setattr(stepwise_search, "simpler", lambda *_: next(left))
     found = _simplified(Setting(Hypothesis((), ()), []), Standing(problem(0), rich, ()), lambda e: e.error <= enough)
     with pytest.raises(StopIteration) as end:
         while True:
@@ -359,8 +359,8 @@ def test_a_model_that_only_the_doubt_about_its_step_parts_from_recordings_lacks_
         yield from ()
         return judged(problem, fits, []), problem
 
-    monkeypatch.setattr(searching, "as_fitted", judged)
-    monkeypatch.setattr(searching, "compared", compared)
+    monkeypatch.setattr(stepwise_search, "as_fitted", judged)
+    monkeypatch.setattr(stepwise_search, "compared", compared)
     selection, _ = planted.finished(select(there, parameters, 0))
     assert selection.corrected.error == pytest.approx(error)
     assert verdict_of(planted.nominal("one"), selection, ()) == verdict

@@ -7,7 +7,7 @@ import pytest
 import estexp_jax as ee
 from estexp_jax.errors import InputError
 from estexp_jax.report.explain.files import EFFECTS_SCHEMA
-from estexp_jax.report.results import read_results
+from estexp_jax.report.read_results import read_results
 
 ARM = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/><geom size=".1"/></body></worldbody>
 <actuator><position joint="elbow"/></actuator><sensor><jointpos joint="elbow"/></sensor></mujoco>"""
@@ -63,6 +63,6 @@ def test_what_is_nested_without_end_or_far_too_long_is_told(folder, monkeypatch)
     path.write_text("[" * 100_000)
     with pytest.raises(InputError, match="cannot be read"):
         read_results(path, EFFECTS_SCHEMA, "a list")
-    monkeypatch.setattr("estexp_jax.report.results._MOST_BYTES", 10)
+    monkeypatch.setattr("estexp_jax.report.read_results._MOST_BYTES", 10)
     with pytest.raises(InputError, match="bytes long"):
         read_results(path, EFFECTS_SCHEMA, "a list")

@@ -14,8 +14,9 @@ import numpy as np
 
 from estexp_jax.physics.effects.registry import effect, paper
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, IterationSummary
-from estexp_jax.recovery.estimation.options import damage_options
+from estexp_jax.recovery.estimation.damage_options import damage_options
+from estexp_jax.recovery.estimation.hypothesis_cost import HypothesisCost
+from estexp_jax.recovery.estimation.method import DamageDiagnosis, Estimation, IterationSummary
 from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import set_search
 from estexp_jax.search.set_search import SetSearch

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import MetricCost
+from estexp_jax.recovery.estimation.hypothesis_cost import MetricCost
 from estexp_jax.recovery.simulator import DamageSimulator
 from tests.recovery.estimation.lost_leg import LOST, OpenLoopTrials
 

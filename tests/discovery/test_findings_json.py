@@ -8,11 +8,11 @@ import pytest
 
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.findings import noise_advice
+from estexp_jax.discovery.findings_json import Found, judged_by, needless
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.shown import Shown
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.telling import Found, judged_by, needless
 from estexp_jax.physics.effects.registry import catalogue
 from tests.discovery.planted import Plant, case_of, nominal, problem_of
 

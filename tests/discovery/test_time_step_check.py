@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.hypotheses import Hypothesis
-from estexp_jax.discovery.numerics import Step, to_blame
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.time_step_check import Step, to_blame
 from estexp_jax.report.explain.text import claim
 
 

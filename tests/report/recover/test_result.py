@@ -4,7 +4,7 @@ from estexp_jax.package_data import model_path
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.cycle import job_of
-from estexp_jax.report.recover.run import RecoverRun, RecoverTable
+from estexp_jax.report.recover.result import RecoverRun, RecoverTable
 
 
 def test_table_prints_itself() -> None:

@@ -13,10 +13,10 @@ from collections.abc import Generator
 
 import numpy as np
 
-from estexp_jax.discovery.dating import short_windows
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import Progress, fit
 from estexp_jax.discovery.hypotheses import Hypothesis
+from estexp_jax.discovery.onset_date import short_windows
 from estexp_jax.discovery.problem import Problem
 
 _BEGINNING = 0.34

@@ -6,16 +6,16 @@ from collections.abc import Generator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from estexp_jax.discovery.beginnings import parted
-from estexp_jax.discovery.dating import Dates, dated, sharpened, short_windows
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import driven, force_residuals
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.onset import helps_before, onsets
+from estexp_jax.discovery.onset_by_values import parted
+from estexp_jax.discovery.onset_date import Dates, dated, sharpened, short_windows
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection
+from estexp_jax.discovery.stepwise_search import select
 from estexp_jax.estimation.windows import fitting_window, window_set_of
 from estexp_jax.physics.effects.registry import effect
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import DamageDiagnosis
-from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.damage_sites import DamageSite
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
-from estexp_jax.recovery.estimation.set import SetEstimation
+from estexp_jax.recovery.estimation.method import DamageDiagnosis
+from estexp_jax.recovery.estimation.set_estimation import SetEstimation
 from estexp_jax.recovery.simulator import DamageSimulator
 
 WEAK = (DamageSite("motor_weakness", "knee_f"), 0.4)

@@ -5,14 +5,14 @@ import pytest
 
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.agreement import (
+from estexp_jax.physics.engines.choice import closed_loop_simulator
+from estexp_jax.physics.engines.closed_loop_agreement import (
     closed_loop_agreement,
     converged_speeds,
     engine_agreement,
     engine_speeds,
     sample_states,
 )
-from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.recovery.control.network import RecurrentPolicy
 from tests.physics.robots import robot

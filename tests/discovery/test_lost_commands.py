@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.hypotheses import parameters_only
+from estexp_jax.discovery.lost_commands import commanded
 from tests.discovery.planted import CASES, case_of, problem_of
 
 

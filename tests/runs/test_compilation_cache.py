@@ -10,7 +10,7 @@ from typing import Any
 import jax
 import pytest
 
-from estexp_jax.runs import cache, forget_programs
+from estexp_jax.runs import compilation_cache, forget_programs
 
 COMPILE = """
 import json
@@ -74,16 +74,16 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path, compiled):
 def test_programs_are_forgotten_before_a_process_has_too_many_memory_maps(monkeypatch):
     program: Any = jax.jit(lambda x: 2.0 * x)
     program(1.0)
-    monkeypatch.setattr(cache, "_memory_maps", lambda: (32000, 65530))
+    monkeypatch.setattr(compilation_cache, "_memory_maps", lambda: (32000, 65530))
     assert not forget_programs() and program._cache_size() == 1
-    monkeypatch.setattr(cache, "_memory_maps", lambda: None)
+    monkeypatch.setattr(compilation_cache, "_memory_maps", lambda: None)
     assert not forget_programs() and program._cache_size() == 1, "a system that does not tell"
-    monkeypatch.setattr(cache, "_memory_maps", lambda: (33000, 65530))
+    monkeypatch.setattr(compilation_cache, "_memory_maps", lambda: (33000, 65530))
     assert forget_programs() and program._cache_size() == 0
     assert float(program(1.0)) == 2.0
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
 def test_memory_maps_are_counted():
-    count, limit = cache._memory_maps() or (0, 0)
+    count, limit = compilation_cache._memory_maps() or (0, 0)
     assert 10 < count < limit

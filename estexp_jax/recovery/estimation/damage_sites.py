@@ -10,9 +10,9 @@ Source: Bongard and Lipson 2004, section 2.2, "The Estimation Phase".
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.damage import Damage
@@ -20,6 +20,7 @@ from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.simulator import DamageSimulator
 
 _NO_DIGITS = 12
 """Decimals to which amounts are rounded, after sums and products of multiples of 0.01."""
@@ -75,6 +76,11 @@ def change_of(robot: Robot, place: DamageSite, amount: float) -> Change:
     """
     parameters = damage(place.effect).at_amount(robot, place.name or "", amount, place.partner)
     return Change(place.effect, place.name, parameters)
+
+
+def changes_of(simulator: DamageSimulator, items: Sequence[tuple[DamageSite, float]]) -> tuple[Any, ...]:
+    """The changes of the nominal model that a hypothesis stands for."""
+    return tuple(change_of(simulator.robot, place, amount) for place, amount in items)
 
 
 def canonical_damage(robot: Robot, items: Iterable[tuple[DamageSite, float]]) -> tuple[tuple[DamageSite, float], ...]:

@@ -8,15 +8,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.discovery import comparison, horizon
+from estexp_jax.discovery import comparison, shorter_windows
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.fitting import FAR, Progress
-from estexp_jax.discovery.horizon import as_nearer, bent, hangs_on_hairs, says_all, shows_unparted
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of
+from estexp_jax.discovery.shorter_windows import as_nearer, bent, hangs_on_hairs, says_all, shows_unparted
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import QUIET
 from estexp_jax.physics.effects.registry import catalogue
@@ -86,7 +86,7 @@ def test_starts_that_are_known_exactly_part_nowhere():
 
 def test_where_the_usual_windows_took_long_shorter_ones_are_not_tried(monkeypatch: pytest.MonkeyPatch):
     problem = problem_of(case_of("two", Plant(), 644), FEW)
-    monkeypatch.setattr(horizon, "_parting", lambda problem, _: np.ones(len(problem.fitted)))
+    monkeypatch.setattr(shorter_windows, "_parting", lambda problem, _: np.ones(len(problem.fitted)))
     own = parameters_only(problem.replayer.robot, problem.replayer.catalogue)
     far = Explanation(Fit(own, own.start(), 1.0), np.full(len(problem.fitted), 2.0 * FAR**2))
     selection = Selection(far, far, far, (), far)
@@ -165,7 +165,7 @@ def test_what_shows_only_where_motions_part_does_not_stay(monkeypatch, truth, si
     without, chosen = (
         Explanation(fit, np.square(r, dtype=np.float64).sum(axis=1)) for fit, r in zip(fits, left, strict=True)
     )
-    monkeypatch.setattr(horizon, "bent", lambda *_: np.where(np.isin(np.arange(6), parted), 20.0, 0.1))
+    monkeypatch.setattr(shorter_windows, "bent", lambda *_: np.where(np.isin(np.arange(6), parted), 20.0, 0.1))
     assert shows_unparted(there, Selection(without, without, without, (chosen,), chosen)) is kept
 
 
@@ -183,7 +183,7 @@ def test_values_fitted_to_a_window_in_which_motions_part_make_nothing_show_in_ot
     def with_errors(fit: Fit, error: float, where_fallen: float) -> Explanation:
         return Explanation(fit, np.square(np.where(fallen, where_fallen, error)) / len(order))
 
-    monkeypatch.setattr(horizon, "bent", lambda *_: np.where(np.sort(problem.fitted) == order[1], 20.0, 0.1))
+    monkeypatch.setattr(shorter_windows, "bent", lambda *_: np.where(np.sort(problem.fitted) == order[1], 20.0, 0.1))
     as_it_is, pulled, chosen = with_errors(own, 1.0, 50.0), with_errors(own, 4.0, 48.0), with_errors(other, 0.8, 6.0)
     assert not shows_unparted(there, Selection(as_it_is, as_it_is, pulled, (chosen,), chosen))
     assert shows_unparted(there, Selection(pulled, pulled, pulled, (chosen,), chosen)), "it lacks as much as it is"

@@ -19,16 +19,16 @@ from typing import NamedTuple
 import numpy as np
 
 from estexp_jax.discovery.cross_validation import cross_validated, judged_again
-from estexp_jax.discovery.doubt import blinded, other_starts
 from estexp_jax.discovery.fitting import FAR, Progress
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.replays import Member
 from estexp_jax.discovery.rounds import at_first, refitted
-from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Selection, folds_of, worth
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.stepwise_search import select
+from estexp_jax.discovery.uncertain_starts import blinded, other_starts
 
 SHARE = 0.2
 """Length of the shorter windows, of the usual ones."""

@@ -12,7 +12,7 @@ from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.state import RunState
-from estexp_jax.report.recover.files import run_record, write_history, write_traces
+from estexp_jax.report.recover.run_data import run_record, write_history, write_traces
 from tests.report.examples import WEAK, recovered
 
 

@@ -13,11 +13,12 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, IterationSummary
-from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.damage_options import DamageOptions, damage_options
+from estexp_jax.recovery.estimation.damage_sites import DamageSite
 from estexp_jax.recovery.estimation.error_model import TEMPERATURE
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
-from estexp_jax.recovery.estimation.options import DamageOptions, damage_options
+from estexp_jax.recovery.estimation.hypothesis_cost import HypothesisCost
+from estexp_jax.recovery.estimation.method import DamageDiagnosis, Estimation, IterationSummary
 from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import set_search
 from estexp_jax.search.set_moves import OptionSet, pruned

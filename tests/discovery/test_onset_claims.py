@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery import explain as module
-from estexp_jax.discovery.beginnings import parted
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.hypotheses import claiming, parameters_only
-from estexp_jax.discovery.late import starting_late
+from estexp_jax.discovery.onset_by_values import parted
+from estexp_jax.discovery.onset_claims import starting_late
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.estimation.windows import window_rows

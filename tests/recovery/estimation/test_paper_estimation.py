@@ -7,7 +7,7 @@ import numpy as np
 
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
-from estexp_jax.recovery.estimation.paper import PaperEstimation
+from estexp_jax.recovery.estimation.paper_estimation import PaperEstimation
 from estexp_jax.recovery.simulator import DamageSimulator
 
 

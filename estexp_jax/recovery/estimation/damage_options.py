@@ -13,7 +13,7 @@ from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.registry import damages, paper
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Catalogue
-from estexp_jax.recovery.estimation.edits import DamageSite, canonical_damage, damage, damage_sites
+from estexp_jax.recovery.estimation.damage_sites import DamageSite, canonical_damage, damage, damage_sites
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
 from estexp_jax.search.set_moves import Option, OptionSet
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.damage_options import damage_options
+from estexp_jax.recovery.estimation.damage_sites import DamageSite
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
-from estexp_jax.recovery.estimation.options import damage_options
-from estexp_jax.recovery.estimation.replay import LinearisedCandidates, ReplayEstimation
+from estexp_jax.recovery.estimation.replay_estimation import LinearisedCandidates, ReplayEstimation
 from estexp_jax.recovery.simulator import DamageSimulator
 
 WEAK, HEAVY = DamageSite("motor_weakness", "knee_f"), DamageSite("body_mass", "lower_f")

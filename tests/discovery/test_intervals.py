@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from estexp_jax.discovery import uncertainty
+from estexp_jax.discovery import intervals
+from estexp_jax.discovery.intervals import parameter_intervals
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.uncertainty import parameter_intervals
 
 WINDOWS, SAMPLES = 12, 40
 TRUE = np.array([0.7, -1.2, 0.4])
@@ -49,7 +49,7 @@ def _derivatives(monkeypatch):
     def jacobian(problem, fitted, windows):
         return problem.residuals([fitted.member], windows)[0], problem.slopes[windows]
 
-    monkeypatch.setattr(uncertainty, "jacobian", jacobian)
+    monkeypatch.setattr(intervals, "jacobian", jacobian)
 
 
 def test_nine_of_ten_intervals_hold_the_truth() -> None:

@@ -3,8 +3,8 @@
 from estexp_jax.physics.effects.changes import encode
 from estexp_jax.physics.effects.registry import damages, paper
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import change_of
-from estexp_jax.recovery.estimation.options import damage_options
+from estexp_jax.recovery.estimation.damage_options import damage_options
+from estexp_jax.recovery.estimation.damage_sites import change_of
 
 
 def test_every_option_can_be_simulated(quadruped: Robot) -> None:

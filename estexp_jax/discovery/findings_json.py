@@ -9,23 +9,23 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
-from estexp_jax.discovery.believing import is_law
+from estexp_jax.discovery.competing_models import competing_models_of
 from estexp_jax.discovery.confirmation import doubted
-from estexp_jax.discovery.contest import competing_models_of
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.export import explained_spec, expressible
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
+from estexp_jax.discovery.intervals import parameter_intervals
+from estexp_jax.discovery.law_findings import law_advice, law_entries
 from estexp_jax.discovery.law_forces import LawForces, law_forces
+from estexp_jax.discovery.law_plausibility import is_law
 from estexp_jax.discovery.location import where
-from estexp_jax.discovery.numerics import Step, step_of, to_blame
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, better, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
 from estexp_jax.discovery.shown import NOMINAL, Shown, shown_by
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.telling_laws import law_advice, law_entries
-from estexp_jax.discovery.uncertainty import parameter_intervals
+from estexp_jax.discovery.time_step_check import Step, step_of, to_blame
 from estexp_jax.discovery.verdict import bent_values, verdict
 from estexp_jax.discovery.when import never, when
 from estexp_jax.physics.effects.changes import Change

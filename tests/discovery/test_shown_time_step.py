@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.hypotheses import parameters_only
-from estexp_jax.discovery.resolution import resolved, step_error
+from estexp_jax.discovery.shown_time_step import resolved, step_error
 from tests.discovery.planted import CASES, case_of, problem_of
 
 

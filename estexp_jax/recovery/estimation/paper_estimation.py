@@ -11,8 +11,9 @@ from typing import Any, final
 import numpy as np
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import DamageDiagnosis, Estimation, HypothesisCost, IterationSummary
 from estexp_jax.recovery.estimation.genome import LENGTH, GenomeDecoder, hypothesis_key
+from estexp_jax.recovery.estimation.hypothesis_cost import HypothesisCost
+from estexp_jax.recovery.estimation.method import DamageDiagnosis, Estimation, IterationSummary
 from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import genetic
 from estexp_jax.search.genetic import Genetic, Population
