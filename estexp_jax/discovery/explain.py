@@ -16,7 +16,6 @@ from estexp_jax.discovery.export import expressible
 from estexp_jax.discovery.findings_json import Found, diagnosis
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
-from estexp_jax.discovery.frozen import frozen
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claiming,
@@ -28,7 +27,6 @@ from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_plausibility import doubled, is_law, manifold, nearly, needed, without_piles
 from estexp_jax.discovery.law_search import Unnamed
 from estexp_jax.discovery.laws import lacks_force, unknown_law, unknown_law_nearer
-from estexp_jax.discovery.likely_waves import with_waves
 from estexp_jax.discovery.lost_commands import commanded
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.onset_claims import begun, select_late, starting_late
@@ -44,7 +42,9 @@ from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.single_term import single_term
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.stepwise_search import select
+from estexp_jax.discovery.stuck_sensors import frozen
 from estexp_jax.discovery.verdict import QUIET, verdict
+from estexp_jax.discovery.wave_guesses import with_waves
 from estexp_jax.estimation.windows import fitting_window
 
 

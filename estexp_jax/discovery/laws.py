@@ -19,6 +19,7 @@ from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import one_more
 from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.law_guesses import likely
 from estexp_jax.discovery.law_plausibility import believed, fewest_terms, pushed
 from estexp_jax.discovery.law_search import (
     TERMS,
@@ -30,7 +31,6 @@ from estexp_jax.discovery.law_search import (
     simulated,
     term_instead,
 )
-from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem

@@ -20,6 +20,7 @@ from estexp_jax.discovery.growing import Setting, judged_apart
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
 from estexp_jax.discovery.law_findings import covered, equation, law_entries
 from estexp_jax.discovery.law_forces import held
+from estexp_jax.discovery.law_guesses import likely, likely_values
 from estexp_jax.discovery.law_plausibility import (
     believed,
     crowded,
@@ -34,7 +35,6 @@ from estexp_jax.discovery.law_plausibility import (
 )
 from estexp_jax.discovery.law_search import beside_laws
 from estexp_jax.discovery.laws import lacks_force, suspects
-from estexp_jax.discovery.likely_laws import likely, likely_values
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of

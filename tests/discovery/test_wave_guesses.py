@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.force_residual import ForceResidual
-from estexp_jax.discovery.likely_waves import likely_waves
+from estexp_jax.discovery.wave_guesses import likely_waves
 from estexp_jax.physics.effects.catalogue.cogging import Cogging
 from estexp_jax.physics.model.robot import Robot
 from tests.discovery.planted import nominal

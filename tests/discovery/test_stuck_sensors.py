@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.diagnosis import ExplainConfig
-from estexp_jax.discovery.frozen import frozen
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.discovery.slopes import Fit
+from estexp_jax.discovery.stuck_sensors import frozen
 from estexp_jax.discovery.verdict import verdict
 from tests.discovery.planted import Plant, case_of, problem_of
 
