@@ -61,7 +61,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'estexp_jax' has no attribute '{name}'")
     from importlib import import_module
 
-    from estexp_jax.runs.cache import quiet_xla
+    from estexp_jax.runs.compilation_cache import quiet_xla
 
     quiet_xla()  # the doors load JAX; afterwards it would be too late
     module = import_module(_DOORS[name])

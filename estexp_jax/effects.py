@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from types import ModuleType
 
-from estexp_jax.runs.cache import quiet_xla
+from estexp_jax.runs.compilation_cache import quiet_xla
 
 quiet_xla()
 

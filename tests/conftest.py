@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
-from estexp_jax.runs.cache import compilation_cache_folder, quiet_xla
+from estexp_jax.runs.compilation_cache import compilation_cache_folder, quiet_xla
 from tests.pendulum import EFFECT, PENDULUM, SMALL, run
 
 if TYPE_CHECKING:

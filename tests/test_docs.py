@@ -14,6 +14,8 @@ from tests.conftest import ROOT
 
 DOCS = ROOT / "docs"
 PAGES = sorted(path.name for path in DOCS.glob("*.md"))
+OF_EACH_COMMAND = ("files.py", "page.py", "result.py", "run.py", "text.py")
+"""Names that files have in several folders: a table may tell them without one."""
 WITH_EXAMPLES = ["effects.md", "engines.md", "recordings.md", "report.md"]
 
 
@@ -48,6 +50,18 @@ def test_files_and_units_that_pages_name_exist(page):
         assert (ROOT / "tests" / "physics" / path).exists(), path
     if page == "recordings.md":
         assert all(f"`{unit}`" in text for unit in UNITS)
+
+
+@pytest.mark.parametrize(("page", "fewest"), [("architecture.md", 200), ("deciding.md", 5)])
+def test_files_that_pages_name_by_room_and_what_stands_in_them_exist(page, fewest):
+    _, _, text = (DOCS / page).read_text(encoding="utf-8").partition("\n## ")
+    named = re.findall(r"`(\.?\w[\w./]*/[\w./]*|\w+\.py|\w+\.md)`((?:, `\w+`)*)", text)
+    assert len(named) >= fewest
+    for path, names in named:
+        file = next((f for f in (ROOT / "estexp_jax" / path, ROOT / path) if f.exists()), None)
+        assert file is not None or path in OF_EACH_COMMAND, path
+        for name in re.findall(r"\w+", names):
+            assert file is not None and re.search(rf"\b{name}\b", file.read_text(encoding="utf-8")), (path, name)
 
 
 @pytest.mark.slow

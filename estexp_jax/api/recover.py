@@ -19,9 +19,9 @@ from estexp_jax.recovery.config import Settings, quick_settings
 from estexp_jax.recovery.cycle import Job, job_of, run_cycle
 from estexp_jax.recovery.state import RunState
 from estexp_jax.recovery.target import Target
+from estexp_jax.report.recover.files import write_recovery
 from estexp_jax.report.recover.progress import RecoverProgress
-from estexp_jax.report.recover.results import write_recovery
-from estexp_jax.report.recover.run import RecoverRun
+from estexp_jax.report.recover.result import RecoverRun
 from estexp_jax.runs import (
     ProgressDisplay,
     RunFolder,

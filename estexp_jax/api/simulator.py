@@ -10,7 +10,7 @@ from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.replay.explained_simulator import ExplainedSimulator
 from estexp_jax.report.explain.files import EFFECTS_SCHEMA
-from estexp_jax.report.results import DAMAGE, read_results, unreadable_result
+from estexp_jax.report.read_results import DAMAGE, read_results, unreadable_result
 
 
 @front_door()

@@ -15,16 +15,16 @@ import numpy as np
 from estexp_jax.benchmark.subject import EFFECTS, BenchmarkRobots
 from estexp_jax.physics.effects.changes import encode, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.agreement import (
+from estexp_jax.physics.engines.c.closed_loop import CSimulator, OpenLoopPool, PooledSimulator, SerialSimulator
+from estexp_jax.physics.engines.choice import closed_loop_simulator
+from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
+from estexp_jax.physics.engines.closed_loop_agreement import (
     Agreement,
     closed_loop_agreement,
     commands_of,
     converged_speeds,
     engine_agreement,
 )
-from estexp_jax.physics.engines.c.closed_loop import CSimulator, OpenLoopPool, PooledSimulator, SerialSimulator
-from estexp_jax.physics.engines.choice import closed_loop_simulator
-from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.devices import accelerated
 from estexp_jax.physics.engines.lanes.closed_loop import LanesClosedLoop
 

@@ -10,12 +10,12 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
-from estexp_jax.discovery.horizon import SHARE
 from estexp_jax.discovery.hypotheses import claimable, simulated, singles
 from estexp_jax.discovery.possible import possible
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.recorded import deviations
 from estexp_jax.discovery.replays import Replays
+from estexp_jax.discovery.shorter_windows import SHARE
 from estexp_jax.estimation.channels import channels_of
 from estexp_jax.estimation.missing_commands import with_missing_rows
 from estexp_jax.estimation.windows import fitting_window, window_set_of

@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from estexp_jax.discovery.contest import CompetingModels
+from estexp_jax.discovery.competing_models import CompetingModels
 from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.discovery.selection import Selection
 from estexp_jax.physics.effects.changes import Change

@@ -10,16 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from estexp_jax.discovery import findings as tell
-from estexp_jax.discovery.believing import doubled, is_law, manifold, nearly, needed, without_piles
-from estexp_jax.discovery.commanded import commanded
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of, shortened, shown_of, to_fit
-from estexp_jax.discovery.dating import sharpened
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.export import expressible
+from estexp_jax.discovery.findings_json import Found, diagnosis
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.force_residual import force_residuals
-from estexp_jax.discovery.frozen import frozen
-from estexp_jax.discovery.horizon import Nearer, hangs_on_hairs, says_all, select_nearer, shows_unparted
 from estexp_jax.discovery.hypotheses import (
     Hypothesis,
     claiming,
@@ -33,24 +29,28 @@ from estexp_jax.discovery.joint.strategy import (
     preferred,
     told,
 )
-from estexp_jax.discovery.late import begun, select_late, starting_late
 from estexp_jax.discovery.law_forces import held
+from estexp_jax.discovery.law_plausibility import doubled, is_law, manifold, nearly, needed, without_piles
 from estexp_jax.discovery.law_search import Unnamed
 from estexp_jax.discovery.laws import lacks_force, unknown_law, unknown_law_nearer
-from estexp_jax.discovery.likely_waves import with_waves
+from estexp_jax.discovery.lost_commands import commanded
 from estexp_jax.discovery.marginal import about
+from estexp_jax.discovery.onset_claims import begun, select_late, starting_late
+from estexp_jax.discovery.onset_date import sharpened
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.possible import still_throughout
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.rounds import fitted
-from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import NOISE, Selection
+from estexp_jax.discovery.shorter_windows import Nearer, hangs_on_hairs, says_all, select_nearer, shows_unparted
+from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.single_term import single_term
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.telling import Found, diagnosis
+from estexp_jax.discovery.stepwise_search import select
+from estexp_jax.discovery.stuck_sensors import frozen
 from estexp_jax.discovery.verdict import QUIET, verdict
+from estexp_jax.discovery.wave_guesses import with_waves
 from estexp_jax.estimation.windows import fitting_window
 
 

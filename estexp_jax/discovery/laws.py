@@ -15,12 +15,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from estexp_jax.discovery.believing import believed, fewest_terms, pushed
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.force_residual import ForceResidual
 from estexp_jax.discovery.growing import one_more
-from estexp_jax.discovery.horizon import as_nearer
 from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.law_guesses import likely
+from estexp_jax.discovery.law_plausibility import believed, fewest_terms, pushed
 from estexp_jax.discovery.law_search import (
     TERMS,
     Unnamed,
@@ -31,12 +31,12 @@ from estexp_jax.discovery.law_search import (
     simulated,
     term_instead,
 )
-from estexp_jax.discovery.likely_laws import likely
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.searching import select
 from estexp_jax.discovery.selection import Selection
+from estexp_jax.discovery.shorter_windows import as_nearer
+from estexp_jax.discovery.stepwise_search import select
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.physics.effects.guesses import Vectors
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from estexp_jax.discovery.frozen import PLAIN
 from estexp_jax.discovery.hypotheses import Place
 from estexp_jax.discovery.selection import NOISE, Explanation, Selection, p_value
+from estexp_jax.discovery.stuck_sensors import PLAIN
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot

@@ -9,11 +9,11 @@ from typing import Any, final
 
 import numpy as np
 
-from estexp_jax.discovery.doubt import blinded, directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import Hypothesis, Place
 from estexp_jax.discovery.recorded import Recorded, louder_noise, observed_of
 from estexp_jax.discovery.replays import Member, Replays
 from estexp_jax.discovery.slack import Slack
+from estexp_jax.discovery.uncertain_starts import blinded, directions, other_commands, other_starts, whitened
 from estexp_jax.estimation.channels import Channels
 from estexp_jax.estimation.noise import correlation_rows
 from estexp_jax.estimation.windows import WindowSet, is_sensitive_to_start

@@ -13,10 +13,10 @@ from estexp_jax.discovery.c_replay import simulated_with
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
+from estexp_jax.discovery.intervals import gain_interval, ratio_interval
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.shown import Shown
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.uncertainty import gain_interval, ratio_interval
 from estexp_jax.estimation.accuracy import gain
 from estexp_jax.estimation.noise import noise_floor
 

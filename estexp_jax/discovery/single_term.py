@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import replace
 
-from estexp_jax.discovery.believing import about_joint, outdoes
 from estexp_jax.discovery.cross_validation import judged_again
 from estexp_jax.discovery.fitting import Progress, Task, fit
 from estexp_jax.discovery.growing import Setting, compared
 from estexp_jax.discovery.hypotheses import Place
+from estexp_jax.discovery.law_guesses import likely, likely_values
+from estexp_jax.discovery.law_plausibility import about_joint, outdoes
 from estexp_jax.discovery.law_search import (
     TERMS,
     Unnamed,
@@ -23,7 +24,6 @@ from estexp_jax.discovery.law_search import (
     simulated,
     term_instead,
 )
-from estexp_jax.discovery.likely_laws import likely, likely_values
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rounds import at_first

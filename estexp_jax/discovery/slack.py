@@ -18,7 +18,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.doubt import directions, whitened
+from estexp_jax.discovery.uncertain_starts import directions, whitened
 
 
 @final

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.contest import CompetingModel, CompetingModels
+from estexp_jax.discovery.competing_models import CompetingModel, CompetingModels
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.errors import InputError, known
 from estexp_jax.estimation.channels import Channels

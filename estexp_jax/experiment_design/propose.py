@@ -9,7 +9,7 @@ from typing import final
 import mujoco
 import numpy as np
 
-from estexp_jax.discovery.contest import CompetingModels
+from estexp_jax.discovery.competing_models import CompetingModels
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import model_values
 from estexp_jax.errors import InputError

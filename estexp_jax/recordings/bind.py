@@ -13,10 +13,10 @@ import numpy as np
 from estexp_jax.errors import InputError, known, listing, printable
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
+from estexp_jax.recordings.clock_repair import strictly_increasing
 from estexp_jax.recordings.clocks import check_overlap, first_command, longest_run, row_times, sampled_span
 from estexp_jax.recordings.columns import LARGEST, Source
 from estexp_jax.recordings.first_inputs import several_inputs, with_first_inputs
-from estexp_jax.recordings.mend import strictly_increasing
 from estexp_jax.recordings.readers.read import read_table
 from estexp_jax.recordings.table import PREFIXES, Selection, Table
 

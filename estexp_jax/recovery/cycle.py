@@ -20,8 +20,8 @@ from estexp_jax.physics.effects.changes import Change, parse_change
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import DEFAULT_MODEL_ERROR, Settings
 from estexp_jax.recovery.control.trial import Trial
-from estexp_jax.recovery.estimation.base import changes_of
 from estexp_jax.recovery.estimation.choice import estimation_of, hypothesis_cost_of
+from estexp_jax.recovery.estimation.damage_sites import changes_of
 from estexp_jax.recovery.exploration.disagreement import most_informative, remaining_probability
 from estexp_jax.recovery.exploration.explore import exploration_algorithm, exploration_score, rank_controllers
 from estexp_jax.recovery.reality_gap_target import RealityGapTarget

@@ -24,7 +24,7 @@ from estexp_jax.physics.effects.damage import Damage
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import DamageSite, change_of, damage_sites
+from estexp_jax.recovery.estimation.damage_sites import DamageSite, change_of, damage_sites
 
 TABLE: dict[int, str] = {
     1: "one motor weakens by 50 %",

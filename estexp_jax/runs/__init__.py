@@ -1,7 +1,7 @@
 """Run folders, checkpoints, progress, workers, and versions."""
 
-from estexp_jax.runs.cache import count_compilations, enable_compilation_cache, forget_programs, quiet_xla
 from estexp_jax.runs.checkpoint import load_checkpoint, save_checkpoint
+from estexp_jax.runs.compilation_cache import count_compilations, enable_compilation_cache, forget_programs, quiet_xla
 from estexp_jax.runs.files import write_json, write_text
 from estexp_jax.runs.folder import RunFolder, open_run
 from estexp_jax.runs.progress import ProgressDisplay

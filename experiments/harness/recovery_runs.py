@@ -17,7 +17,7 @@ from typing import Any
 
 from estexp_jax.recovery.cycle import run_cycle
 from estexp_jax.recovery.state import RunState
-from estexp_jax.report.recover.files import run_record
+from estexp_jax.report.recover.run_data import run_record
 from estexp_jax.runs import load_checkpoint, open_run, save_checkpoint, versions, write_json
 from estexp_jax.runs.files import remove_drafts
 from estexp_jax.runs.fleet import Heartbeat, run_all

@@ -3,7 +3,7 @@
 import numpy as np
 
 from estexp_jax.benchmark.engines import Runner
-from estexp_jax.physics.engines.agreement import Agreement, engine_agreement
+from estexp_jax.physics.engines.closed_loop_agreement import Agreement, engine_agreement
 
 
 class Fake(Runner):

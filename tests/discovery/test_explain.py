@@ -10,8 +10,8 @@ import pytest
 
 from estexp_jax.discovery.diagnosis import Case, Diagnosis
 from estexp_jax.discovery.export import explained_spec
+from estexp_jax.discovery.findings_json import Found, diagnosis
 from estexp_jax.discovery.rivals import base_of
-from estexp_jax.discovery.telling import Found, diagnosis
 from tests.discovery.planted import CASES, TRUTH, Plant, case_of, explained, nominal, problem_of, record
 
 QUICK = ("coulomb_friction@shaft",)

@@ -13,7 +13,15 @@ import pytest
 from estexp_jax.api.simulator import load_explained
 from estexp_jax.discovery import explain as explain_module
 from estexp_jax.discovery import laws, single_term
-from estexp_jax.discovery.believing import (
+from estexp_jax.discovery.diagnosis import explaining
+from estexp_jax.discovery.findings import presence, told_place, told_places
+from estexp_jax.discovery.force_residual import ForceResidual
+from estexp_jax.discovery.growing import Setting, judged_apart
+from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
+from estexp_jax.discovery.law_findings import covered, equation, law_entries
+from estexp_jax.discovery.law_forces import held
+from estexp_jax.discovery.law_guesses import likely, likely_values
+from estexp_jax.discovery.law_plausibility import (
     believed,
     crowded,
     doubled,
@@ -25,20 +33,12 @@ from estexp_jax.discovery.believing import (
     whole,
     without_piles,
 )
-from estexp_jax.discovery.diagnosis import explaining
-from estexp_jax.discovery.findings import presence, told_place, told_places
-from estexp_jax.discovery.force_residual import ForceResidual
-from estexp_jax.discovery.growing import Setting, judged_apart
-from estexp_jax.discovery.hypotheses import Hypothesis, claiming, parameters_only
-from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_search import beside_laws
 from estexp_jax.discovery.laws import lacks_force, suspects
-from estexp_jax.discovery.likely_laws import likely, likely_values
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.telling_laws import covered, equation, law_entries
 from estexp_jax.discovery.verdict import verdict
 from estexp_jax.package_data import schema_path
 from estexp_jax.physics.effects.changes import Change

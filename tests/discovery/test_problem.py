@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.doubt import directions, other_commands, other_starts, whitened
 from estexp_jax.discovery.hypotheses import parameters_only
 from estexp_jax.discovery.recorded import deviations
+from estexp_jax.discovery.uncertain_starts import directions, other_commands, other_starts, whitened
 from estexp_jax.estimation.windows import windows_of
 from tests.discovery.planted import CASES, CONFIG, Plant, case_of, problem_of
 

@@ -4,7 +4,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from estexp_jax.discovery.contest import CompetingModel, CompetingModels
+from estexp_jax.discovery.competing_models import CompetingModel, CompetingModels
 from estexp_jax.experiment_design import propose as module
 from estexp_jax.experiment_design.predictive_simulation import PredictiveSimulation, predictive_simulation_of
 from estexp_jax.experiment_design.propose import ProposeConfig, ProposedExperiment, search_experiment

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.contest import CompetingModel, CompetingModels
+from estexp_jax.discovery.competing_models import CompetingModel, CompetingModels
 from estexp_jax.experiment_design import propose as module
 from estexp_jax.experiment_design.predictive_simulation import predictive_simulation_of
 from estexp_jax.experiment_design.separation import (

@@ -16,9 +16,9 @@ from estexp_jax.lanes.capabilities import refusal
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines import choice
-from estexp_jax.physics.engines.agreement import Agreement
 from estexp_jax.physics.engines.c.open_loop import COpenLoop
 from estexp_jax.physics.engines.choice import choose_engine
+from estexp_jax.physics.engines.closed_loop_agreement import Agreement
 from estexp_jax.physics.engines.mjx.model import mjx_model
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot

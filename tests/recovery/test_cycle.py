@@ -8,10 +8,10 @@ import pytest
 
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.cycle import Job, job_of, run_cycle
-from estexp_jax.recovery.estimation.base import DamageDiagnosis
-from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.damage_sites import DamageSite
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
-from estexp_jax.recovery.estimation.set import SetEstimation
+from estexp_jax.recovery.estimation.method import DamageDiagnosis
+from estexp_jax.recovery.estimation.set_estimation import SetEstimation
 from estexp_jax.recovery.exploration.explore import exploration_score
 from estexp_jax.recovery.state import RunState
 

@@ -7,7 +7,7 @@ from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, parse_change
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.edits import DamageSite, change_of
+from estexp_jax.recovery.estimation.damage_sites import DamageSite, change_of
 from estexp_jax.recovery.simulator import DamageSimulator, damage_simulator
 
 STEPS = 30

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from estexp_jax.discovery.contest import CompetingModel, CompetingModels
+from estexp_jax.discovery.competing_models import CompetingModel, CompetingModels
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection

@@ -12,6 +12,7 @@ import numpy as np
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of
 from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
+from estexp_jax.discovery.findings_json import Found, diagnosis
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, known_values, parameters_only, simulated
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
@@ -19,11 +20,10 @@ from estexp_jax.discovery.joint.fit import JointProblem, joint_fit, values_only
 from estexp_jax.discovery.joint.reading_stage import JointFit, without
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
-from estexp_jax.discovery.resolution import resolved
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.selection import Explanation, Selection, folds_of, worth
+from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.telling import Found, diagnosis
 from estexp_jax.estimation.parameters import ParameterSpace, Place, parameter_space
 from estexp_jax.physics.effects.registry import effect, every
 from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites

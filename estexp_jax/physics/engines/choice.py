@@ -14,11 +14,11 @@ from estexp_jax.lanes.capabilities import refusal
 from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingShift
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
-from estexp_jax.physics.engines.agreement import Agreement, closed_loop_agreement, sample_states
 from estexp_jax.physics.engines.batching import EngineChoice
 from estexp_jax.physics.engines.c.lane_models import recorded_fields
 from estexp_jax.physics.engines.c.open_loop import C_REPLAY, COpenLoop
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
+from estexp_jax.physics.engines.closed_loop_agreement import Agreement, closed_loop_agreement, sample_states
 from estexp_jax.physics.engines.controller_interface import interface_of
 from estexp_jax.physics.engines.devices import accelerated
 from estexp_jax.physics.engines.lanes.closed_loop import LanesClosedLoop, lanes_width

@@ -15,7 +15,7 @@ import numpy as np
 
 from estexp_jax.physics.command_schedule import CommandHistory, physics_steps
 from estexp_jax.physics.effects.changes import encode, stack
-from estexp_jax.physics.engines.agreement import HIGH, MEDIAN, Agreement
+from estexp_jax.physics.engines.closed_loop_agreement import HIGH, MEDIAN, Agreement
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.engines.probes import Probes, probes_of
 from estexp_jax.physics.model.actuators import inputs_of

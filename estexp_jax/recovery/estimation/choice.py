@@ -8,11 +8,12 @@ import numpy as np
 
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Trial
-from estexp_jax.recovery.estimation.base import Estimation, HypothesisCost, MetricCost
+from estexp_jax.recovery.estimation.hypothesis_cost import HypothesisCost, MetricCost
 from estexp_jax.recovery.estimation.likelihood import EnsembleLikelihood
-from estexp_jax.recovery.estimation.paper import PaperEstimation
-from estexp_jax.recovery.estimation.replay import ReplayEstimation
-from estexp_jax.recovery.estimation.set import SetEstimation
+from estexp_jax.recovery.estimation.method import Estimation
+from estexp_jax.recovery.estimation.paper_estimation import PaperEstimation
+from estexp_jax.recovery.estimation.replay_estimation import ReplayEstimation
+from estexp_jax.recovery.estimation.set_estimation import SetEstimation
 from estexp_jax.recovery.simulator import DamageSimulator
 
 

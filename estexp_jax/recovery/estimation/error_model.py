@@ -26,7 +26,7 @@ from estexp_jax.recovery.model_error import ANGLE_NOISE, FLIP_PROBABILITY
 SAMPLES = 41
 """Readings of a trial that are compared: the first 0.4 s."""
 TEMPERATURE = 10.0
-"""Divisor of costs in probabilities; see experiments/diagnosis."""
+"""Divisor of costs in probabilities; see experiments/recover/diagnosis."""
 _FLOOR, _SHARE = 0.004, 0.5
 """For angles: integration error, rad; share of the spread that is not linear."""
 _TOLERANCE = 0.02

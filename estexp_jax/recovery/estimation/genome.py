@@ -17,7 +17,7 @@ import numpy as np
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import paper
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recovery.estimation.edits import DamageSite, canonical_damage, change_of, damage_sites
+from estexp_jax.recovery.estimation.damage_sites import DamageSite, canonical_damage, change_of, damage_sites
 
 GENES, VALUES = 4, 4
 LENGTH = GENES * VALUES

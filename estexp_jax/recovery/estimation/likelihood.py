@@ -19,7 +19,7 @@ import numpy as np
 from estexp_jax.physics.engines.closed_loop import Rollout
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Trial
-from estexp_jax.recovery.estimation.base import changes_of
+from estexp_jax.recovery.estimation.damage_sites import changes_of
 from estexp_jax.recovery.estimation.error_model import (
     SAMPLES,
     ErrorModel,

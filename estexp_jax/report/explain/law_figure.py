@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from estexp_jax.discovery.telling_laws import COVERED
+from estexp_jax.discovery.law_findings import COVERED
 from estexp_jax.report.drawing.axes import EXPLAINED, WIDTH
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from estexp_jax.discovery.clock_doubt import clock_lines
-from estexp_jax.discovery.telling_laws import joint_unit
+from estexp_jax.discovery.law_findings import joint_unit
 from estexp_jax.estimation.windows import FINER
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.report.drawing.film import source

@@ -9,7 +9,7 @@ from typing import Any, final
 
 from estexp_jax.discovery.clock_doubt import clock_lines
 from estexp_jax.discovery.diagnosis import Diagnosis
-from estexp_jax.discovery.telling_laws import joint_unit
+from estexp_jax.discovery.law_findings import joint_unit
 from estexp_jax.report.drawing.picture import Picture
 from estexp_jax.report.explain.competing_models import figure_competing_models
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where

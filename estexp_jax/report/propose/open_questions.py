@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from estexp_jax.discovery.contest import CompetingModels
+from estexp_jax.discovery.competing_models import CompetingModels
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.explain.files import COMPETING_SCHEMA
-from estexp_jax.report.results import DAMAGE, read_results, unreadable_result
+from estexp_jax.report.read_results import DAMAGE, read_results, unreadable_result
 
 
 @final

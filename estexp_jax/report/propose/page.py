@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from estexp_jax.discovery.contest import CompetingModel
+from estexp_jax.discovery.competing_models import CompetingModel
 from estexp_jax.experiment_design.propose import ProposedExperiment
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.report.pages import capital, format_number, image, render_page

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.discovery.contest import CompetingModel
+from estexp_jax.discovery.competing_models import CompetingModel
 from estexp_jax.discovery.findings import TOLD
 from estexp_jax.experiment_design.propose import CLEAR_SEPARATION, LIMIT_TOLERANCE, ProposedExperiment
 from estexp_jax.physics.model.robot import Robot

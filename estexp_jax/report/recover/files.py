@@ -1,75 +1,53 @@
-"""Data files of a recovery run: its record, its generations, its trials."""
+"""Files that a recovery leaves in its folder."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import IO, Any
+from typing import Any
 
-import numpy as np
-
-from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.engines.controller_interface import Interface
-from estexp_jax.physics.model.robot import Robot
+from estexp_jax.recovery.cycle import Job
 from estexp_jax.recovery.state import RunState
-
-_COLUMNS = ("pass", "phase", "generation", "best", "median", "dominant")
-
-
-def run_record(
-    state: RunState, axis: str, planted: Sequence[Change], config: Mapping[str, Any], *, stands_in: bool = False
-) -> dict[str, Any]:
-    """The contents of `run.json` without versions; distances in m, forward positive.
-
-    Args:
-        state: the run.
-        axis: of the distance.
-        planted: the true damage.
-        config: of the run, with `seed`.
-        stands_in: the values before the damage are the simulator's, so the distance before is unknown.
-    """
-    before = None if state.before is None or stands_in else state.before.distance(axis)
-    return {
-        "config": dict(config),
-        "seed": config["seed"],
-        "planted": [change.to_json() for change in planted],
-        "distance": {
-            "before": before,
-            "damaged": state.trials[0].distance(axis) if state.trials else None,
-        },
-        "passes": [
-            {
-                "simulated_m": each.simulated,
-                "diagnosis": [change.to_json() for change in each.diagnosis],
-                "probability": each.probability,
-                "rivals": [
-                    {"diagnosis": [change.to_json() for change in diagnosis], "probability": p}
-                    for diagnosis, p in each.alternatives
-                ],
-                "alarm": each.alarm,
-                "hardware_m": each.hardware,
-            }
-            for each in state.passes(axis)
-        ],
-    }
+from estexp_jax.report.drawing.film import can_film
+from estexp_jax.report.drawing.gl import NoGlError
+from estexp_jax.report.recover.film import Film, film_of
+from estexp_jax.report.recover.page import recover_page
+from estexp_jax.report.recover.run_data import run_record, write_history, write_traces
+from estexp_jax.runs import ProgressDisplay, RunFolder, versions, write_json
+from estexp_jax.runs.files import replacing
 
 
-def write_history(stream: IO[bytes], state: RunState) -> None:
-    """Write `history.parquet`: one row for each generation."""
-    import pyarrow
-    import pyarrow.parquet
+def write_recovery(
+    folder: RunFolder, job: Job, state: RunState, config: dict[str, Any], progress: ProgressDisplay, *, pictures: bool
+) -> None:
+    """Write `run.json`, `history.parquet`, `traces.npz`, the report and, where asked for, the pictures."""
+    axis, simulator = job.settings.axis, job.simulator
+    with replacing(folder.file("history.parquet")) as stream:
+        write_history(stream, state)
+    with replacing(folder.file("traces.npz")) as stream:
+        write_traces(stream, state, simulator.robot, simulator.closed_loop.interface)
+    record = run_record(state, axis, job.planted, config, stands_in=job.stands_in)
+    write_json(folder.file("run.json"), {**record, "versions": versions()})
+    film = _film(folder, job, state, progress) if pictures else None
+    title = f"{config['model']}: recovery, seed {job.settings.seed}"
+    planted = None if config["robot"] == "hardware" else job.planted
+    with replacing(folder.file("report.html")) as stream:
+        stream.write(recover_page(title, planted, state, axis, config, film, stands_in=job.stands_in).encode())
+    progress.say(f"Report: {folder.path / 'report.html'}")
 
-    columns = list(zip(*state.history, strict=True)) or [[] for _ in _COLUMNS]
-    table = pyarrow.table(dict(zip(_COLUMNS, (list(column) for column in columns), strict=True)))
-    pyarrow.parquet.write_table(table, stream)
 
-
-def write_traces(stream: IO[bytes], state: RunState, robot: Robot, interface: Interface) -> None:
-    """Write `traces.npz`: the damaged robot's trials; trial 0 is the first after the damage."""
-    arrays: dict[str, Any] = {}
-    for number, trial in enumerate(state.trials):
-        arrays[f"trial_{number}/time"] = trial.time
-        for name, column in zip(interface.names, trial.readings.T, strict=True):
-            arrays[f"trial_{number}/{name}"] = column
-        for name, column in zip(robot.command_columns(), trial.commands.T, strict=True):
-            arrays[f"trial_{number}/ctrl/{name}"] = column
-    np.savez(stream, **arrays)
+def _film(folder: RunFolder, job: Job, state: RunState, progress: ProgressDisplay) -> Film | None:
+    """Pictures of how it walks, written; None where they cannot be drawn, and the reason is printed."""
+    progress.stage("pictures")
+    try:
+        film = film_of(job, state)
+    except NoGlError as error:
+        progress.say(f"No pictures: {error}")
+        return None
+    if film is None:
+        return None
+    for name, content in (("film.jpg", film.strip), ("film.mp4", film.video)):
+        if content is not None:
+            with replacing(folder.file(name)) as stream:
+                stream.write(content)
+    if not can_film():
+        progress.say("Pictures, but no film: pip install 'estexp_jax[video]'")
+    return film

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from estexp_jax.discovery.telling_laws import COVERED
+from estexp_jax.discovery.law_findings import COVERED
 from experiments.benchmark.baselines import oracle
 from experiments.benchmark.baselines.logs import floor, gain, nrmse, read_case
 from experiments.benchmark.generator.case import Plan

@@ -14,8 +14,9 @@ from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.config import Catalogue, Settings
 from estexp_jax.recovery.control.trial import Trial
 from estexp_jax.recovery.cycle import Job, job_of
-from estexp_jax.recovery.estimation.base import DamageDiagnosis, changes_of
 from estexp_jax.recovery.estimation.choice import estimation_of, hypothesis_cost_of
+from estexp_jax.recovery.estimation.damage_sites import changes_of
+from estexp_jax.recovery.estimation.method import DamageDiagnosis
 from estexp_jax.recovery.exploration.disagreement import most_informative, remaining_probability
 from experiments.harness.diagnosis_score import amount_error, same_set, text
 from experiments.harness.world import quadruped, short_world, trial_of

@@ -6,7 +6,7 @@ import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.control.trial import Trial
-from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.damage_sites import DamageSite
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
 
 LOST: DamageHypothesis = ((DamageSite("part_lost", "upper_b"), 1.0),)

@@ -5,12 +5,13 @@ from dataclasses import replace
 import pytest
 
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import Estimation, HypothesisCost, MetricCost
 from estexp_jax.recovery.estimation.choice import estimation_of, hypothesis_cost_of
+from estexp_jax.recovery.estimation.hypothesis_cost import HypothesisCost, MetricCost
 from estexp_jax.recovery.estimation.likelihood import EnsembleLikelihood
-from estexp_jax.recovery.estimation.paper import PaperEstimation
-from estexp_jax.recovery.estimation.replay import ReplayEstimation
-from estexp_jax.recovery.estimation.set import SetEstimation
+from estexp_jax.recovery.estimation.method import Estimation
+from estexp_jax.recovery.estimation.paper_estimation import PaperEstimation
+from estexp_jax.recovery.estimation.replay_estimation import ReplayEstimation
+from estexp_jax.recovery.estimation.set_estimation import SetEstimation
 from estexp_jax.recovery.simulator import DamageSimulator
 from tests.recovery.estimation.lost_leg import OpenLoopTrials
 

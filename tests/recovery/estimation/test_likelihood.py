@@ -7,12 +7,12 @@ import pytest
 
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings
-from estexp_jax.recovery.estimation.base import Estimation
 from estexp_jax.recovery.estimation.choice import estimation_of
-from estexp_jax.recovery.estimation.edits import DamageSite
+from estexp_jax.recovery.estimation.damage_sites import DamageSite
 from estexp_jax.recovery.estimation.error_model import SAMPLES
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
 from estexp_jax.recovery.estimation.likelihood import EnsembleLikelihood
+from estexp_jax.recovery.estimation.method import Estimation
 from estexp_jax.recovery.reality_gap_target import RealityGapTarget
 from estexp_jax.recovery.simulator import DamageSimulator
 from tests.recovery.estimation.lost_leg import LOST, PLANTED, OpenLoopTrials

@@ -7,8 +7,8 @@ import pytest
 
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.state import RunState
-from estexp_jax.report.recover.files import run_record
 from estexp_jax.report.recover.page import recover_advice, recover_headline, recover_page, recover_verdict
+from estexp_jax.report.recover.run_data import run_record
 from estexp_jax.runs.files import json_plain
 from tests.report.examples import LOST, WEAK, recovered, trial
 
