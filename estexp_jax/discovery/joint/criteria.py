@@ -27,7 +27,7 @@ class SelectionCriteria:
             such time. Measured: two of half-second windows on the machines' board.
         native_odds: prior odds of an effect that changes a value MJCF has, before one that repeats it under another
             name, nats. Convention: enough to decide between equals.
-        chance: level at which a held-out gain counts, shared among all that were tried. Convention.
+        chance: probability that a held-out gain is less than what has to exceed its price. Convention.
         kept_errors: an effect that all readings call for goes where its held-out gain is at most so many standard
             errors: stretches need not prove it once more, but they may not contradict it. Convention.
         wrong_value: a value of the model that is off by more than so many times `model_error` is a finding. Convention.

@@ -9,7 +9,7 @@ the rest, and stays where the readings agree.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, final
 
 import numpy as np
@@ -74,6 +74,10 @@ class Growth:
             return None, again
         several = [chosen, chosen[:1]] if len(chosen) > 1 else [chosen]
         found = [self._fitted(fit, proposals) for proposals in several]
+        kept = [k for k, f in enumerate(found) if self._is_confirmed(fit, f, tried)]
+        if not kept:
+            return None, again
+        several, found = [several[k] for k in kept], [found[k] for k in kept]
         data, at = self.fitted.dataset, fit.point[None]
         noise = reading_noise_of(data, self.fitted.simulate(at)[0], self.least_noise, self.criteria.clip)
         costs = cost_at(self.fitted, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
@@ -82,6 +86,15 @@ class Growth:
         gains = 0.5 * count * (costs[0] - costs[1:]) - _price(tried, self.criteria) * np.array(list(map(len, several)))
         best = int(np.argmax(gains))
         return found[best] if gains[best] > 0.0 else None, again
+
+    def _is_confirmed(self, before: JointFit, fit: JointFit, tried: Sequence[Candidate]) -> bool:
+        """Whether what came in gains as much as it costs also where it was fitted to, and not only from where it was not."""
+        judge = replace(self, objective=self.fitted)
+        held_out, base = judge._held_out(fit, [])
+        groups, each = self._groups(fit), 0.5 * np.log(max(held_out.linear.observations, 1.0))
+        prices = {c.place: _price(tried, self.criteria) + each * c.numbers for c in tried}
+        new = [p for p in fit.places if p not in before.places]
+        return all(self.is_gain(held_out.gain_of(groups[p], base), prices[p]) for p in new)
 
     def rivals(self, fit: JointFit, tried: Sequence[Candidate]) -> list[JointFit]:
         """Fits with another effect in place of one, which held-out stretches do not tell from it."""
@@ -107,7 +120,7 @@ class Growth:
         return effect(place[0]).identifiable(space.robot, place[1], values, self.observed)
 
     def _is_alike(self, gain: HeldOutGain) -> bool:
-        return gain.chance < 1.0 - self.criteria.chance
+        return gain.least(1.0 - self.criteria.chance) > 0.0
 
     def _chosen(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[list[Proposal], list[Candidate]]:
         """Effects to be added, one after the other about one linearisation; and the candidates that gain anything."""
@@ -125,8 +138,8 @@ class Growth:
             if not chosen:
                 gaining = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
                 again = list(gaining.values())[:_LOOKED_AT_AGAIN]
-            price, n = _price(tried, self.criteria), len({c.place for c in open_})
-            best = next((p for p in proposals if self.is_gain(p.gain, price + p.price, n) and self._is_seen(p)), None)
+            price = _price(tried, self.criteria)
+            best = next((p for p in proposals if self.is_gain(p.gain, price + p.price) and self._is_seen(p)), None)
             if best is None:
                 break
             chosen.append(best)
@@ -154,22 +167,19 @@ class Growth:
 
     def wrong_values(self, fit: JointFit) -> tuple[Place, ...]:
         """Values of the model that the fit moved farther than they are usually off, where held-out stretches agree."""
-        space, free, n = self.objective.space, self._free(fit), self._n_nuisances(fit)
+        space, free = self.objective.space, self._free(fit)
         held_out, base = self._held_out(fit, [])
         found = []
-        for k, i in enumerate(free[len(free) - n :], len(free) - n):
+        for k, i in enumerate(free[len(free) - self._n_nuisances(fit) :], len(free) - self._n_nuisances(fit)):
             p = space.parameters[i]
             off = abs(fit.point[i] - p.neutral) / (self.criteria.model_error * p.nominal)
-            if off > self.criteria.wrong_value and self.is_gain(held_out.gain_of([k], base), 0.0, n):
+            if off > self.criteria.wrong_value and self.is_gain(held_out.gain_of([k], base), 0.0):
                 found.append(p.place)
         return tuple(found)
 
-    def is_gain(self, gain: HeldOutGain, price: float, tried: int) -> bool:
-        """Whether a held-out gain is more than chance gives the best of so many that were tried.
-
-        Source: Dunn, Journal of the American Statistical Association 56 (1961), the level shared among comparisons.
-        """
-        return gain.total > price and gain.chance * tried < self.criteria.chance
+    def is_gain(self, gain: HeldOutGain, price: float) -> bool:
+        """Whether a held-out gain is more than its price, and so but for a chance."""
+        return gain.least(self.criteria.chance) > price
 
     def _fitted(self, fit: JointFit, proposals: Sequence[Proposal]) -> JointFit:
         gone = [p.instead_of for p in proposals if p.instead_of]

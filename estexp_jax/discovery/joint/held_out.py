@@ -45,10 +45,9 @@ class HeldOutGain(NamedTuple):
         """The gain in its standard errors."""
         return self.total / max(self.standard_error, 1e-300)
 
-    @property
-    def chance(self) -> float:
-        """Probability of so large a gain where there is none: Student's t, one-sided, since stretches are few."""
-        return float(stats.t.sf(self.in_errors, max(self.stretches - 1, 1)))
+    def least(self, chance: float) -> float:
+        """What the gain exceeds but for a chance, one-sided, by Student's t, since stretches are few."""
+        return self.total - float(stats.t.isf(chance, max(self.stretches - 1, 1))) * self.standard_error
 
 
 @final
