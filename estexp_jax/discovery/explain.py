@@ -22,13 +22,7 @@ from estexp_jax.discovery.hypotheses import (
     known_values,
     parameters_only,
 )
-from estexp_jax.discovery.joint.strategy import (
-    explain_jointly,
-    is_jointly_fitted,
-    is_only_jointly_fitted,
-    preferred,
-    told,
-)
+from estexp_jax.discovery.joint.strategy import explain_jointly
 from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_plausibility import doubled, is_law, manifold, nearly, needed, without_piles
 from estexp_jax.discovery.law_search import Unnamed
@@ -71,9 +65,9 @@ def explain(
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
     memory = {} if memory is None else memory
-    jointly = (yield from explain_jointly(case, config, memory)) if is_jointly_fitted(case) else None
-    if jointly is not None and is_only_jointly_fitted(case):
-        return (yield from told(case, config, jointly))
+    jointly = yield from explain_jointly(case, config, memory)
+    if jointly is not None:
+        return jointly
     whole = problem_of(case, config, memory)
     engine, reason, _ = whole.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")
@@ -101,9 +95,6 @@ def explain(
     if usual and not began:
         last = named._replace(selection=selection, problem=problem)
         selection, problem = yield from _by_shorter(case, config, whole, last, parameters)
-    better = preferred(jointly, selection) if jointly is not None else None
-    if better is not None:
-        return (yield from told(case, config, better))
     whole = replace(whole, replays=replace(whole.replays, replayer=problem.replayer))
     fits = {"nominal": nominal, **(yield from _refitted(problem, selection))}
     if any(is_law(place) for place in selection.chosen.places):

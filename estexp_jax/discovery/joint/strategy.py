@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, final
+from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of
-from estexp_jax.discovery.cross_validation import as_fitted, cross_validated
+from estexp_jax.discovery.cross_validation import as_fitted
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.findings_json import Found, diagnosis
 from estexp_jax.discovery.fitting import Progress
@@ -21,7 +21,7 @@ from estexp_jax.discovery.joint.reading_stage import JointFit, without
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import base_of, black_box_errors
-from estexp_jax.discovery.selection import Explanation, Selection, folds_of, worth
+from estexp_jax.discovery.selection import Selection, folds_of
 from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.estimation.parameters import ParameterSpace, Place, parameter_space
@@ -35,32 +35,10 @@ _INTERVAL = 1.645
 """Standard deviations to either side that hold 90 % of a normal distribution."""
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class JointExplanation:
-    """What the joint fit found, among what competes with it.
-
-    Attributes:
-        problem: the comparison of all windows about it.
-        selection: with it as what was chosen.
-        fits: it, its part that MJCF can say, values of the model alone, and the nominal simulator, by name.
-        intervals: (n_free, 2) of its values, 90 %.
-    """
-
-    problem: Problem
-    selection: Selection
-    fits: dict[str, Fit]
-    intervals: np.ndarray
-
-    def beside(self, other: Explanation) -> JointExplanation:
-        """With another explanation among what competes with it."""
-        return replace(self, selection=replace(self.selection, tried=(other, *self.selection.tried)))
-
-
 def is_jointly_fitted(case: Case) -> bool:
-    """Whether a robot has hinges and slides only, all driven and all measured, so that torques can be balanced."""
+    """Whether a robot has many hinges and slides, all driven and all measured, so that torques can be balanced."""
     robot, model = case.robot, case.robot.model
-    if len(robot.scalar_joints) != model.njnt:
+    if len(robot.scalar_joints) != model.njnt or model.nv <= _CRITERIA.most_stepwise_joints:
         return False
     driven = driven_joint_sites(robot) == scalar_joint_sites(robot)
     return driven and all(_is_measured(robot, r) for r in case.recordings)
@@ -80,14 +58,9 @@ def _is_measured(robot: Robot, recording: Recording) -> bool:
     )
 
 
-def is_only_jointly_fitted(case: Case) -> bool:
-    """Whether a robot has so many joints that the joint fit's answer stands alone."""
-    return case.robot.model.nv > _CRITERIA.most_stepwise_joints
-
-
 def explain_jointly(
     case: Case, config: ExplainConfig, memory: dict[str, Any]
-) -> Generator[Progress, None, JointExplanation | None]:
+) -> Generator[Progress, None, Diagnosis | None]:
     """Explain by the joint sparse fit; None where it does not apply or finds few effects.
 
     Args:
@@ -98,6 +71,8 @@ def explain_jointly(
     Yields:
         Progress.
     """
+    if not is_jointly_fitted(case):
+        return None
     whole, problem = joint_problem_of(case, config, memory.setdefault("joint fit", {}))
     simulator, known = problem.simulator, problem.known
     _, fit, rivals = yield from joint_fit(problem, _CRITERIA, fewest=_CRITERIA.fewest_effects - 1)
@@ -108,22 +83,7 @@ def explain_jointly(
     parameters = parameters_only(case.robot, whole.replayer.catalogue, known)
     yield Progress("held-out windows", 0, 1)
     selection, fits, whole = _selected(whole, space, parameters, (fit, *rivals), bent)
-    return JointExplanation(whole, selection, fits, _intervals(space, fits["explained"], fit))
-
-
-def preferred(joint: JointExplanation, found: Selection) -> JointExplanation | None:
-    """The joint fit's explanation where it predicts held-out windows enough better than what was found stepwise.
-
-    Args:
-        joint: the joint fit's.
-        found: stepwise.
-    """
-    problem, chosen, other = joint.problem, joint.selection.chosen, found.chosen
-    known = {e.name for e in problem.replayer.catalogue}
-    if not all(f.effect in known for f in other.fitted.hypothesis.free):
-        return joint if worth(chosen, other) else None
-    own, other = cross_validated(problem, [chosen.fitted, other.fitted], folds_of(problem))
-    return joint.beside(other) if worth(own, other) else None
+    return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
 
 
 def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> tuple[Problem, JointProblem]:
@@ -205,22 +165,19 @@ def _intervals(space: ParameterSpace, explained: Fit, fit: JointFit) -> np.ndarr
     return np.stack([np.maximum(explained.vector - reach, low), explained.vector + reach], axis=1)
 
 
-def told(case: Case, config: ExplainConfig, joint: JointExplanation) -> Generator[Progress, None, Diagnosis]:
-    """The joint fit's explanation, proven on the test recordings.
-
-    Args:
-        case: what was explained.
-        config: how.
-        joint: the explanation.
-
-    Yields:
-        Progress.
-    """
-    problem, fits = joint.problem, joint.fits
+def _told(
+    case: Case,
+    config: ExplainConfig,
+    problem: Problem,
+    selection: Selection,
+    fits: dict[str, Fit],
+    intervals: np.ndarray,
+) -> Generator[Progress, None, Diagnosis]:
+    """The result, proven on the test recordings."""
     yield Progress("black box", 0, 1)
     bases = [base_of(case, problem, fits[name]) for name in ("parameters_only", "nominal")]
     learned = black_box_errors(case, config, problem, bases)
     yield Progress("test recordings", 0, 1)
     shown = resolved(case, problem, problem, fits["explained"].member)
-    found = Found(problem, shown, joint.selection, fits, learned, bases[0][1], intervals=joint.intervals)
+    found = Found(problem, shown, selection, fits, learned, bases[0][1], intervals=intervals)
     return diagnosis(case, config, found)
