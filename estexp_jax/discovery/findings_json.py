@@ -20,6 +20,7 @@ from estexp_jax.discovery.law_findings import law_advice, law_entries
 from estexp_jax.discovery.law_forces import LawForces, law_forces
 from estexp_jax.discovery.law_plausibility import is_law
 from estexp_jax.discovery.location import where
+from estexp_jax.discovery.merged_claims import merged_claims
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, better, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
@@ -213,7 +214,7 @@ def _what(case: Case, found: Found, judged: str, shares: np.ndarray) -> tuple[tu
     named = tuple(c for c in claimed if c not in terms)
     bent = bent_values(case.robot, final, intervals) if judged == "parameters" else ()
     shown = [(c, tell.presence(found.selection, shares, c)) for c in named] + [(c, 1.0) for c in bent]
-    entries = [tell.what_entry(case.robot, c, final, intervals, p) for c, p in shown]
+    entries = merged_claims(case.robot, [tell.what_entry(case.robot, c, final, intervals, p) for c, p in shown])
     laws = law_entries(
         case.robot, found.seen, (final, intervals), [(c, tell.presence(found.selection, shares, c)) for c in terms]
     )

@@ -88,7 +88,7 @@ class Growth:
         return found[best] if gains[best] > 0.0 else None, again
 
     def _is_confirmed(self, before: JointFit, fit: JointFit, tried: Sequence[Candidate]) -> bool:
-        """Whether what came in gains as much as it costs also where it was fitted to, and not only from where it was not."""
+        """Whether what came in gains more than its price about the fit with it, too."""
         judge = replace(self, objective=self.fitted)
         held_out, base = judge._held_out(fit, [])
         groups, each = self._groups(fit), 0.5 * np.log(max(held_out.linear.observations, 1.0))

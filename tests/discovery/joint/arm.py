@@ -22,6 +22,8 @@ NOMINAL = """<mujoco><option timestep="0.004" integrator="implicitfast"><flag co
 <jointpos name="q2" joint="j2"/><jointpos name="q3" joint="j3"/><jointpos name="q4" joint="j4"/></sensor></mujoco>"""
 PLANTED = {"dof_damping": (3.0, 0.0, 1.5, 0.0), "dof_frictionloss": (0.0, 4.0, 0.0, 0.5)}
 """What the real arm has and the model lacks, N m s/rad and N m, by joint."""
+SPRING = (60.0, -0.3)
+"""Stiffness, N m/rad, and rest position, rad, of a counterbalance at the second joint, where there is one."""
 _RATE, _DURATION = 100.0, 6.0
 
 
@@ -31,15 +33,15 @@ def robot() -> Robot:
 
 
 @cache
-def case(planted: bool, seed: int = 3) -> Case:
-    """Two training recordings and one to test, of an arm whose masses are 1 % off."""
+def case(planted: bool, seed: int = 3, balanced: bool = False) -> Case:
+    """Two training recordings and one to test, of an arm whose masses are 1 % off; `balanced`: by a spring, too."""
     nominal, rng = robot(), np.random.default_rng(seed)
     names = [("train", "a"), ("train", "b"), ("test", "c")]
-    recordings = tuple(_recorded(rng, planted, f"{role}_{name}.csv", role) for role, name in names)
+    recordings = tuple(_recorded(rng, planted, balanced, f"{role}_{name}.csv", role) for role, name in names)
     return Case(nominal, recordings, (nominal,) * 3)
 
 
-def _recorded(rng: np.random.Generator, planted: bool, name: str, role: str) -> Recording:
+def _recorded(rng: np.random.Generator, planted: bool, balanced: bool, name: str, role: str) -> Recording:
     """Sines by a controller that knows the nominal arm; what it asks of the motors is logged."""
     real, known = mujoco.MjModel.from_xml_string(NOMINAL), mujoco.MjModel.from_xml_string(NOMINAL)
     real.opt.timestep /= 10.0
@@ -47,6 +49,8 @@ def _recorded(rng: np.random.Generator, planted: bool, name: str, role: str) -> 
     if planted:
         for field, values in PLANTED.items():
             getattr(real, field)[:] = values
+    if balanced:
+        real.jnt_stiffness[1], real.qpos_spring[1] = SPRING
     mujoco.mj_setConst(real, mujoco.MjData(real))
     rate, phase = rng.uniform(0.3, 0.9, (2, 4)), rng.uniform(0.0, 6.0, (2, 4))
     size = np.array([0.6, 0.4, 0.5, 0.7])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estexp_jax.discovery.joint.held_out import HeldOut
+from estexp_jax.discovery.joint.held_out import HeldOut, HeldOutGain
 from estexp_jax.estimation.linearised import Linearised
 
 WINDOWS, ROWS, BASE = 32, 20, np.array([0, 1])
@@ -66,3 +66,9 @@ def test_one_more_column_is_the_same_as_a_group_of_one(data: tuple[np.ndarray, n
     [one] = held_out.gains_of([2], BASE, np.zeros(0, int), -free, free)
     group = held_out.gain_of([2], BASE)
     assert (one.total, one.standard_error) == pytest.approx((group.total, group.standard_error), rel=1e-6)
+
+
+def test_of_few_stretches_less_of_a_gain_is_beyond_chance():
+    few, many = HeldOutGain(10.0, 4.0, 1.0, 3), HeldOutGain(10.0, 4.0, 1.0, 200)
+    assert few.least(0.05) < 0.0 < many.least(0.05) < 10.0
+    assert many.least(0.05) == pytest.approx(10.0 - 1.645 * 4.0, abs=0.1)
