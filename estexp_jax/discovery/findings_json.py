@@ -137,8 +137,7 @@ def _handing_over(found: Found, name: str) -> Found:
 
 def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
     """What unknown laws do along the training recordings, beside what their joints lack without them."""
-    terms = [c for c in found.claimed if is_law((c.effect, c.name or ""))]
-    if not terms:
+    if not (terms := [c for c in found.claimed if is_law((c.effect, c.name or ""))]):
         return ()
     others = [c for c in _at_work(found.fits["explained"]) if c not in terms and expressible(c)]
     known = {id(robot): explained_spec(robot, others).compile() for robot in case.robots}
