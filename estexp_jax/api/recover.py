@@ -13,7 +13,6 @@ from estexp_jax.api.options.recover import RecoverOptions
 from estexp_jax.errors import InputError
 from estexp_jax.hardware.exchange import HardwareTarget, check_exchange_folder, lock_exchange_folder
 from estexp_jax.package_data import model_path
-from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings, quick_settings
 from estexp_jax.recovery.cycle import Job, job_of, run_cycle
@@ -94,7 +93,7 @@ def recover(
         model_error: relative error expected in the simulator.
         ensemble: simulators on which each controller is tried.
         next_trial: which controller the robot tries next.
-        engine: auto, lanes or mjx; c simulates open loops alone.
+        engine: auto, lanes, c or mjx.
 
     Raises:
         InputError: a keyword, a value or the robot cannot be used.
@@ -181,9 +180,9 @@ def recover_to_folder(options: RecoverOptions) -> None:
         check_exchange_folder(options.hardware, fresh=fresh, force=options.force)
     model = options.model or model_path("quadruped")
     robot = Robot.from_xml(model, options.root)
-    for part in reduced_to_mjx(robot).left_out:
-        progress.say(f"Simulated without {part}")
     job = _job_of_options(robot, settings, options, progress)
+    for part in job.simulator.closed_loop.left_out:
+        progress.say(f"Simulated without {part}")
     config = {"model": model.name, **job.settings.to_json(), "engine": job.simulator.closed_loop.choice.engine}
     if options.hardware is not None:
         config |= {"robot": "hardware", "healthy": options.healthy}

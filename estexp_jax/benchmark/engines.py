@@ -15,15 +15,15 @@ import numpy as np
 from estexp_jax.benchmark.subject import EFFECTS, BenchmarkRobots
 from estexp_jax.physics.effects.changes import encode, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.c.closed_loop import CSimulator, OpenLoopPool, PooledSimulator, SerialSimulator
+from estexp_jax.physics.engines.c.reference_loops import CSimulator, OpenLoopPool, PooledSimulator, SerialSimulator
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
 from estexp_jax.physics.engines.closed_loop_agreement import (
     Agreement,
     closed_loop_agreement,
     commands_of,
-    converged_speeds,
     engine_agreement,
+    referee_speeds,
 )
 from estexp_jax.physics.engines.devices import accelerated
 from estexp_jax.physics.engines.lanes.closed_loop import LanesClosedLoop
@@ -101,7 +101,7 @@ class CRunner(Runner):
             rtol=0.0,
             atol=1e-9,
         )
-        expected = converged_speeds(field.robot, field.face, field.states, race.substeps)
+        expected = referee_speeds(field.robot, field.face, field.states, race.substeps)
         found = _own_speeds(field) if same else np.full_like(expected, np.nan)
         return engine_agreement(found, expected, race.substeps)
 

@@ -18,7 +18,7 @@ from estexp_jax.physics.effects.catalogue.joint_jam import JointJam
 from estexp_jax.physics.effects.catalogue.motor_weakness import MotorWeakness
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.sites import actuator_sites, body_sites, scalar_joint_sites
-from estexp_jax.physics.engines.c.closed_loop import CRollouts, PooledSimulator, StartState, at_rest
+from estexp_jax.physics.engines.c.reference_loops import CRollouts, PooledSimulator, StartState, at_rest
 from estexp_jax.physics.engines.closed_loop_agreement import SampledStates, sample_states
 from estexp_jax.physics.engines.controller_interface import Interface, interface_of
 from estexp_jax.physics.engines.policy import Policy

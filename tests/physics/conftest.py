@@ -161,7 +161,7 @@ def lab() -> Callable[[str, str], Lab]:
 WALKER_ROWS = 60
 
 
-@pytest.fixture(scope="session", params=["mjx", "lanes"])
+@pytest.fixture(scope="session", params=["mjx", "lanes", "c"])
 def walkers(request: pytest.FixtureRequest) -> ClosedLoopSimulator:
     """The quadruped in closed loop with all that the paper breaks, in each engine."""
     effects = catalogue([*(e.name for e in paper()), "neuron_fault", "tied_outputs"])

@@ -1,9 +1,9 @@
-"""Which engine simulates a robot: lanes where they can; else C in open loop, and MJX in closed loop or on a GPU."""
+"""Which engine simulates a robot: lanes where they can; else C, or on a GPU MJX."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -15,6 +15,7 @@ from estexp_jax.physics.effects.base import CommandShift, ReadingDrift, ReadingS
 from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.batching import EngineChoice
+from estexp_jax.physics.engines.c.closed_loop import CClosedLoop, c_width
 from estexp_jax.physics.engines.c.lane_models import recorded_fields
 from estexp_jax.physics.engines.c.open_loop import C_REPLAY, COpenLoop
 from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator
@@ -37,6 +38,11 @@ from estexp_jax.physics.window import Window
 
 Engine = Literal["auto", "lanes", "c", "mjx"]
 ENGINES: Sequence[Engine] = ("auto", "lanes", "c", "mjx")
+_CLOSED_LOOPS: Mapping[str, type[ClosedLoopSimulator]] = {
+    "lanes": LanesClosedLoop,
+    "c": CClosedLoop,
+    "mjx": MjxClosedLoop,
+}
 _STATES = 32
 """States from which closed loops are tried against the C engine before they are believed."""
 
@@ -105,34 +111,39 @@ def closed_loop_simulator(
         rows: longest rollout, control steps.
         control_step: s; rounded to whole physics steps.
         population: robots that will be simulated at once, or twice as many as are new each time.
-        engine: auto, lanes or mjx.
+        engine: auto, lanes, c or mjx.
 
     Raises:
-        InputError: no engine simulates the robot as MuJoCo does, or not the one that is wanted; C is none for closed
-            loops.
+        InputError: no engine simulates the robot as MuJoCo does, or not the one that is wanted.
     """
-    if engine == "c":
-        what = "the C engine replays recordings, but drives no controllers"
-        raise InputError(what, where="--engine", right="auto, lanes or mjx")
+    _refuse_unknown(engine)
     timed = [e.name for e in catalogue if isinstance(e, CommandShift | ReadingShift | ReadingDrift)]
     if timed:
         raise ValueError(f"not simulated in closed loop: {', '.join(timed)}")
     catalogue = tuple(e.for_controller(policy.n_hidden) if isinstance(e, ControllerFault) else e for e in catalogue)
-    on_mjx = mjx_model(robot, catalogue)
     substeps = max(1, int(np.round(control_step / robot.model.opt.timestep)))
-    choice, face = choose_engine(engine, on_mjx), interface_of(robot)
-    if choice.engine == "lanes":
-        fast = LanesClosedLoop(on_mjx, face, policy, rows, substeps, lanes_width(population), choice)
-        found = closed_loop_agreement(fast, sample_states(robot, face, _STATES))
+    face = interface_of(robot)
+    states = sample_states(robot, face, _STATES)
+    widths = {"lanes": lanes_width, "c": c_width, "mjx": mjx_width}
+    tried: list[str] = []
+    for name in _candidates(engine):
+        reason = "as asked for" if engine != "auto" else "; ".join(tried) or "the fastest that can simulate this robot"
+        try:
+            if name == "lanes":
+                choose_engine("lanes", mjx_model(robot, catalogue), instead="mjx" if accelerated() else "c")
+            made = _CLOSED_LOOPS[name](
+                robot, catalogue, face, policy, rows, substeps, widths[name](population), EngineChoice(name, reason)
+            )
+            found = closed_loop_agreement(made, states, converged=name != "c")
+        except InputError as error:
+            if engine != "auto":
+                raise
+            tried.append(error.what)
+            continue
         if found.agrees:
-            return fast
-        choice = _distrusted(engine, found, robot, "mjx")
-    slow = MjxClosedLoop(on_mjx, face, policy, rows, substeps, mjx_width(population), choice)
-    found = closed_loop_agreement(slow, sample_states(robot, face, _STATES))
-    if not found.agrees:
-        what = "; ".join((f"the mjx engine, as compiled here, {found.sentence()}", *_unusual(robot)))
-        raise InputError(what, where=robot.source, right="leave out of the model what differs")
-    return slow
+            return made
+        tried.append(f"the {name} engine, as compiled here, {found.sentence()}")
+    raise InputError("; ".join((*tried, *_unusual(robot))), where=robot.source, right=_instead(engine))
 
 
 def open_loop_simulator(
@@ -229,11 +240,3 @@ def _open_loop_agreement(simulator: OpenLoopSimulator, robot: Robot, windows: Se
         usual = replace(simulator, width=C_REPLAY[0], block=C_REPLAY[1])
         return open_loop_agreement(usual, robot, windows, converged=False)
     return open_loop_agreement(simulator, robot, windows)
-
-
-def _distrusted(engine: str, found: Agreement, robot: Robot, instead: str) -> EngineChoice:
-    """Another engine where lanes fail the comparison with C, which may depend on how XLA compiled them."""
-    what = f"the lanes engine, as compiled here, {found.sentence()}"
-    if engine == "lanes":
-        raise InputError(what, where=robot.source, right=f"use --engine {instead}")
-    return EngineChoice(instead, what)

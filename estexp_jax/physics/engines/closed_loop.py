@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import abc
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ from estexp_jax.physics.effects.controller_fault import ControllerFault
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.batching import EngineChoice
 from estexp_jax.physics.engines.controller_interface import Interface
+from estexp_jax.physics.engines.mjx.capabilities import reduced_to_mjx
 from estexp_jax.physics.engines.mjx.model import MjxModel, mjx_model
 from estexp_jax.physics.engines.mjx.terms import Hidden, MjxStepStart
 from estexp_jax.physics.engines.policy import Policy
@@ -29,7 +30,7 @@ class BodyState(NamedTuple):
     qvel: Any  #: (nv,)
     warmstart: Any  #: (nv,) the solver's last solution
     sensordata: Any  #: (nsensordata,) of the last physics step
-    hidden: Hidden  #: variables of effects that have some
+    hidden: Any  #: variables of effects that have some, as the engine keeps them
 
 
 class Rollout(NamedTuple):
@@ -79,7 +80,8 @@ class ClosedLoopSimulator(abc.ABC):
     """Simulates populations of one robot in closed loop, all with one executable.
 
     Attributes:
-        on_mjx: the robot and its catalogue of effects.
+        robot: the nominal robot.
+        catalogue: the effects that `values` have an entry for.
         interface: inputs and outputs of controllers.
         policy: the controllers' equations.
         rows: longest rollout, control steps.
@@ -88,7 +90,8 @@ class ClosedLoopSimulator(abc.ABC):
         choice: which engine it is, and why.
     """
 
-    on_mjx: MjxModel
+    robot: Robot
+    catalogue: Catalogue
     interface: Interface
     policy: Policy
     rows: int
@@ -107,32 +110,27 @@ class ClosedLoopSimulator(abc.ABC):
             override: readings that controllers get; None: the robots' own.
         """
 
-    @property
-    def robot(self) -> Robot:
-        """The nominal robot."""
-        return self.on_mjx.robot
+    @abc.abstractmethod
+    def _rested(self, values: Values) -> Any:
+        """Hidden variables of robots that have been in their home posture for long, as `BodyState` has them."""
 
     @property
-    def catalogue(self) -> Catalogue:
-        """The effects that `values` have an entry for."""
-        return self.on_mjx.catalogue
+    def left_out(self) -> tuple[str, ...]:
+        """What of the robot this engine leaves out; each follows "simulated without"."""
+        return ()
 
     def finer(self, parts: int) -> ClosedLoopSimulator:
         """The same simulator at a part of the physics step."""
-        on_mjx = mjx_model(self.robot.finer(parts), self.catalogue)
-        return replace(self, on_mjx=on_mjx, substeps=self.substeps * parts)
+        return replace(self, robot=self.robot.finer(parts), substeps=self.substeps * parts)
 
     def home(self, values: Values) -> BodyState:
         """The states of robots in their home posture, at rest, for values (robots, n_sites, n_parameters)."""
         model, n = self.robot.model, _size(values)
         zeros = partial(np.zeros, dtype=np.float32)
         qpos = self.robot.home().astype(np.float32)
-        centre = self.interface.ctrl_centre.astype(np.float32)
-        now = MjxStepStart(qpos, zeros(model.nv), centre, np.ones(model.nu), model.opt.timestep)
-        hidden = jax.vmap(lambda v: self.on_mjx.rested(self.on_mjx.model, v, jax.tree.map(jnp.asarray, now)))(values)
         one = (qpos, zeros(model.nv), zeros(model.nv), zeros(model.nsensordata))
         place, speed, warmstart, sensordata = (np.broadcast_to(x, (n, *x.shape)) for x in one)
-        return BodyState(place, speed, warmstart, sensordata, hidden)
+        return BodyState(place, speed, warmstart, sensordata, self._rested(values))
 
     def settle(self, values: Values, steps: int) -> BodyState:
         """Let robots come to rest with all motors at home: the state a trial starts from.
@@ -158,12 +156,12 @@ class ClosedLoopSimulator(abc.ABC):
         """
         return self._rollout(values, weights, start, steps, active=True, override=override)
 
-    def controller(self, lane: RobotInstance) -> Any:
+    def controller(self, values: Values, weights: Any) -> Any:
         """The parameters of one robot's controller, its faults in them."""
-        parameters = self.policy.decode(lane.weights, self.interface.n_inputs, self.interface.n_outputs)
+        parameters = self.policy.decode(weights, self.interface.n_inputs, self.interface.n_outputs)
         for effect in self.catalogue:
             if isinstance(effect, ControllerFault):
-                parameters = effect.damage(self.robot, parameters, lane.values[effect.name])
+                parameters = effect.damage(self.robot, parameters, values[effect.name])
         return parameters
 
     @property
@@ -189,6 +187,37 @@ class ClosedLoopSimulator(abc.ABC):
         )
         rollout = self._run(lanes, steps, active=active, override=override)
         return rollout._replace(**{k: getattr(rollout, k)[:, :steps] for k in ("readings", "commands", "position")})
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledClosedLoop(ClosedLoopSimulator):
+    """Closed loops of robots with MJX's models.
+
+    Attributes:
+        on_mjx: the robot and its catalogue of effects.
+    """
+
+    on_mjx: MjxModel = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Put the robot on MJX.
+
+        Raises:
+            InputError: MJX cannot simulate it.
+        """
+        object.__setattr__(self, "on_mjx", mjx_model(self.robot, self.catalogue))
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """See `ClosedLoopSimulator`."""
+        return reduced_to_mjx(self.robot).left_out
+
+    def _rested(self, values: Values) -> Hidden:
+        """See `ClosedLoopSimulator`."""
+        model, zeros = self.robot.model, partial(np.zeros, dtype=np.float32)
+        qpos, centre = self.robot.home().astype(np.float32), self.interface.ctrl_centre.astype(np.float32)
+        now = MjxStepStart(qpos, zeros(model.nv), centre, np.ones(model.nu), model.opt.timestep)
+        return jax.vmap(lambda v: self.on_mjx.rested(self.on_mjx.model, v, jax.tree.map(jnp.asarray, now)))(values)
 
 
 def _size(values: Values) -> int:

@@ -102,10 +102,16 @@ def commands_of(face: Interface, outputs: np.ndarray) -> np.ndarray:
     return np.clip(face.ctrl_centre + face.ctrl_scale * outputs.astype(float), face.ctrl_low, face.ctrl_high)
 
 
-def converged_speeds(
-    robot: Robot, face: Interface, states: SampledStates, substeps: int, sets: Sequence[Sequence[Change]] = ((),)
+def referee_speeds(
+    robot: Robot,
+    face: Interface,
+    states: SampledStates,
+    substeps: int,
+    sets: Sequence[Sequence[Change]] = ((),),
+    *,
+    converged: bool = True,
 ) -> np.ndarray:
-    """Velocities (n, nv) after one control step in the converged C engine.
+    """Velocities (n, nv) after one control step in the C engine.
 
     Args:
         robot: the nominal robot.
@@ -113,8 +119,9 @@ def converged_speeds(
         states: where it starts.
         substeps: physics steps in the control step.
         sets: changes of robots, taken in turns by the states; none of them loses a part.
+        converged: whether its solver runs until it has converged, or as the robot's options say.
     """
-    models = [_changed(robot, changes) for changes in sets]
+    models = [_changed(robot, changes, converged=converged) for changes in sets]
     return _stepped(models, states, commands_of(face, states.outputs), substeps)
 
 
@@ -151,7 +158,11 @@ def engine_agreement(found: np.ndarray, expected: np.ndarray, substeps: int) -> 
 
 
 def closed_loop_agreement(
-    simulator: ClosedLoopSimulator, states: SampledStates, sets: Sequence[Sequence[Change]] = ((),)
+    simulator: ClosedLoopSimulator,
+    states: SampledStates,
+    sets: Sequence[Sequence[Change]] = ((),),
+    *,
+    converged: bool = True,
 ) -> Agreement:
     """Distance of a closed-loop engine from the referee, with the one executable of its rollouts.
 
@@ -159,12 +170,14 @@ def closed_loop_agreement(
         simulator: the engine.
         states: where to start, as `sample_states` gives them.
         sets: changes of robots, taken in turns by the states; from the simulator's catalogue.
+        converged: whether the referee's solver runs until it has converged, or as the robot's options say.
     """
-    expected = converged_speeds(simulator.robot, simulator.interface, states, simulator.substeps, sets)
+    face = simulator.interface
+    expected = referee_speeds(simulator.robot, face, states, simulator.substeps, sets, converged=converged)
     return engine_agreement(engine_speeds(simulator, states, sets), expected, simulator.substeps)
 
 
-def _changed(robot: Robot, changes: Sequence[Change]) -> mujoco.MjModel:
+def _changed(robot: Robot, changes: Sequence[Change], *, converged: bool) -> mujoco.MjModel:
     spec = robot.spec.copy()
     for change in changes:
         e = effect(change.effect)
@@ -172,5 +185,6 @@ def _changed(robot: Robot, changes: Sequence[Change]) -> mujoco.MjModel:
             raise ValueError(f"'{change.effect}' has no place in MJCF")
         e.write_mjcf(robot, spec, change.name or "", {p.name: p.neutral for p in e.parameters} | {**change.parameters})
     model = spec.compile()
-    model.opt.iterations, model.opt.ls_iterations, model.opt.tolerance = 100, 50, 1e-12
+    if converged:
+        model.opt.iterations, model.opt.ls_iterations, model.opt.tolerance = 100, 50, 1e-12
     return model

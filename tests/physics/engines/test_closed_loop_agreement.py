@@ -8,9 +8,9 @@ from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.engines.choice import closed_loop_simulator
 from estexp_jax.physics.engines.closed_loop_agreement import (
     closed_loop_agreement,
-    converged_speeds,
     engine_agreement,
     engine_speeds,
+    referee_speeds,
     sample_states,
 )
 from estexp_jax.physics.engines.controller_interface import interface_of
@@ -35,7 +35,7 @@ def test_engines_agree_and_a_wrong_one_does_not(engine: str) -> None:
     assert "agrees with plain MuJoCo" in found.sentence()
     # The edits are not where the referee has them: every other state is off.
     speeds = engine_speeds(simulator, states, SETS)
-    assert not engine_agreement(speeds, converged_speeds(one, simulator.interface, states, 2), 2).agrees
+    assert not engine_agreement(speeds, referee_speeds(one, simulator.interface, states, 2), 2).agrees
 
 
 def test_states_are_visited_ones_and_the_same_for_one_seed() -> None:
@@ -61,4 +61,4 @@ def test_an_effect_without_a_place_in_mjcf_is_refused() -> None:
     face = interface_of(one)
     with pytest.raises(ValueError, match="neuron_fault"):
         fault = parse_change("neuron_fault@hidden_0 gain=0", one)
-        converged_speeds(one, face, sample_states(one, face, 1), 1, [[fault]])
+        referee_speeds(one, face, sample_states(one, face, 1), 1, [[fault]])

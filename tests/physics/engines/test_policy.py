@@ -12,9 +12,8 @@ import pytest
 from estexp_jax.physics.effects.catalogue.neuron_fault import NeuronFault
 from estexp_jax.physics.effects.changes import encode, parse_change, stack
 from estexp_jax.physics.effects.registry import catalogue
-from estexp_jax.physics.engines.c.closed_loop import CRollouts, PooledSimulator, StartState
+from estexp_jax.physics.engines.c.reference_loops import CRollouts, PooledSimulator, StartState
 from estexp_jax.physics.engines.choice import closed_loop_simulator
-from estexp_jax.physics.engines.closed_loop import RobotInstance
 from estexp_jax.physics.engines.policy import HostPolicy, Policy
 from tests.physics.robots import robot
 
@@ -99,7 +98,5 @@ def test_a_neuron_fault_has_a_place_for_each_hidden_neuron_of_the_policy() -> No
     assert NeuronFault().sites(one) == ("hidden_0", "hidden_1", "hidden_2")
     values = stack([encode(one, simulator.catalogue, [parse_change("neuron_fault@hidden_1 gain=0.25", one)])])
     weights = np.zeros((1, simulator.n_weights), np.float32)
-    damaged = simulator.controller(
-        RobotInstance({"neuron_fault": values["neuron_fault"][0]}, jnp.asarray(weights[0]), simulator.home(values))
-    )
+    damaged = simulator.controller({"neuron_fault": values["neuron_fault"][0]}, jnp.asarray(weights[0]))
     np.testing.assert_array_equal(damaged.hidden_gain, [1.0, 0.25])

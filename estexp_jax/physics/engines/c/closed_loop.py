@@ -1,222 +1,177 @@
-"""Closed loops over MuJoCo's C engine, as fast as Python drives it: what the batch engines are measured against.
+"""Closed loop on MuJoCo's C engine: any robot that MuJoCo simulates, all cores, next to nothing to compile.
 
-All robots here are the nominal one, each with its own controller. Four ways: one robot at a time, with its controller
-or replaying commands (`SerialSimulator`); all on a thread pool, open loop (`OpenLoopPool`, `mujoco.rollout`) or closed
-loop (`PooledSimulator`, `mujoco.batch`).
+Robots are lanes of one `mujoco.batch` a chunk, whose models differ by the effects that edit them; terms act between two
+steps, as in open loop. Controllers respond for a whole chunk at once.
 """
 
 from __future__ import annotations
 
-import abc
-from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, final
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, final
 
-import mujoco
-import mujoco.batch
-import mujoco.rollout
+import jax
 import numpy as np
 
+from estexp_jax.physics.effects.base import CommandLaw, Term
+from estexp_jax.physics.effects.catalogue.part_lost import PartLost
+from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.elements import element_values
 from estexp_jax.physics.engines.batching import cores
-from estexp_jax.physics.engines.controller_interface import Interface
-from estexp_jax.physics.engines.policy import Policy
+from estexp_jax.physics.engines.c.acting import ActingEffects, LaneHidden
+from estexp_jax.physics.engines.c.distortions import distort_readings
+from estexp_jax.physics.engines.c.edits import edited_models
+from estexp_jax.physics.engines.c.stepping import LaneSteps
+from estexp_jax.physics.engines.closed_loop import (
+    BodyState,
+    ClosedLoopSimulator,
+    ReadingOverride,
+    RobotInstance,
+    Rollout,
+)
+from estexp_jax.physics.engines.open_loop_inputs import CommandSteps
+from estexp_jax.physics.engines.open_loop_states import LaneBatchState
+from estexp_jax.physics.model.travel import root_position_map
+from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
 
-_BUFFER = 4_000_000
-"""Numbers in the buffer that `mujoco.rollout` fills before it is used again; larger ones are slower."""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class StartState:
-    """The state in which all robots start.
-
-    Attributes:
-        qpos, qvel, warmstart: (nq,), (nv,), (nv,); the last one is the solver's.
-        sensordata: (nsensordata,) of the step before.
-    """
-
-    qpos: np.ndarray
-    qvel: np.ndarray
-    warmstart: np.ndarray
-    sensordata: np.ndarray
-
-    def into(self, data: mujoco.MjData) -> None:
-        """Put a robot into this state."""
-        data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = self.qpos, self.qvel, self.warmstart
-        data.sensordata[:], data.time = self.sensordata, 0.0
+_FEWEST = 16
+"""Robots that are not split over cores."""
+_VECTOR = 8
+"""Controllers respond for a multiple of so many robots and one filler, see `mjx.closed_loop`."""
 
 
-def at_rest(model: mujoco.MjModel, qpos: np.ndarray, ctrl: np.ndarray, seconds: float) -> StartState:
-    """A robot after some time with one command (nu,) in force, from a configuration (nq,)."""
-    data = mujoco.MjData(model)
-    data.qpos[:], data.ctrl[:] = qpos, ctrl
-    mujoco.mj_step(model, data, max(1, round(seconds / model.opt.timestep)))
-    return StartState(*(np.array(x) for x in (data.qpos, data.qvel, data.qacc_warmstart, data.sensordata)))
+def c_width(population: int) -> int:
+    """A chunk for each core, and the filler."""
+    return -(-max(_FEWEST, -(-population // cores())) // _VECTOR) * _VECTOR + 1
 
 
-@final
-class BatchedControllers:
-    """The healthy controllers of many robots (n, ...), or of one of them, between sensors and motors."""
-
-    def __init__(self, policy: Policy, weights: np.ndarray, face: Interface) -> None:
-        """For weights (n, n_weights), or (n_weights,) for one robot."""
-        self._policy, self._face = policy.on_host(weights, face.n_inputs, face.n_outputs), face
-        self._touch = np.flatnonzero(face.is_touch)
-        self._angle = np.flatnonzero(~face.is_touch)
-        self._columns, self._qpos = face.columns[self._touch], face.qpos[self._angle]
-        self._centre, self._scale = face.centre[self._angle], face.scale[self._angle]
-
-    def commands(self, qpos: np.ndarray, sensordata: np.ndarray) -> np.ndarray:
-        """Commands (..., nu) from configurations (..., nq) and readings (..., nsensordata) of the last step."""
-        face, inputs = self._face, self._policy.inputs
-        inputs[..., self._touch] = np.where(sensordata[..., self._columns] > 0.0, 1.0, -1.0)
-        angles = (qpos[..., self._qpos] - self._centre) / self._scale
-        inputs[..., self._angle] = np.minimum(np.maximum(angles, -1.0), 1.0)
-        outputs = self._policy.respond()
-        return np.minimum(np.maximum(face.ctrl_centre + face.ctrl_scale * outputs, face.ctrl_low), face.ctrl_high)
-
-
-class CSimulator(abc.ABC):
-    """A way to simulate robots with the C engine."""
-
-    @abc.abstractmethod
-    def rollout(self, robots: int, steps: int) -> np.ndarray:
-        """Simulate the first robots for some control steps.
-
-        Returns:
-            (robots, nq) where they end.
-        """
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class CRollouts:
-    """Inputs that all simulators share.
+class _Chunk(NamedTuple):
+    """Robots that are stepped together.
 
     Attributes:
-        model: the nominal robot.
-        face: of its controllers.
-        policy: the controllers' equations.
-        start: where all begin.
-        weights: (n, n_weights).
-        substeps: physics steps a control step.
+        lanes: the robots.
+        steps: of their physics.
+        override: readings that controllers get; None: the robots' own.
     """
 
-    model: mujoco.MjModel
-    face: Interface
-    policy: Policy
-    start: StartState
-    weights: np.ndarray
-    substeps: int
+    lanes: RobotInstance
+    steps: LaneSteps
+    override: ReadingOverride | None
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class SerialSimulator(CSimulator):
-    """One robot at a time, `mj_step` from Python.
+class CClosedLoop(ClosedLoopSimulator):
+    """Closed loops on the C engine."""
 
-    Attributes:
-        course: the shared inputs.
-        recorded: (n, steps, nu) commands to replay; None: the controllers give them.
-    """
+    def _rested(self, values: Values) -> dict[str, np.ndarray]:
+        """See `ClosedLoopSimulator`; (robots, n_sites, variables) of each effect that has some."""
+        n, home = len(next(iter(values.values()))), self.robot.home()
+        with np.errstate(all="ignore"), mujoco_warnings_suppressed():
+            models = edited_models(self.robot, self.catalogue, {}, [0] * n, values)
+            acting = ActingEffects(self.robot, self.catalogue, models, values)
+            speeds, on = np.zeros((n, self.robot.model.nv)), np.ones((n, self.robot.model.nactuator))
+            ctrl = np.broadcast_to(self.interface.ctrl_centre, (n, self.interface.n_outputs))
+            acting.begin(np.broadcast_to(home, (n, len(home))), speeds, ctrl, on, self._step_lengths(n))
+            return self._by_site(acting, acting.rest(), n)
 
-    course: CRollouts
-    recorded: np.ndarray | None = None
+    def _run(self, lanes: RobotInstance, steps: int, *, active: bool, override: ReadingOverride | None) -> Rollout:
+        n = len(lanes.weights)
+        size = min(self.width - 1, max(_FEWEST, -(-n // cores())))
+        parts = [np.arange(first, min(first + size, n)) for first in range(0, n, size)]
+        taken = [jax.tree.map(lambda x, part=part: np.asarray(x)[part], (lanes, override)) for part in parts]
+        with mujoco_warnings_suppressed(), ThreadPoolExecutor(min(cores(), len(parts))) as threads:
+            found = list(threads.map(lambda part: self._chunk(*part, steps, active), taken))
+        return jax.tree.map(lambda *each: np.concatenate(each), *found)
 
-    def rollout(self, robots: int, steps: int) -> np.ndarray:
-        """See `CSimulator`."""
-        data = mujoco.MjData(self.course.model)
-        one = self._driven if self.recorded is None else self._replayed
-        return np.array([one(data, i, steps) for i in range(robots)])
+    def _chunk(self, lanes: RobotInstance, override: ReadingOverride | None, steps: int, active: bool) -> Rollout:
+        with np.errstate(all="ignore"):  # what a damage blows up is NaN, and no warning
+            n = len(lanes.weights)
+            models = edited_models(self.robot, self.catalogue, {}, [0] * n, lanes.values)
+            acting = ActingEffects(self.robot, self.catalogue, models, lanes.values)
+            chunk = _Chunk(lanes, LaneSteps(models, acting), override)
+            return self._driven(chunk, steps, active)
 
-    def _driven(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
-        course = self.course
-        course.start.into(data)
-        model, n, ctrl, qpos, sensordata = course.model, course.substeps, data.ctrl, data.qpos, data.sensordata
-        controller = BatchedControllers(course.policy, course.weights[robot], course.face)
-        for _ in range(steps):
-            ctrl[:] = controller.commands(qpos, sensordata)
-            mujoco.mj_step(model, data, n)
-        return qpos.copy()
-
-    def _replayed(self, data: mujoco.MjData, robot: int, steps: int) -> np.ndarray:
-        course, rows = self.course, self.recorded
-        assert rows is not None  # chosen by `rollout`
-        course.start.into(data)
-        model, n, ctrl = course.model, course.substeps, data.ctrl
-        for row in rows[robot, :steps]:
-            ctrl[:] = row
-            mujoco.mj_step(model, data, n)
-        return data.qpos.copy()
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class PooledSimulator(CSimulator):
-    """All robots on all cores with their controllers in the loop: `mujoco.batch.Batch`."""
-
-    course: CRollouts
-    _batches: dict[int, Any] = field(default_factory=dict, init=False)
-
-    def rollout(self, robots: int, steps: int) -> np.ndarray:
-        """See `CSimulator`."""
-        return self._rollout(robots, steps, None)
-
-    def record(self, robots: int, steps: int) -> np.ndarray:
-        """The commands (robots, steps, nu) that the controllers give."""
-        rows = np.zeros((robots, steps, self.course.model.nu))
-        self._rollout(robots, steps, rows)
-        return rows
-
-    def _rollout(self, robots: int, steps: int, rows: np.ndarray | None) -> np.ndarray:
-        course, start = self.course, self.course.start
-        if robots not in self._batches:
-            self._batches.clear()
-            self._batches[robots] = mujoco.batch.Batch(course.model, robots, nthread=cores())
-        batch = self._batches[robots]
-        state = {name: batch.bind(name) for name in ("qpos", "qvel", "qacc_warmstart", "ctrl", "sensordata")}
-        state["qpos"][:], state["qvel"][:], state["qacc_warmstart"][:] = start.qpos, start.qvel, start.warmstart
-        sensordata = np.broadcast_to(start.sensordata, (robots, len(start.sensordata)))
-        controllers = BatchedControllers(course.policy, course.weights[:robots], course.face)
+    def _driven(self, chunk: _Chunk, steps: int, active: bool) -> Rollout:
+        face, lanes, n = self.interface, chunk.lanes, len(chunk.lanes.weights)
+        start, acting = lanes.start, chunk.steps.acting
+        activation, hidden = np.zeros((n, self.robot.model.na)), _of_instances(acting, start.hidden)
+        state = LaneBatchState(start.qpos, start.qvel, activation, start.warmstart, hidden)
+        decode, respond = self._controllers
+        filled = np.arange(self.width) % n  # so that a robot moves the same whatever the chunk's size
+        parameters = decode(*jax.tree.map(lambda x: np.asarray(x)[filled], (lanes.values, lanes.weights)))
+        neurons = np.zeros((self.width, self.policy.n_hidden), np.float32)
+        shape = (n, self.rows)
+        readings, commands = np.zeros((*shape, face.n_inputs)), np.zeros((*shape, face.n_outputs))
+        place, sensed = np.zeros((*shape, self.robot.model.nq)), np.asarray(start.sensordata, float)
+        lengths = np.broadcast_to(self._step_lengths(n), (self.substeps, n))
+        on = np.ones((self.substeps, self.robot.model.nactuator, n))
         for row in range(steps):
-            ctrl = controllers.commands(state["qpos"], sensordata)
-            state["ctrl"][:] = ctrl
-            if rows is not None:
-                rows[:, row] = ctrl
-            batch.step(nstep=course.substeps)
-            sensordata = state["sensordata"]
-        return state["qpos"].copy()
+            readings[:, row], place[:, row] = self._readings(lanes.values, state.qpos, sensed), state.qpos
+            given = _overridden(chunk.override, row, readings[:, row])[filled]
+            neurons, outputs = respond(parameters, neurons, given)
+            commands[:, row] = np.asarray(outputs)[:n] if active else face.ctrl_centre
+            ctrl = np.broadcast_to(commands[:, row].T, (self.substeps, face.n_outputs, n))
+            state, found = chunk.steps.advance(state, CommandSteps(lengths, ctrl, on), ())
+            sensed = found.sensors[-1].T
+        matrix, offset = root_position_map(self.robot)
+        after = self._by_site(acting, state.hidden, n)
+        final = BodyState(state.qpos, state.qvel, state.warmstart, sensed, after)
+        final.qpos[~chunk.steps.alive] = np.nan
+        return Rollout(readings, commands, place @ matrix.T + offset, final, ~chunk.steps.alive)
+
+    def _step_lengths(self, n: int) -> np.ndarray:
+        return np.full(n, float(self.robot.model.opt.timestep))
+
+    def _readings(self, values: Values, qpos: np.ndarray, sensed: np.ndarray) -> np.ndarray:
+        """Readings (robots, n_inputs) as controllers get them: those of lost parts at rest, faults applied."""
+        face = self.interface
+        touch = np.where(sensed[:, face.columns] > 0.0, 1.0, -1.0)
+        true = np.where(face.is_touch, touch, qpos[:, face.qpos])
+        if PartLost.name in values:
+            gone = np.clip(np.asarray(values[PartLost.name])[:, :, 0] @ face.lost, 0.0, 1.0)
+            true = np.where(gone > 0.5, face.rest, true)
+        whole = sensed.copy()
+        whole[:, face.columns] = true
+        whole = np.ascontiguousarray(whole.T)[None]
+        distort_readings(self.robot, self.catalogue, values, whole)
+        return whole[0, face.columns].T
+
+    def _by_site(self, acting: ActingEffects, hidden: LaneHidden, n: int) -> dict[str, np.ndarray]:
+        """Hidden variables (robots, elements, variables) of each effect, of those (variables, instances) at work."""
+        found = {}
+        for e in self.catalogue:
+            if isinstance(e, Term | CommandLaw) and e.n_states:
+                neutral = np.zeros((1, len(e.sites(self.robot)), len(e.parameters)))
+                elements = element_values(e, self.robot, neutral).shape[1]
+                found[e.name] = np.zeros((n, elements, e.n_states))
+        for at in (*acting.laws, *acting.terms):
+            if at.effect.n_states:
+                found[at.effect.name][at.lane, at.site] = hidden[at.effect.name].T
+        return found
+
+    @cached_property
+    def _controllers(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """Parameters of robots' controllers, and their response to readings (robots, n_inputs)."""
+
+        def respond(parameters: Any, neurons: Any, readings: Any) -> tuple[Any, Any]:
+            after, outputs = self.policy.respond(parameters, neurons, self.interface.inputs(readings))
+            return after, self.interface.commands(outputs)
+
+        return jax.jit(jax.vmap(self.controller)), jax.jit(jax.vmap(respond))
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class OpenLoopPool(CSimulator):
-    """All robots on all cores, replaying commands: `mujoco.rollout`.
+def _overridden(override: ReadingOverride | None, row: int, own: np.ndarray) -> np.ndarray:
+    """Readings (robots, n_inputs) that controllers get, of the robots' own; at factor 0 these do not matter."""
+    if override is None:
+        return own
+    factor, added = override.factor[:, row], override.added[:, row]
+    return np.where(factor == 0.0, added, factor * own + added)
 
-    Attributes:
-        course: the shared inputs.
-        recorded: (n, steps, nu) commands.
-    """
 
-    course: CRollouts
-    recorded: np.ndarray
-    _pool: Any = field(default_factory=lambda: mujoco.rollout.Rollout(nthread=cores()), init=False)
-
-    def rollout(self, robots: int, steps: int) -> np.ndarray:
-        """See `CSimulator`; in pieces, so that what it must record (every state) stays in a small buffer."""
-        course, model, full = self.course, self.course.model, mujoco.mjtState.mjSTATE_FULLPHYSICS
-        size = partial(mujoco.mj_stateSize, model)
-        data = mujoco.MjData(model)
-        course.start.into(data)
-        first = np.zeros(size(full))
-        mujoco.mj_getState(model, data, first, full)
-        states: Any = np.tile(first, (robots, 1))
-        warm: Any = np.tile(course.start.warmstart, (robots, 1))
-        width = len(first) + model.nsensordata
-        piece = int(np.clip(_BUFFER // (robots * width * course.substeps), 1, steps))
-        threads = [mujoco.MjData(model) for _ in range(cores())]
-        for row in range(0, steps, piece):
-            rows = np.repeat(self.recorded[:robots, row : min(row + piece, steps)], course.substeps, axis=1)
-            found: Any = self._pool.rollout(model, threads, states, rows, initial_warmstart=warm)[0]
-            states, warm = found[:, -1], None
-        return states[:, 1 : 1 + model.nq].copy()
+def _of_instances(acting: ActingEffects, hidden: Mapping[str, np.ndarray]) -> LaneHidden:
+    """Hidden variables (variables, instances) of effects at work, of those (robots, elements, variables)."""
+    stateful = [e for e in (*acting.laws, *acting.terms) if e.effect.n_states]
+    return {e.effect.name: np.ascontiguousarray(hidden[e.effect.name][e.lane, e.site].T) for e in stateful}

@@ -48,6 +48,11 @@ class LaneSteps:
         self._own = {name: np.array(models.read(name)) for name in fields}
         self._alive, self._varies = ~models.failed, models.batch.expanded("opt.timestep") is not None
 
+    @property
+    def alive(self) -> np.ndarray:
+        """Lanes (lanes,) that have not blown up."""
+        return self._alive
+
     def advance(
         self, state: LaneBatchState, drive: CommandSteps, displayed: Sequence[ShownVariable]
     ) -> tuple[LaneBatchState, StepReadings]:

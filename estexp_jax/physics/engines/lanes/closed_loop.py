@@ -18,7 +18,7 @@ from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.catalogue.part_lost import PartLost
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.batching import cores, in_chunks
-from estexp_jax.physics.engines.closed_loop import ClosedLoopSimulator, ReadingOverride, RobotInstance, Rollout
+from estexp_jax.physics.engines.closed_loop import CompiledClosedLoop, ReadingOverride, RobotInstance, Rollout
 from estexp_jax.physics.engines.devices import accelerated, wide
 from estexp_jax.physics.engines.lanes.control_loop import ROWS, Batch, Block, ControlLoop, NetworkInputs
 from estexp_jax.physics.engines.lanes.model import LanesModel, lanes_model
@@ -44,7 +44,7 @@ def lanes_width(population: int) -> int:
 
 @final
 @dataclass(frozen=True, eq=False)
-class LanesClosedLoop(ClosedLoopSimulator):
+class LanesClosedLoop(CompiledClosedLoop):
     """Closed loops in lanes."""
 
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False)
@@ -113,7 +113,7 @@ class LanesClosedLoop(ClosedLoopSimulator):
 
     def _prepared(self, lane: RobotInstance) -> Batch:
         """Constants of one robot's rollout."""
-        controller = self.policy.prepare_lanes(self.controller(lane))
+        controller = self.policy.prepare_lanes(self.controller(lane.values, lane.weights))
         lost = jnp.zeros(self.interface.n_inputs, bool)
         if PartLost.name in lane.values:
             lost = lane.values[PartLost.name][:, 0] @ jnp.asarray(self.interface.lost, jnp.float32) > 0.5

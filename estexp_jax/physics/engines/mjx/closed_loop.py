@@ -18,7 +18,7 @@ from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.engines.batching import in_chunks
 from estexp_jax.physics.engines.closed_loop import (
     BodyState,
-    ClosedLoopSimulator,
+    CompiledClosedLoop,
     ReadingOverride,
     RobotInstance,
     Rollout,
@@ -36,7 +36,7 @@ _VECTOR = 8
 
 @final
 @dataclass(frozen=True, eq=False)
-class MjxClosedLoop(ClosedLoopSimulator):
+class MjxClosedLoop(CompiledClosedLoop):
     """Closed loops on MJX."""
 
     def _run(self, lanes: RobotInstance, steps: int, *, active: bool, override: ReadingOverride | None) -> Rollout:
@@ -94,7 +94,7 @@ def _rollout_one(
 ) -> Rollout:
     """One robot's rollout; what is not the lane's is traced, so that every trial and settling share one executable."""
     model = self.on_mjx.edited(self.on_mjx.model, lane.values)
-    controller = self.controller(lane)
+    controller = self.controller(lane.values, lane.weights)
     travel = root_position(self.robot)
     rows, face = self.rows, self.interface
     rollout = Rollout(

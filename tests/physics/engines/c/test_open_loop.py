@@ -11,17 +11,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change, encode, stack
 from estexp_jax.physics.effects.registry import catalogue, every
-from estexp_jax.physics.engines.choice import closed_loop_simulator, open_loop_simulator
+from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.physics.window import InitialState, Window, window_of
 from estexp_jax.recordings.settings import apply_settings
-from estexp_jax.recovery.control.network import RecurrentPolicy
 from estexp_jax.runs import count_compilations
 from tests.physics.mixed_actuators import MIXED
 
@@ -263,12 +261,6 @@ def test_inertia_of_a_term_does_not_depend_on_edits_of_other_lanes() -> None:
     )
     np.testing.assert_array_equal(alone[0], beside[0])
     assert np.abs(beside[0] - beside[2]).max() > 0.01
-
-
-def test_closed_loops_on_c_are_refused() -> None:
-    robot = Robot.from_string(SMALL, "small.xml")
-    with pytest.raises(InputError, match="drives no controllers"):
-        closed_loop_simulator(robot, (), policy=RecurrentPolicy(), rows=2, control_step=0.01, engine="c")
 
 
 WILD = ("law_fling", "law_square_fling", "law_whirl", "law_cubic_drag", "law_place_damping", "law_cube", "law_tow")
