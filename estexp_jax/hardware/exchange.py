@@ -20,6 +20,7 @@ from estexp_jax.errors import InputError, listing, unwritable
 from estexp_jax.hardware.controller_files import read_controller
 from estexp_jax.hardware.log import ExpectedTrial, trial_of_recording
 from estexp_jax.hardware.onboard import OnboardController
+from estexp_jax.hardware.plausibility import plausibility_notes
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import read_recording
 from estexp_jax.recordings.write import write_csv
@@ -117,7 +118,8 @@ class HardwareTarget:
                 try:
                     recording = read_recording(self._robot, log)
                     trial, notes = trial_of_recording(self._robot, recording, wanted, str(log))
-                    return trial, (*recording.notes, *notes)
+                    seen = plausibility_notes(wanted.controller, trial, wanted.predicted, wanted.compared, str(log))
+                    return trial, (*recording.notes, *notes, *seen)
                 except InputError:
                     if time.monotonic() - since >= self._patience:
                         raise

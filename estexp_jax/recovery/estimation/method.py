@@ -22,7 +22,7 @@ class DamageDiagnosis(NamedTuple):
     Attributes:
         items: the damage.
         residual: its cost or misfit.
-        probability: of it; None if the method gives none.
+        probability: of it, also against that no hypothesis of the catalogue is right; None if the method gives none.
         alternatives: other explanations that are not excluded, with their probabilities, likeliest first.
         alarm: whether no hypothesis of the catalogue reproduces the recordings; None if the method cannot decide.
     """
@@ -32,6 +32,17 @@ class DamageDiagnosis(NamedTuple):
     probability: float | None
     alternatives: tuple[tuple[DamageHypothesis, float], ...] = ()
     alarm: bool | None = None
+
+
+def catalogue_probability(error: float, alarm: float, weight: float) -> float:
+    """Probability that a hypothesis of the catalogue is right: even odds where the best one's error is at the alarm.
+
+    Args:
+        error: of the best hypothesis.
+        alarm: error above which none reproduces the recordings.
+        weight: of the logarithm of the error: an effective number of independent samples.
+    """
+    return 1.0 / (1.0 + (error / alarm) ** weight)
 
 
 class IterationSummary(NamedTuple):

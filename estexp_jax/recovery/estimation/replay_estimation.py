@@ -18,7 +18,12 @@ from estexp_jax.recovery.estimation.damage_sites import DamageSite
 from estexp_jax.recovery.estimation.error_model import TEMPERATURE
 from estexp_jax.recovery.estimation.genome import DamageHypothesis
 from estexp_jax.recovery.estimation.hypothesis_cost import HypothesisCost
-from estexp_jax.recovery.estimation.method import DamageDiagnosis, Estimation, IterationSummary
+from estexp_jax.recovery.estimation.method import (
+    DamageDiagnosis,
+    Estimation,
+    IterationSummary,
+    catalogue_probability,
+)
 from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import set_search
 from estexp_jax.search.set_moves import OptionSet, pruned
@@ -34,6 +39,8 @@ _FEWER: dict[str, Any] = {"bases": 2, "beam": 10, "scanned": 0, "finalists": 3, 
 """Settings of each search, smaller than the defaults: the finalists are refined afterwards."""
 _ALARM = 2.0
 """Misfit above which no hypothesis of the catalogue reproduces the recordings."""
+_WEIGHT = 8.0
+"""Of the misfit's logarithm: at the misfit of 1 that is expected, one in 257 that nothing of the catalogue is right."""
 _MAX_ALTERNATIVES, _LEAST_PROBABILITY = 3, 0.01
 """Alternatives reported at most, and the least probability of a reported one."""
 
@@ -80,10 +87,10 @@ class ReplayEstimation(Estimation):
         scored = [(self._menu.items(_option_set(j["items"])), j["cost"], j["misfit"]) for j in state["finalists"]]
         excess = np.array([cost for _, cost, _ in scored]) - scored[0][1]
         shares = np.exp(-excess / (2.0 * TEMPERATURE))
-        shares /= shares.sum()
+        items, _, misfit = scored[0]
+        shares *= catalogue_probability(misfit, _ALARM, _WEIGHT) / shares.sum()
         others = [(items, float(p)) for (items, _, _), p in zip(scored, shares, strict=True)][1:]
         alternatives = tuple((items, p) for items, p in others if p >= _LEAST_PROBABILITY)[:_MAX_ALTERNATIVES]
-        items, _, misfit = scored[0]
         return DamageDiagnosis(items, misfit, float(shares[0]), alternatives, misfit > _ALARM)
 
     def seed(self, state: dict[str, Any]) -> Any:

@@ -16,7 +16,12 @@ from estexp_jax.physics.effects.registry import effect, paper
 from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.estimation.damage_options import damage_options
 from estexp_jax.recovery.estimation.hypothesis_cost import HypothesisCost
-from estexp_jax.recovery.estimation.method import DamageDiagnosis, Estimation, IterationSummary
+from estexp_jax.recovery.estimation.method import (
+    DamageDiagnosis,
+    Estimation,
+    IterationSummary,
+    catalogue_probability,
+)
 from estexp_jax.recovery.simulator import DamageSimulator
 from estexp_jax.search import set_search
 from estexp_jax.search.set_search import SetSearch
@@ -79,10 +84,11 @@ class SetEstimation(Estimation):
     def diagnosis(self, state: dict[str, Any]) -> DamageDiagnosis:
         """See `Estimation`."""
         found = set_search.SetSearchState.from_tree(state["search"])
+        residual, floor = found.pool[0].residual, self._stages[-1].floor
         shares = set_search.set_probabilities(self._stages[-1], found, _WEIGHT)
+        shares *= catalogue_probability(residual + floor, _ALARM + floor, _WEIGHT)
         first, *others = [(self._menu.items(f.items), float(p)) for f, p in zip(found.pool, shares, strict=True)]
         probable = [(items, p) for items, p in others if p >= _LEAST_PROBABILITY and items != first[0]]
-        residual = found.pool[0].residual
         return DamageDiagnosis(first[0], residual, first[1], tuple(probable[:_MAX_ALTERNATIVES]), residual > _ALARM)
 
     def seed(self, state: dict[str, Any]) -> Any:

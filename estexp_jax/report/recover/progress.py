@@ -60,6 +60,8 @@ class RecoverProgress:
         for number, each in enumerate(state.passes(axis), start=1):
             found = "; ".join(change.sentence() for change in each.diagnosis) or "nothing differs"
             self._progress.say(f"trial {number} {metres(each.hardware)} (predicted {each.simulated:.2f} m): {found}")
+        if state.diagnoses:
+            self._say_doubts(state)
         self._progress.say(f"{len(trials)} trials on the damaged robot")
 
     @property
@@ -75,11 +77,7 @@ class RecoverProgress:
             sure = "" if share is None else f", probability {share:.2f}"
             found = "; ".join(change.sentence() for change in after.diagnoses[-1]) or "nothing differs"
             say(f"diagnosis {len(after.diagnoses)}: {found} (error {after.residuals[-1]:.2g}{sure})")
-            for diagnosis, probability in after.alternatives[-1]:
-                said = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
-                say(f"  not excluded, probability {probability:.2f}: {said}")
-            if after.alarms[-1]:
-                say("  nothing in the catalogue reproduces the recordings: do not trust this diagnosis")
+            self._say_doubts(after)
         if len(after.trials) > len(before.trials):
             distance = metres(after.trials[-1].distance(axis))
             if before.before is not None or after.before is None:
@@ -90,6 +88,14 @@ class RecoverProgress:
                 )
             else:
                 say(f"the robot walks {metres(after.before.distance(axis))}, is damaged, and walks {distance}")
+
+    def _say_doubts(self, state: RunState) -> None:
+        """Print what the last diagnosis does not exclude."""
+        for diagnosis, probability in state.alternatives[-1]:
+            said = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
+            self._progress.say(f"  not excluded, probability {probability:.2f}: {said}")
+        if state.alarms[-1]:
+            self._progress.say("  nothing in the catalogue reproduces the recordings: do not trust this diagnosis")
 
     def _stage(self, state: RunState) -> None:
         settings, number = self._job.settings, state.number
