@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from estexp_jax.api.simulate import simulate
     from estexp_jax.api.simulator import load_explained
     from estexp_jax.physics.model.robot import Robot
+    from estexp_jax.recovery.control.trial import Trial
 
     __version__: str
 
 _DOORS = {
     "Robot": "estexp_jax.physics.model.robot",
+    "Trial": "estexp_jax.recovery.control.trial",
     "check": "estexp_jax.api.check",
     "effects": "estexp_jax.effects",
     "explain": "estexp_jax.api.explain",
@@ -38,6 +40,7 @@ _DOORS = {
 }
 __all__ = [
     "Robot",
+    "Trial",
     "check",
     "effects",
     "explain",

@@ -70,7 +70,8 @@ def recover(
 
     Args:
         model: the nominal robot.
-        target: the damaged robot in the world, any callable: controller -> trial; None: a simulated one.
+        target: the damaged robot in the world, any callable: controller -> `ee.Trial`, or a dict with
+            `readings` (steps, inputs) or `sensor.<name>` of each input; None: a simulated one.
         situation: 1 to 13 as in the paper's Table 1; None: 3, or none where `damage` is given.
         damage: what happens instead of a situation, such as "motor_weakness@knee_f loss=0.5".
         seed: of all random numbers.

@@ -118,8 +118,10 @@ class HardwareTarget:
                 try:
                     recording = read_recording(self._robot, log)
                     trial, notes = trial_of_recording(self._robot, recording, wanted, str(log))
-                    seen = plausibility_notes(wanted.controller, trial, wanted.predicted, wanted.compared, str(log))
-                    return trial, (*recording.notes, *notes, *seen)
+                    suspicions = plausibility_notes(
+                        wanted.controller, trial, wanted.predicted, wanted.compared, str(log)
+                    )
+                    return trial, (*recording.notes, *notes, *suspicions)
                 except InputError:
                     if time.monotonic() - since >= self._patience:
                         raise

@@ -43,16 +43,16 @@ def plausibility_notes(
         what = f"goes {2.0 * np.pi * turns[worst]:.3g} from its home, {turns[worst]:.2g} turns if these are radians"
         raise InputError(what, where=column.format(face.names[angles[worst]]), right="log angles in radians")
     found, expected = (t.readings[:compared, angles] - face.centre[angles] for t in (trial, predicted))
-    apart = _squares(found, expected)
+    distance = _squares(found, expected)
     moves = np.mean(expected**2, axis=0) > _MOVES**2
     turned = np.mean((found + expected) ** 2, axis=0)
     notes = [
         f"sensor.{face.names[angles[k]]} runs against what is predicted: see that its sign is right"
-        for k in np.flatnonzero(moves & (turned < _FAR_BETTER * np.diag(apart)))
+        for k in np.flatnonzero(moves & (turned < _FAR_BETTER * np.diag(distance)))
     ]
     for a in np.flatnonzero(moves):
         for b in np.flatnonzero(moves[: int(a)]):
-            if apart[a, b] + apart[b, a] < _FAR_BETTER * (apart[a, a] + apart[b, b]):
+            if distance[a, b] + distance[b, a] < _FAR_BETTER * (distance[a, a] + distance[b, b]):
                 one, other = (face.names[angles[k]] for k in (b, a))
                 notes.append(
                     f"sensor.{one} and sensor.{other} move as is predicted of each other: see that none is exchanged"

@@ -28,7 +28,7 @@ from estexp_jax.recovery.reality_gap_target import RealityGapTarget
 from estexp_jax.recovery.simulator import DamageSimulator, damage_simulator
 from estexp_jax.recovery.situations import situation
 from estexp_jax.recovery.state import Row, RunState
-from estexp_jax.recovery.target import RemoteTarget, SameTarget, Target
+from estexp_jax.recovery.target import RemoteTarget, SameTarget, Target, trial_of_result
 from estexp_jax.search.driver import evolve
 from estexp_jax.search.genetic import Population
 
@@ -218,7 +218,8 @@ def _run_trial(job: Job, target: Target | RemoteTarget, state: RunState) -> Tria
     weights, steps = state.controllers[-1], job.settings.steps
     controller = job.simulator.controller(weights, steps)
     if not isinstance(target, RemoteTarget):
-        return target(controller)
+        result = target(controller)
+        return trial_of_result(result, controller) if not isinstance(target, SameTarget | RealityGapTarget) else result
     changes = state.diagnoses[-1] if state.diagnoses else ()
     return target.perform(len(state.trials), controller, job.simulator.trial(changes, weights, steps))
 

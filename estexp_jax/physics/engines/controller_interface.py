@@ -135,11 +135,12 @@ def _commands(robot: Robot, home: np.ndarray) -> dict[str, np.ndarray]:
     effort = np.minimum(force, limit)
     gear = model.actuator_gear[:, 0]
     limited = model.actuator_ctrllimited.astype(bool)
+    centre = np.where(servo, home[model.jnt_qposadr[joints]] * gear, 0.0)
+    reach = np.array([_reach(model, int(j)) for j in joints]) * gear
+    scale = np.where(servo, reach, np.where(np.isfinite(effort), effort, 1.0))
     return {
-        "ctrl_centre": np.where(servo, home[model.jnt_qposadr[joints]] * gear, 0.0),
-        "ctrl_scale": np.where(
-            servo, np.array([_reach(model, int(j)) for j in joints]) * gear, np.where(np.isfinite(effort), effort, 1.0)
-        ),
-        "ctrl_low": np.where(limited, model.actuator_ctrlrange[:, 0], -np.inf),
-        "ctrl_high": np.where(limited, model.actuator_ctrlrange[:, 1], np.inf),
+        "ctrl_centre": centre,
+        "ctrl_scale": scale,
+        "ctrl_low": np.where(limited, model.actuator_ctrlrange[:, 0], centre - np.abs(scale)),
+        "ctrl_high": np.where(limited, model.actuator_ctrlrange[:, 1], centre + np.abs(scale)),
     }
