@@ -123,8 +123,7 @@ def with_faults(diagnosis: Diagnosis, case: Case, config: ExplainConfig, faults:
             *body["advice"],
         ],
     }
-    left_out = (*(f.change for f in faults), *diagnosis.left_out)
-    return replace(diagnosis, findings={**body, **told}, left_out=left_out)
+    return replace(diagnosis, findings={**body, **told})
 
 
 def _effect(change: Change) -> LoggingFault:

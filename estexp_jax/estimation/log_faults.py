@@ -205,7 +205,7 @@ def _closely(
     if not effect.is_continuous:
         return NumberFit(error_at(float("nan")), float("nan"), 0.0)
     tried = sorted({v[0] for v in effect.tried(robot, site, recording)} | {effect.parameters[0].neutral})
-    step = 0.5 * min(abs(n - values[0]) for n in tried if n != values[0])
+    step = 0.9 * min(abs(n - values[0]) for n in tried if n != values[0])
     return fit_number(error_at, values[0], step, effect.bounds(robot, site)[0], replay.count)
 
 

@@ -28,7 +28,7 @@ _STIFF = 1e-4
 """Share of the mean curvature that holds a value where the log says nothing of it."""
 _CLOSE = 0.98
 """A step that leaves more than this share of the squared error is the last one."""
-_TRIES = 9
+_TRIES = 11
 """So often a number is tried at most."""
 _ALIKE = 20.0
 """Of so many errors of a piece, at its times and in its joints, each says much the same as the others."""
@@ -88,11 +88,12 @@ def fit_number(
     Args:
         error_at: gives the error at a value.
         value: to begin with.
-        step: to either side at first.
+        step: between the five values that are tried first, since the error may be rough.
         bounds: of the value.
         count: how many errors are in one.
     """
-    squares = {v: error_at(v) ** 2 for v in (value - step, value, value + step)}
+    first = dict.fromkeys(float(np.clip(value + k * step, *bounds)) for k in (-2, -1, 0, 1, 2))
+    squares = {v: error_at(v) ** 2 for v in first}
     while len(squares) < _TRIES:
         best = min(squares, key=squares.__getitem__)
         ordered = sorted(squares)
