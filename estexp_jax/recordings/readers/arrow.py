@@ -114,6 +114,16 @@ def is_plain(kind: pyarrow.DataType) -> bool:
     return types.is_integer(kind) or types.is_floating(kind)
 
 
+def empty_column(rows: int) -> np.ndarray:
+    """An array (rows,) of float64 to be filled, in Arrow's memory.
+
+    NumPy asks the system for huge pages, and where memory is in pieces that may take longer than to read the file.
+    """
+    import pyarrow
+
+    return np.frombuffer(pyarrow.allocate_buffer(8 * rows), np.float64)
+
+
 def fill(target: np.ndarray, values: pyarrow.Array) -> None:
     """Put numbers into an array (rows,) that is there; nulls are NaN."""
     import pyarrow

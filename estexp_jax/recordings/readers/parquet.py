@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.recordings.readers.arrow import ArrowColumns, arrays_of, columns_of, fill, is_plain, joined, table_of
+from estexp_jax.recordings.readers.arrow import (
+    ArrowColumns,
+    arrays_of,
+    columns_of,
+    empty_column,
+    fill,
+    is_plain,
+    joined,
+    table_of,
+)
 from estexp_jax.recordings.table import Selection, Table, check_size
 
 if TYPE_CHECKING:
@@ -62,7 +71,7 @@ def _read_plain(path: Path, wanted: Callable[[str], bool]) -> tuple[dict[str, np
                 sum(_count_values(file.metadata.row_group(k), columns) for k in range(file.num_row_groups)), str(path)
             )
             check_size(rows * max(len(names), 1), str(path))
-            arrays = {name: np.empty(rows) for name in names}
+            arrays = {name: empty_column(rows) for name in names}
             first = 0
             for batch in file.iter_batches(batch_size=_BATCH, columns=names, use_threads=False):
                 for name, values in zip(batch.schema.names, batch.columns, strict=True):
