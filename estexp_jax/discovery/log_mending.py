@@ -74,6 +74,8 @@ def mended(case: Case, config: ExplainConfig) -> tuple[Case, tuple[MendedFault, 
     for i, faults in undone.items():
         for fault in faults:
             groups.setdefault(_key(fault.change), {})[i] = fault
+    if not groups:
+        return case, ()
     faults, recordings = [], list(case.recordings)
     for group in groups.values():
         everywhere = len(group) == len(train)
