@@ -172,6 +172,7 @@ def _by_replay(
         alone = _closely(replay, robot, recording, case, as_modelled=True)
         by_itself = min(alone.error, error) < _FAR_BETTER * whole and alone.error <= max(_AS_GOOD * plain, quiet)
         is_enough = case.looks_like_physics or plain <= quiet
+        is_enough = is_enough or fit_physics(replay, case.mended(robot, recording)) > _PROMISING * plain
         fit = alone if is_enough else _closely(replay, robot, recording, case)
         if fit.error < _FAR_BETTER * plain and fit.error < _WORTH * alone.error:
             believed.append((fit.error, case, fit, plain))
