@@ -115,7 +115,7 @@ def fit_number(
     best = min(squares, key=squares.__getitem__)
     ordered = sorted(squares)
     k = min(max(ordered.index(best), 1), len(ordered) - 2)
-    _, curvature = _parabola(*ordered[k - 1 : k + 2], squares)
+    _, curvature = _parabola(ordered[k - 1], ordered[k], ordered[k + 1], squares)
     deviation = np.sqrt(_ALIKE * squares[best] / (count * curvature)) if curvature > 0.0 else abs(step)
     return NumberFit(float(np.sqrt(squares[best])), best, float(deviation))
 

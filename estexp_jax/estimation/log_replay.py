@@ -85,7 +85,7 @@ class LogReplay:
         pieces = [known[id(r)] for r in recordings]
         state, control, reached, on, spans = (np.concatenate(arrays) for arrays in zip(*pieces, strict=True))
         every = [model for model in models for _ in range(_PIECES)]
-        found, _ = mujoco.rollout.rollout(every, list(self.data), state, control)
+        found = np.asarray(mujoco.rollout.rollout(every, list(self.data), state, control)[0])
         model, first = self.model, 1  # after the time
         simulated = found[:, self._compared - 1][:, :, first + model.jnt_qposadr]
         left = (simulated - reached) / spans[:, None]
@@ -123,7 +123,7 @@ class LogReplay:
         begin = zip(initial, np.stack(speeds, axis=1), control[:, 0], strict=True)
         state = np.stack([_state(self.model, data, *each) for each in begin])
         spans = np.tile([float(np.ptp(values)) for _, values in positions], (_PIECES, 1))
-        return Pieces(state, control, reached, (recording.enable[rows] > 0.0).all(axis=(1, 2)), spans)
+        return Pieces(state, control, reached, np.min(recording.enable[rows], axis=(1, 2)) > 0.0, spans)
 
 
 def log_replay_of(robot: Robot, recording: Recording) -> LogReplay | None:
