@@ -94,8 +94,8 @@ def _with_levels(names: tuple[str, ...], rows: Sequence[Sequence[str]]) -> tuple
 
     The last of them may hold the name of the index alone.
     """
-    told = [name for name in names if name]
-    if len(set(told)) == len(told):
+    given = [name for name in names if name]
+    if len(set(given)) == len(given):
         return names, 1
     height = 1
     for cells in rows[: _MOST_LEVELS - 1]:
