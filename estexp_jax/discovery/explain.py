@@ -27,6 +27,7 @@ from estexp_jax.discovery.law_forces import held
 from estexp_jax.discovery.law_plausibility import doubled, is_law, manifold, nearly, needed, without_piles
 from estexp_jax.discovery.law_search import Unnamed
 from estexp_jax.discovery.laws import lacks_force, unknown_law, unknown_law_nearer
+from estexp_jax.discovery.log_mending import mended, with_faults
 from estexp_jax.discovery.lost_commands import commanded
 from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.onset_claims import begun, select_late, starting_late
@@ -51,7 +52,7 @@ from estexp_jax.estimation.windows import fitting_window
 def explain(
     case: Case, config: ExplainConfig, memory: dict[str, Any] | None = None
 ) -> Generator[Progress, None, Diagnosis]:
-    """Explain a case. Test recordings are looked at only after everything is chosen and fitted.
+    """Explain a case: its logs are put right first. Test recordings are looked at only after everything is chosen.
 
     Args:
         case: what is to be explained.
@@ -64,7 +65,13 @@ def explain(
     Raises:
         InputError: the model cannot be simulated, or there is no reading to compare.
     """
-    memory = {} if memory is None else memory
+    right, faults = mended(case, config)
+    found = yield from _explained(right, config, {} if memory is None else memory)
+    return with_faults(found, case, config, faults)
+
+
+def _explained(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Generator[Progress, None, Diagnosis]:
+    """Explain recordings that are as they should be; arguments as of `explain`."""
     jointly = yield from explain_jointly(case, config, memory)
     if jointly is not None:
         return jointly

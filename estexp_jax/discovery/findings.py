@@ -13,7 +13,7 @@ from estexp_jax.discovery.selection import NOISE, Explanation, Selection, tied
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.estimation.channels import channel_ranges
 from estexp_jax.physics.effects import units
-from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.changes import Change, sentence_of
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
@@ -80,20 +80,10 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         "name": change.name,
         "probability": probability,
         "in_mjcf": effect(told.effect).in_mjcf,
-        "sentence": units.unit_at(robot, e.kind, change.name, _with_names(robot, told)),
+        "sentence": units.unit_at(robot, e.kind, change.name, sentence_of(robot, told)),
         "equation": effect(told.effect).equation_with_values(told.parameters),
         "parameters": parameters,
     }
-
-
-def _with_names(robot: Robot, change: Change) -> str:
-    """The sentence of a change, with the names of the elements to which its numbers refer."""
-    sentence = change.sentence()
-    for p in effect(change.effect).parameters:
-        if p.refers and p.name in change.parameters:
-            number = round(change.parameters[p.name])
-            sentence = sentence.replace(f"number {number}", robot.names(p.refers)[number - 1])
-    return sentence
 
 
 def _interval(free: Free, value: float, interval: np.ndarray) -> dict[str, float | None]:

@@ -13,7 +13,7 @@ from typing import final
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change, Values, neutral
-from estexp_jax.physics.effects.registry import Catalogue, effect, every
+from estexp_jax.physics.effects.registry import Catalogue, effect, every, logging_faults
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
 
@@ -32,7 +32,9 @@ def model_values() -> tuple[str, ...]:
 
 
 def claimable(effects: Sequence[str]) -> tuple[str, ...]:
-    """Names of effects with their other forms, and unknown laws like them."""
+    """Names of effects with their other forms, and unknown laws like them; faults of logging are decided before."""
+    logging = {e.name for e in logging_faults()}
+    effects = [name for name in effects if name not in logging]
     related = ((e.name, e.variant_of or e.tried_beside) for e in every())
     return (*effects, *(other for other, name in related if name in effects))
 

@@ -58,6 +58,6 @@ def shown_by(problem: Problem, fits: Mapping[str, Fit], stepped: Collection[str]
     own, exact = replace(problem, step=None), problem.exact()
     windows, others = np.arange(len(problem.segments)), [name for name in fits if name not in stepped]
     [nominal] = own.simulated([fits[NOMINAL].member], windows)
-    found = exact.simulated([fits[name].member for name in others], windows)
+    found = exact.simulated([fits[name].member for name in others], windows) if others else []
     names, readings = (*stepped, *others), [*[nominal] * len(stepped), *found]
     return Shown(problem, dict(zip(names, readings, strict=True)))

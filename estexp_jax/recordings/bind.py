@@ -153,6 +153,16 @@ def bind_columns(
     return Recording(name, time, **arrays, role=role, settings=dict(settings or {}), **remarks)
 
 
+def log_columns(robot: Robot, recording: Recording) -> dict[str, np.ndarray]:
+    """The columns (rows,) of a log of a recording, by our names: commands, and readings with samples."""
+    columns = {"time": recording.time}
+    for name, (kind, index) in _column_places(robot).items():
+        values = getattr(recording, kind)[:, index]
+        if kind == "ctrl" or (not values.all() if kind == "enable" else np.isfinite(values).any()):
+            columns[name] = values
+    return columns
+
+
 def _column_places(robot: Robot) -> dict[str, tuple[str, int]]:
     """Each of our column names except `time`, with its array and its column in that array."""
     places: dict[str, tuple[str, int]] = {}

@@ -94,7 +94,7 @@ def _inputs(model: Path, robot: Robot, recordings: Sequence[Recording], judged_l
 
 
 def _with_clock_remarks(robot: Robot, recording: Recording) -> Recording:
-    judged = judge(apply_settings(robot, recording.settings, where=recording.name), recording)
+    judged = judge(apply_settings(robot, recording.settings, where=recording.name), recording, replayed=False)
     faults = tuple(f"{each['name']}: {each['sentence']}" for each in judged["faults"] if each["kind"] in CLOCK_KINDS)
     return replace(recording, notes=(*recording.notes, *faults), clock_faults=faults)
 

@@ -17,11 +17,13 @@ from estexp_jax.experiment_design.excitation import multisine, random_steps
 from estexp_jax.physics.effects.base import Effect
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.controller_fault import CommandRoute, ControllerFault
+from estexp_jax.physics.effects.logging_fault import LoggingFault
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.clearance import pairs_that_touch
 from estexp_jax.physics.model.portable import portable
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.recordings.bind import COORDINATES
+from estexp_jax.recordings.bind import COORDINATES, bind_columns, log_columns
+from estexp_jax.recordings.table import Table
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.replay.explained_simulator import ExplainedSimulator, Traces
 from estexp_jax.runs import RunFolder, write_json, write_text
@@ -104,7 +106,8 @@ def write_recordings(
             what = f"'{change.effect}' acts in a controller, and commands are replayed here"
             raise InputError(what, where="--effect")
     write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
-    real = ExplainedSimulator(robot, tuple(changes), _FINER)
+    logging = [change for change in changes if isinstance(effect(change.effect), LoggingFault)]
+    real = ExplainedSimulator(robot, tuple(c for c in changes if c not in logging), _FINER)
     time = np.arange(int(round(config.duration * config.rate))) / config.rate
     motors = torque_motors(robot)
     motions = _motions(robot, motors, time, config)
@@ -116,7 +119,8 @@ def write_recordings(
         else:
             traces, commands = real.rollout(planned, period=1.0 / config.rate), planned
         _refuse_diverged(traces, name)
-        write_csv(folder.file(name), _log(robot, commands, traces, config, config.seed + 100 + i))
+        columns = _log(robot, commands, traces, config, config.seed + 100 + i)
+        write_csv(folder.file(name), _faulty(robot, logging, columns) if logging else columns)
     write_text(folder.file("recordings.toml"), _manifest([name for name, _ in motions]))
     write_json(folder.file("truth.json"), {"effects": [c.to_json() for c in changes], "seed": config.seed})
     return RecordResult(folder.path / "recordings.toml", tuple(changes))
@@ -171,6 +175,16 @@ def _log(robot: Robot, commands: np.ndarray, traces: Traces, config: RecordConfi
         else:
             columns |= _captured(robot, joint, traces, config, draw)
     return columns
+
+
+def _faulty(robot: Robot, changes: Sequence[Change], columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Columns of a log in which something went wrong when it was written."""
+    recording = bind_columns(robot, Table("log", columns))
+    for change in changes:
+        fault = effect(change.effect)
+        assert isinstance(fault, LoggingFault)
+        recording = fault.logged(robot, recording, change.name or "", change.values)
+    return log_columns(robot, recording)
 
 
 def _captured(

@@ -78,6 +78,17 @@ class Change:
         return cls(entry["effect"], name, parameters)
 
 
+def sentence_of(robot: Robot, change: Change) -> str:
+    """The sentence of a change, with the names of the elements to which its numbers refer."""
+    sentence = change.sentence()
+    for p in effect(change.effect).parameters:
+        number = round(change.parameters.get(p.name, 0.0)) if p.refers else 0
+        if number:
+            names = robot.names(p.refers)
+            sentence = sentence.replace(f"number {number}", names[min(number, len(names)) - 1])
+    return sentence
+
+
 def parse_change(text: str, robot: Robot) -> Change:
     """Read `effect@name parameter=value ...`, as typed on the command line.
 

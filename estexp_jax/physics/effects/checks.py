@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 from mujoco import mjx
 
@@ -27,11 +28,13 @@ from estexp_jax.physics.effects.base import (
 )
 from estexp_jax.physics.effects.changes import Change, encode, fixed_values, neutral, parse_change
 from estexp_jax.physics.effects.controller_fault import ControllerFault
+from estexp_jax.physics.effects.logging_fault import LoggingFault
 from estexp_jax.physics.effects.search_checks import guess_faults, relation_faults
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
 
-KINDS = ("joint", "actuator", "sensor", "body", "environment", "controller")
+KINDS = ("joint", "actuator", "sensor", "body", "environment", "recording", "controller")
 SIDES = ("plant", "command", "sensor", "numerics")
 _INSIDE = 0.7
 """Where between its bounds an effect is tried."""
@@ -91,7 +94,9 @@ def _places(e: Effect, robot: Robot) -> Iterator[str]:
         yield "names a place twice"
     if e.kind == "controller":
         return
-    exist = {"", *robot.names("body")} if e.kind == "environment" else {ALL_ALIKE, *robot.names(e.kind)}
+    elements = {"environment": "body", "recording": "channel"}.get(e.kind, e.kind)
+    exist = {*robot.names(elements), *(("",) if e.kind == "environment" else (ALL_ALIKE,))}
+    exist |= {""} if e.kind == "recording" else set()
     for site in sorted(set(sites) - exist):
         yield f"names the place '{site}', where no {e.kind} is"
 
@@ -181,11 +186,31 @@ def _both(e: Effect, robot: Robot, values: jax.Array) -> tuple[Any, Any]:
             return np.zeros(model.nsensordata), e.rate(robot, np.asarray(values))
         case CommandLaw():
             return line, e.act(p, line, 0.3 * line, 0.002, e.initial(p, line))[0]
+        case LoggingFault():
+            recording = sample_recording(model)
+            columns = _columns(recording)
+            for site in e.sites(robot):
+                recording = e.logged(robot, recording, site, {p.name: p.neutral for p in e.parameters})
+            return columns, _columns(recording)
         case BodyForce():
             nothing, place = jnp.zeros(n), jnp.ones(n)
             return (nothing,) * 3, e.force_on_body(p, (place, place, place))
         case _:
-            raise TypeError("it is no Edit, Term, BodyForce, CommandLaw, CommandShift, ReadingShift or Distortion")
+            raise TypeError(
+                "it is no Edit, Term, BodyForce, CommandLaw, CommandShift, ReadingShift, Distortion or LoggingFault"
+            )
+
+
+def sample_recording(model: mujoco.MjModel) -> Recording:
+    """A log in which everything moves."""
+    time = 0.01 * np.arange(200.0)
+    sizes = model.nu, model.nactuator, model.nsensordata, model.nq, model.nv
+    ctrl, _, sensor, qpos, qvel = (np.sin(time[:, None] * (2.0 + np.arange(n)) + n) for n in sizes)
+    return Recording("sample.csv", time, ctrl, np.ones((len(time), model.nactuator)), sensor, qpos, qvel)
+
+
+def _columns(recording: Recording) -> tuple[np.ndarray, ...]:
+    return recording.time, recording.ctrl, recording.sensor, recording.qpos, recording.qvel
 
 
 class SampleParameters(NamedTuple):

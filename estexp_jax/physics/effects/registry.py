@@ -13,6 +13,7 @@ from typing import TypeVar
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.effects.damage import Damage, ModelError
 from estexp_jax.physics.effects.effect import Effect
+from estexp_jax.physics.effects.logging_fault import LoggingFault
 
 Catalogue = tuple[Effect, ...]
 _E = TypeVar("_E", bound=Effect | type[Effect])
@@ -63,6 +64,11 @@ def variants() -> Catalogue:
 def nameless() -> Catalogue:
     """Unknown laws of other elements than joints: each is claimed as an effect is, not put together of terms."""
     return tuple(e for e in every() if e.tried_beside)
+
+
+def logging_faults() -> tuple[LoggingFault, ...]:
+    """What may go wrong when a log is written: decided before a search, and held by no simulation."""
+    return tuple(e for e in every() if isinstance(e, LoggingFault))
 
 
 def own() -> Catalogue:

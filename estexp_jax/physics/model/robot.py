@@ -13,6 +13,7 @@ import numpy as np
 
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.files import is_file, read_description
+from estexp_jax.physics.model.log_channels import LogChannel, log_channels
 from estexp_jax.physics.model.spec import freeze, set_timestep, spec_elements, with_masses, with_names
 from estexp_jax.physics.model.validation import refuse_invalid, refuse_unbounded, warnings_suppressed
 
@@ -104,9 +105,9 @@ class Robot:
 
         Args:
             kind: body, joint, geom, site, actuator or sensor. The world is left out of the bodies'
-                *choices* (see `index`), not out of this list.
+                *choices* (see `index`), not out of this list. Or channel: those of `channels`.
         """
-        return self._names[kind]
+        return tuple(self.channels) if kind == "channel" else self._names[kind]
 
     def index(self, kind: str, name: str) -> int:
         """MuJoCo's index of a named element.
@@ -129,6 +130,11 @@ class Robot:
             )
             for kind in _TYPES
         }
+
+    @cached_property
+    def channels(self) -> dict[str, LogChannel]:
+        """What a log of it has one number a row of, by name."""
+        return log_channels(self.model, self._names)
 
     @cached_property
     def scalar_joints(self) -> tuple[int, ...]:

@@ -110,6 +110,21 @@ def unit_faults(name: str, values: np.ndarray) -> Iterator[Fault]:
         yield Fault("degrees", name, f'reaches {largest:.4g} rad; is it in degrees? Then give unit = "deg"')
 
 
+def speed_faults(time: np.ndarray, columns: Mapping[str, str], readings: Mapping[str, np.ndarray]) -> Iterator[Fault]:
+    """Faults of a joint's speed compared with the slope of its position.
+
+    Args:
+        time: (rows,) s.
+        columns: that measure the joint's motion, each with its kind.
+        readings: (rows,) of each column.
+    """
+    position = next((column for column, kind in columns.items() if kind != "speed"), None)
+    rate = next((column for column, kind in columns.items() if kind == "speed"), None)
+    if position is not None and rate is not None:
+        rows = np.isfinite(readings[position]) & np.isfinite(readings[rate])
+        yield from slope_faults(position, rate, time[rows], readings[position][rows], readings[rate][rows])
+
+
 def slope_faults(angle: str, rate: str, time: np.ndarray, values: np.ndarray, speeds: np.ndarray) -> Iterator[Fault]:
     """A speed that is not the slope of the angle: wrong unit or sign.
 

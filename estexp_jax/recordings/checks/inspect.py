@@ -12,7 +12,7 @@ import numpy as np
 from estexp_jax.physics.model.actuators import actuator_of_input
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
-from estexp_jax.recordings.checks import clock_agreement, excitation, faults, servo_faults, signals
+from estexp_jax.recordings.checks import clock_agreement, excitation, faults, model_faults, servo_faults, signals
 
 GAP = 3.0
 """A clock step longer than this many median periods is a gap."""
@@ -26,8 +26,13 @@ CLOCK_KINDS = frozenset({"time_unit", "ahead", "clock_drift"})
 _MOVED = {"angle": 0.02, "length": 0.001, "speed": 0.05}
 
 
-def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
-    """The properties and faults of a recording that need no simulation, as plain JSON values.
+def judge(robot: Robot, recording: Recording, *, replayed: bool = True) -> dict[str, Any]:
+    """The properties and faults of a recording, as plain JSON values.
+
+    Args:
+        robot: with the recording's settings applied.
+        recording: the log.
+        replayed: also replay pieces of it with the model, and look for faults of logging.
 
     Returns:
         `file`, `role`, `rows`, `duration_s`;
@@ -54,6 +59,9 @@ def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
     ]
     silent = [name for name, values in readings.items() if not np.isfinite(values).any()]
     found_faults += [faults.Fault("empty", name, "never reads anything") for name in silent]
+    logging = [*model_faults.model_faults(robot, recording)] if replayed else []
+    assumed = model_faults.assumed(robot, recording) if replayed and not logging else []
+    found_faults += logging
     return {
         "file": recording.name,
         "role": recording.role,
@@ -65,7 +73,7 @@ def judge(robot: Robot, recording: Recording) -> dict[str, Any]:
         "joints": joints,
         "faults": [asdict(fault) for fault in found_faults],
         "suspicions": [f"{fault.name}: {fault.sentence}" for fault in found_faults],
-        "notes": list(recording.notes),
+        "notes": [*recording.notes, *assumed],
     }
 
 
@@ -202,7 +210,7 @@ def _faults(
         for column, kind in columns.items():
             if hinge and kind == "angle":
                 yield from faults.unit_faults(column, readings[column][np.isfinite(readings[column])])
-        yield from _slope_faults(recording, columns, readings)
+        yield from faults.speed_faults(recording.time, columns, readings)
     for column, values in readings.items():
         rows = np.flatnonzero(np.isfinite(values))
         yield from faults.reading_faults(column, kinds.get(column, ""), recording.time[rows], values[rows], rows)
@@ -232,15 +240,3 @@ def _n_samples(values: np.ndarray) -> int:
 
 def _irregularity(clock: dict[str, Any]) -> float:
     return (clock["jitter_s"] / clock["period_s"]) + clock["gaps"] / clock["steps"]
-
-
-def _slope_faults(
-    recording: Recording, columns: dict[str, str], readings: dict[str, np.ndarray]
-) -> Iterator[faults.Fault]:
-    """Faults of a joint's speed compared with the slope of its position."""
-    position = next((column for column, kind in columns.items() if kind != "speed"), None)
-    rate = next((column for column, kind in columns.items() if kind == "speed"), None)
-    if position is not None and rate is not None:
-        rows = np.isfinite(readings[position]) & np.isfinite(readings[rate])
-        pair = readings[position][rows], readings[rate][rows]
-        yield from faults.slope_faults(position, rate, recording.time[rows], *pair)

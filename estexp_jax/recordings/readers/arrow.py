@@ -107,6 +107,31 @@ def arrays_of(
     return {name: arrays[name] for name in readable if name in arrays}
 
 
+def is_plain(kind: pyarrow.DataType) -> bool:
+    """Whether each value of a type is one number, and no time."""
+    from pyarrow import types
+
+    return types.is_integer(kind) or types.is_floating(kind)
+
+
+def empty_column(rows: int) -> np.ndarray:
+    """An array (rows,) of float64 to be filled, in Arrow's memory.
+
+    NumPy asks the system for huge pages, and where memory is in pieces that may take longer than to read the file.
+    """
+    import pyarrow
+
+    return np.frombuffer(pyarrow.allocate_buffer(8 * rows), np.float64)
+
+
+def fill(target: np.ndarray, values: pyarrow.Array) -> None:
+    """Put numbers into an array (rows,) that is there; nulls are NaN."""
+    import pyarrow
+
+    is_ready = values.type == pyarrow.float64() and not values.null_count
+    target[:] = values.to_numpy() if is_ready else _to_numpy(values)
+
+
 def _flattened(columns: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
     from pyarrow import types
 

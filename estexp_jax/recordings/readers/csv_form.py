@@ -20,6 +20,8 @@ COMMENTS = ("#", "%", "//")
 """How lines begin that are none of the table."""
 _SEPARATORS = (",", ";", "\t")
 _MOST_LINES, _LONGEST = 20, 2**24
+_MOST_LEVELS = 4
+"""Lines of a header."""
 _UNITS: Mapping[str, str] = {
     **{unit: unit for unit in ("rad", "deg", "rad/s", "deg/s", "rpm", "s", "ms", "us", "ns", "m", "mm")},
     **dict.fromkeys(("°", "degree", "degrees"), "deg"),
@@ -60,7 +62,10 @@ def form_of(path: Path) -> CsvForm:
     first, rows = table[0], [lines[k] for k in table]
     where = f"{path}, row {first + 1}"
     separator = "\t" if path.suffix.lower() == ".tsv" else _separator(rows)
+    _refuse_spaces(rows, separator, where)
     names, height = _header(lines[first:], separator)
+    if height == 1:
+        names, height = _with_levels(names, [_cells(row, separator) for row in rows[1:]])
     if not any(names):
         raise InputError("has no header", where=where, right="the first line names the columns")
     comment = max((k for k in range(first) if lines[k].strip()), default=None)
@@ -82,6 +87,40 @@ def _header(lines: Sequence[str], separator: str) -> tuple[tuple[str, ...], int]
     except csv.Error:
         return _cells(lines[0], separator), 1
     return tuple(cell.strip() for cell in cells), reader.line_num
+
+
+def _with_levels(names: tuple[str, ...], rows: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], int]:
+    """Names of a header in several lines, joined, and how many these are: pandas writes a level of columns in each.
+
+    The last of them may hold the name of the index alone.
+    """
+    given = [name for name in names if name]
+    if len(set(given)) == len(given):
+        return names, 1
+    height = 1
+    for cells in rows[: _MOST_LEVELS - 1]:
+        units = units_in(cells, names)
+        if len(cells) != len(names) or units is None or any(units.values()):
+            break
+        height += 1
+        if not any(cells[1:]):
+            return (cells[0], *names[1:]), height
+        names = tuple(".".join(filter(None, pair)) for pair in zip(names, cells, strict=True))
+    return names, height
+
+
+def _refuse_spaces(rows: Sequence[str], separator: str, where: str) -> None:
+    """Refuse a table whose cells are separated by spaces, in which no name is one cell for sure.
+
+    Raises:
+        InputError: it is one.
+    """
+    words = [row.split() for row in rows]
+    if len(_cells(rows[0], separator)) > 1 or len(words) < 2 or len({len(each) for each in words}) > 1:
+        return
+    if len(words[0]) > 1 and all(_is_value(cell) for each in words[1:] for cell in each):
+        right = r"commas, semicolons or tabs: pandas.read_csv(path, sep=r'\s+').to_csv(path, index=False) writes them"
+        raise InputError("its cells are separated by spaces", where=where, right=right)
 
 
 def _head(path: Path) -> tuple[list[str], list[int]]:

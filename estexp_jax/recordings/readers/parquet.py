@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.recordings.readers.arrow import ArrowColumns, arrays_of, columns_of, joined, table_of
+from estexp_jax.recordings.readers.arrow import (
+    ArrowColumns,
+    arrays_of,
+    columns_of,
+    empty_column,
+    fill,
+    is_plain,
+    joined,
+    table_of,
+)
 from estexp_jax.recordings.table import Selection, Table, check_size
 
 if TYPE_CHECKING:
@@ -19,6 +28,8 @@ if TYPE_CHECKING:
 EPISODE = "episode_index"
 """The column of a LeRobot data set that holds each row's episode."""
 _MOST_META_BYTES = 16 * 2**20
+_BATCH = 100_000
+"""Rows that are decoded at a time."""
 
 
 def read_parquet(path: Path, selection: Selection) -> Table:
@@ -30,13 +41,48 @@ def read_parquet(path: Path, selection: Selection) -> Table:
     Raises:
         InputError: the file is not Parquet or too large, or the episode does not exist or was not chosen among several.
     """
-    arrays, columns = read_columns([path], selection.episode, str(path), selection.asks_for)
+    read = _read_plain(path, selection.asks_for) if selection.episode is None else None
+    arrays, columns = read or read_columns([path], selection.episode, str(path), selection.asks_for)
     label = "" if selection.episode is None else f"{path.stem}_episode_{selection.episode}.parquet"
     if selection.episode is None and EPISODE in arrays and len(np.unique(arrays[EPISODE])) > 1:
         raise InputError("holds several episodes", where=str(path), right=episodes(np.unique(arrays[EPISODE])))
     folder = next((p for p in path.resolve().parents[:4] if (p / "meta" / "info.json").is_file()), None)
     names = {} if folder is None or EPISODE not in arrays else part_names(read_info(folder), arrays)
     return table_of(arrays, columns, str(path), label=label, parts=names)
+
+
+def _read_plain(path: Path, wanted: Callable[[str], bool]) -> tuple[dict[str, np.ndarray], ArrowColumns] | None:
+    """The columns of a file of plain numbers, each batch put in its place at once; None where there are others.
+
+    Raises:
+        InputError: the file is not Parquet, or too large.
+    """
+    import pyarrow
+    from pyarrow import parquet
+
+    try:
+        with parquet.ParquetFile(path, memory_map=False, pre_buffer=False) as file:
+            schema, rows = file.schema_arrow, file.metadata.num_rows
+            columns = columns_of(schema, lambda name: name == EPISODE or wanted(name), path)
+            names = list(columns.readable)
+            if not all(name in schema.names and is_plain(schema.field(name).type) for name in names):
+                return None
+            check_size(
+                sum(_count_values(file.metadata.row_group(k), columns) for k in range(file.num_row_groups)), str(path)
+            )
+            check_size(rows * max(len(names), 1), str(path))
+            arrays = {name: empty_column(rows) for name in names}
+            first = 0
+            for batch in file.iter_batches(batch_size=_BATCH, columns=names, use_threads=False):
+                for name, values in zip(batch.schema.names, batch.columns, strict=True):
+                    fill(arrays[name][first : first + batch.num_rows], values)
+                first += batch.num_rows
+            if first != rows:
+                raise ValueError(f"it holds {first:,} rows instead of {rows:,}")
+    except (pyarrow.ArrowException, OSError, ValueError, KeyError, OverflowError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise InputError(f"is not a Parquet file: {reason}", where=str(path)) from None
+    return arrays, columns
 
 
 def episodes(existing: Sequence[float] | np.ndarray) -> str:

@@ -140,6 +140,22 @@ def test_mixed_decimal_marks_are_refused(tmp_path):
         table.column("a")
 
 
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        (",goal,goal\n,a,b\ntime,,\n0,1,2\n1,3,4\n", ("time", "goal.a", "goal.b")),
+        ("kind,goal,goal\njoint,a,b\ntime,,\n0,1,2\n1,3,4\n", ("time", "goal.a", "goal.b")),
+        (",arm,arm\n,goal,goal\n,a,b\nt,,\n0,1,2\n1,3,4\n", ("t", "arm.goal.a", "arm.goal.b")),
+        ("t,x,x\ns,rad,rad\n0,1,2\n1,3,4\n", ("t", "x", "x")),
+    ],
+)
+def test_a_header_of_several_lines_is_joined(tmp_path, text, names):
+    table = read_table(_write(tmp_path / "a.csv", text))
+    assert tuple(dict.fromkeys(table.names)) == tuple(dict.fromkeys(names))
+    np.testing.assert_array_equal(table.column(names[0]), [0.0, 1.0])
+    assert table.row_numbers is not None and table.row_numbers[0] == text[: text.index("0,1,2")].count("\n") + 1
+
+
 def test_logs_that_begin_anew_say_where(tmp_path):
     table = read_table(_write(tmp_path / "a.csv", "time,x\ns,rad\n0,1\n1,2\ntime,x\ns,rad\n0,3\n"))
     assert table.restarts == (2,) and table.row_numbers is not None and table.row_numbers.tolist() == [3, 4, 7]
@@ -153,6 +169,7 @@ def test_logs_that_begin_anew_say_where(tmp_path):
         ("a,b\n1,2,3\n", "row 2: 3 cells under a header of 2 columns"),
         ("1,2\n3,4\n", "row 1: has no header: the first line holds '1,2'"),
         ('a,b\n1,"2\n', "row 2: is not well-formed CSV"),
+        ("time x y\n0.0  1 2\n0.1  1 3\n", r"row 1: its cells are separated by spaces; .*sep="),
     ],
 )
 def test_malformed_csv_names_the_row(tmp_path, text, message):

@@ -54,6 +54,27 @@ def truth():
     return Truth(time, goals, angles)
 
 
+_TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
+TRAJECTORY = f"""std_msgs/Header header
+string[] joint_names
+trajectory_msgs/JointTrajectoryPoint[] points
+{"=" * 80}
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+{"=" * 80}
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+{"=" * 80}
+MSG: trajectory_msgs/JointTrajectoryPoint
+float64[] positions
+float64[] velocities
+float64[] accelerations
+float64[] effort
+"""
+
+
 def _text(folder, lines):
     (folder / "log.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return folder / "log.csv"
@@ -120,6 +141,16 @@ def _csv_as_it_comes(folder, log):
 
 def _csv_pandas(folder, log):
     pytest.importorskip("pandas").DataFrame(log.columns).to_csv(folder / "log.csv")
+    return folder / "log.csv"
+
+
+def _csv_levels(folder, log):
+    """Columns in two levels, the index with a name: a header of three lines."""
+    pandas = pytest.importorskip("pandas")
+    pairs = [(kind, JOINTS[j]) for kind in ("goal", "position") for j in ORDER]
+    values = np.concatenate([log.goals[:, ORDER], log.angles[:, ORDER]], axis=1)
+    frame = pandas.DataFrame(values, pandas.Index(log.time, name="time"), pandas.MultiIndex.from_tuples(pairs))
+    frame.to_csv(folder / "log.csv")
     return folder / "log.csv"
 
 
@@ -295,6 +326,32 @@ def _mcap_json(folder, log):
     return folder / "log.mcap"
 
 
+def _mcap_trajectories(folder, log):
+    """Commands as trajectories of one point, with `joint_names`."""
+    pytest.importorskip("mcap_ros2")
+    from mcap.writer import Writer
+    from mcap_ros2._dynamic import serialize_dynamic
+
+    from tests.recordings.readers.forms import JOINT_STATE
+
+    kinds = {"/joint_states": ("sensor_msgs/msg/JointState", JOINT_STATE), "/command": (_TRAJECTORY, TRAJECTORY)}
+    with (folder / "log.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2", library="test")
+        encoders, channels = {}, {}
+        for topic, (kind, text) in kinds.items():
+            encoders[topic] = serialize_dynamic(kind, text)[kind]
+            channels[topic] = writer.register_channel(
+                topic, "cdr", writer.register_schema(kind, "ros2msg", text.encode())
+            )
+        for topic, stamp, names, values in _joint_states(log):
+            goal = {"joint_names": names, "points": [{"positions": values}]}
+            data = encoders[topic]({"name": names, "position": values} if topic == "/joint_states" else goal)
+            writer.add_message(channels[topic], stamp, data, stamp)
+        writer.finish()
+    return folder / "log.mcap"
+
+
 def _mcap_foxglove(folder, log):
     pytest.importorskip("mcap_protobuf")
     foxglove = pytest.importorskip("foxglove")
@@ -365,6 +422,7 @@ VARIANTS = {
     "CSV, ISO time stamps": _csv_iso,
     "CSV, as it comes": _csv_as_it_comes,
     "CSV, pandas": _csv_pandas,
+    "CSV, pandas with columns in levels": _csv_levels,
     "CSV, polars": _csv_polars,
     "NPZ": _npz,
     "NPZ, datetime64": _npz_stamps,
@@ -381,6 +439,7 @@ VARIANTS = {
     "HDF5, MATLAB v7.3": _hdf5_matlab,
     "LeRobot": _lerobot,
     "MCAP, ROS 2": _mcap,
+    "MCAP, ROS 2 trajectories as commands": _mcap_trajectories,
     "MCAP, JSON": _mcap_json,
     "MCAP, Foxglove protobuf": _mcap_foxglove,
     "MCAP, each message compressed": _mcap_packed_messages,

@@ -41,6 +41,10 @@ EFFECTS = (
     "ground_friction",
     "external_force",
     "mount_compliance",
+    "channels_exchanged",
+    "no_signal",
+    "clock_scale",
+    "command_lead",
     "neuron_fault",
 )
 """Modules of the catalogue. Terms act in this order: what changes a motor's torque, then what passes it on."""
