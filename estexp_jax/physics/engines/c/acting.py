@@ -36,8 +36,10 @@ class ActingEffects:
     def __init__(self, robot: Robot, catalogue: Catalogue, models: LaneModels, values: Values) -> None:
         """With edited models, and values (lanes, n_sites, n_parameters) of each effect."""
         asks = [e for e in catalogue if isinstance(e, Term) and (feels_gravity(e) or e.kind == "body")]
-        works = any(at_work(e, np.asarray(values[e.name])).any() for e in asks)
-        carried = CarriedMomenta(models) if works else None
+        asking = np.zeros(models.lanes, bool)
+        for e in asks:
+            asking |= at_work(e, np.asarray(values[e.name])).any(axis=1)
+        carried = CarriedMomenta(models, np.flatnonzero(asking)) if asking.any() else None
         self._chunk = Chunk(robot, models, StepTable(robot.model, models.lanes), carried)
         self.laws: list[ActingCommandLaw] = []
         self.terms: list[ActingTerm] = []

@@ -26,28 +26,29 @@ class CarriedMomenta:
     """Of each degree of freedom, in lanes' present configurations.
 
     Attributes:
-        linear, angular: (lanes, nv, 3) f and n.
+        linear, angular: (lanes, nv, 3) f and n; 0 in lanes where nothing asks for them.
     """
 
-    def __init__(self, models: LaneModels) -> None:
-        """With edited models."""
-        self._batch = models.batch
+    def __init__(self, models: LaneModels, lanes: np.ndarray) -> None:
+        """With edited models, and the lanes (n,) where something asks for momenta: each costs a step's kinematics."""
+        self._batch, self._lanes = models.batch, lanes
         self._model: mujoco.MjModel = models.batch.model
         self._gravity = models.read("opt.gravity")
         names = ("qpos", "crb", "cdof", "subtree_com", "xpos")
         self._qpos, self._composite, self._motion, self._centre, self._place = map(models.batch.bind, names)
-        self.linear = self.angular = np.zeros((models.lanes, self._model.nv, 3))
+        self.linear, self.angular = np.zeros((2, models.lanes, self._model.nv, 3))
 
     def update(self, qpos: np.ndarray) -> None:
         """Take configurations (lanes, nq) in."""
         self._qpos[:] = qpos
-        whole = np.flatnonzero(np.isfinite(qpos).all(axis=1))
+        lanes = self._lanes
+        whole = lanes[np.isfinite(qpos[lanes]).all(axis=1)]
         try:
             self._batch.forward(whole, stage=int(mujoco.mjtStage.mjSTAGE_POS))
         except mujoco.batch.SimulationError:
             pass  # such a lane is found broken when it is stepped
-        carried = self._composite[:, self._model.dof_bodyid]
-        self.angular, self.linear = _momentum(carried, self._motion[..., :3], self._motion[..., 3:])
+        carried, motion = self._composite[lanes][:, self._model.dof_bodyid], self._motion[lanes]
+        self.angular[lanes], self.linear[lanes] = _momentum(carried, motion[..., :3], motion[..., 3:])
 
     def gravity_torques(self) -> np.ndarray:
         """Torques of gravity (lanes, nv), N m or N."""
