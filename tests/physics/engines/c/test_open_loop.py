@@ -30,7 +30,7 @@ ZOO = """
   <compiler angle="radian" autolimits="true"/>
   <option timestep="0.002" integrator="implicitfast" actuatorgroupdisable="2"/>
   <worldbody>
-    <geom name="floor" type="plane" size="2 2 .1" pos="0 0 0.55"/>
+    <geom name="floor" type="plane" size="2 2 .1" pos="0 0 .605"/>
     <body name="neck" pos="0 0 1">
       <joint name="neck" type="ball" damping="0.3"/>
       <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.03" mass="1" contype="0" conaffinity="0"/>
@@ -65,7 +65,7 @@ SMALL = """
   <compiler angle="radian" autolimits="true"/>
   <option timestep="0.0025" integrator="implicitfast"/>
   <worldbody>
-    <geom name="floor" type="plane" size="2 2 .1" pos="0 0 .62"/>
+    <geom name="floor" type="plane" size="2 2 .1" pos="0 0 .605"/>
     <body name="arm" pos="0 0 1">
       <joint name="shoulder" axis="0 1 0" damping="0.05" armature="0.004"/>
       <geom type="capsule" fromto="0 0 0 0 0 -0.25" size="0.02" mass="0.6" contype="0" conaffinity="0"/>
@@ -296,4 +296,7 @@ def test_every_effect_agrees_with_other_engines(engine: str) -> None:
         size = np.abs(expected.qpos[lane] - expected.qpos[0]).max()
         np.testing.assert_allclose(found.qpos[lane], expected.qpos[lane], atol=1e-4 + 1e-3 * size, err_msg=name)
         scale = np.maximum(np.abs(expected.sensors[lane]).max(axis=0), 1e-2)
-        np.testing.assert_allclose(found.sensors[lane] / scale, expected.sensors[lane] / scale, atol=5e-3, err_msg=name)
+        # Forces of impacts, in single precision, differ by a percent.
+        np.testing.assert_allclose(
+            found.sensors[lane] / scale, expected.sensors[lane] / scale, atol=1.5e-2, err_msg=name
+        )
