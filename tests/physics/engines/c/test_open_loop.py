@@ -263,16 +263,19 @@ def test_inertia_of_a_term_does_not_depend_on_edits_of_other_lanes() -> None:
     assert np.abs(beside[0] - beside[2]).max() > 0.01
 
 
+FLUNG = 100.0
+"""Speed, rad/s, beyond which a robot has diverged, on every engine otherwise."""
 WILD = ("law_fling", "law_square_fling", "law_whirl", "law_cubic_drag", "law_place_damping", "law_cube", "law_tow")
 """Laws that make the robot diverge where their numbers are in the middle of their bounds."""
 
 
 def moderate(e: Effect, robot: Robot, site: str) -> Change:
-    """An effect with numbers a third up from the lower of its bounds."""
+    """An effect with numbers a third up from the lower of its bounds; of wild laws, a little."""
     numbers = {}
     for p, (low, high) in zip(e.parameters, e.bounds(robot, site), strict=True):
         low, high = max(low, -1e3), min(high, 1e3)
-        numbers[p.name] = 2.0 if p.refers else float(low + (0.003 if e.name in WILD else 0.37) * (high - low))
+        share = 0.003 * high if e.name in WILD else low + 0.37 * (high - low)
+        numbers[p.name] = 2.0 if p.refers else float(share)
     return Change(e.name, site or None, numbers)
 
 
@@ -293,10 +296,11 @@ def test_every_effect_agrees_with_other_engines(engine: str) -> None:
     names = tuple(e.name for e in every() if e.parameters and e.sites(robot) and e.kind != "controller")
     found, expected = (_replays(names, one) for one in ("c", engine))
     for lane, name in enumerate(("nominal", *names)):
-        size = np.abs(expected.qpos[lane] - expected.qpos[0]).max()
-        np.testing.assert_allclose(found.qpos[lane], expected.qpos[lane], atol=1e-4 + 1e-3 * size, err_msg=name)
-        scale = np.maximum(np.abs(expected.sensors[lane]).max(axis=0), 1e-2)
+        rows = np.logical_and.accumulate(np.abs(expected.qvel[lane]).max(axis=1) < FLUNG)  # false for NaN
+        assert rows.sum() > 5, name
+        motion, sensors = expected.qpos[lane, rows], expected.sensors[lane, rows]
+        size = np.abs(motion - expected.qpos[0, rows]).max()
+        np.testing.assert_allclose(found.qpos[lane, rows], motion, atol=1e-4 + 1e-3 * size, err_msg=name)
         # Forces of impacts, in single precision, differ by a percent.
-        np.testing.assert_allclose(
-            found.sensors[lane] / scale, expected.sensors[lane] / scale, atol=1.5e-2, err_msg=name
-        )
+        scale = np.maximum(np.abs(sensors).max(axis=0), 1e-2)
+        np.testing.assert_allclose(found.sensors[lane, rows] / scale, sensors / scale, atol=1.5e-2, err_msg=name)
