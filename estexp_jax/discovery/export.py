@@ -9,27 +9,27 @@ import mujoco
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.written import mjcf_refusal, written
 from estexp_jax.physics.model.portable import portable
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.model.spec import set_timestep
 
 
-def expressible(change: Change) -> bool:
-    """Whether MJCF has a place for a change."""
-    return effect(change.effect).in_mjcf
+def expressible(robot: Robot, change: Change) -> bool:
+    """Whether MJCF has a place for a change of a robot."""
+    return not mjcf_refusal(robot, change)
+
+
+def is_plain_value(robot: Robot, change: Change) -> bool:
+    """Whether MJCF holds a change as a value of an element that is there, so that states stay what they are."""
+    return expressible(robot, change) and not effect(change.effect).extends_mjcf
 
 
 def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> mujoco.MjSpec:
-    """A description of the robot with the changes that MJCF can express in it, at a part of the robot's step.
+    """A compiled description of the robot with the changes in it that MJCF can express, at a part of the robot's step.
 
     Files the model refers to (meshes, textures) are given by absolute paths.
     """
-    spec = robot.spec.copy()
-    for change in changes:
-        e = effect(change.effect)
-        if expressible(change):
-            e.write_mjcf(robot, spec, change.name or "", change.values)
-    set_timestep(spec, spec.option.timestep / finer)
+    spec = written(robot if finer == 1 else robot.finer(finer), changes)
     folder = Path(robot.source).resolve().parent
     if list(spec.meshes) or list(spec.hfields) or list(spec.skins):
         spec.compiler.meshdir = str(folder / spec.compiler.meshdir)
@@ -47,8 +47,8 @@ def explained_xml(
     lines = [f"The nominal model{told}."]
     step = robot.model.opt.timestep
     lines += [f"Its step is {step / finer:g} s instead of {step:g} s."] if finer > 1 else []
-    lines += [f"In it: {c.sentence()}." for c in changes if expressible(c)]
-    lines += [f"NOT in it, MJCF has no place for it: {c.sentence()} ({c.place})." for c in left_out]
+    lines += [f"In it: {c.sentence()}." for c in changes if expressible(robot, c)]
+    lines += [f"NOT in it: {c.sentence()} ({c.place}); {mjcf_refusal(robot, c)}." for c in left_out]
     spec = explained_spec(robot, changes, finer)
     if any(any(joint.damping[1:]) or any(joint.stiffness[1:]) for joint in spec.joints):
         lines += ["Damping or stiffness of several numbers, one for each power, needs MuJoCo 4."]

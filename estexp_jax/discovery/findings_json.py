@@ -12,7 +12,7 @@ from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.competing_models import competing_models_of
 from estexp_jax.discovery.confirmation import doubted
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
-from estexp_jax.discovery.export import explained_spec, expressible
+from estexp_jax.discovery.export import explained_spec, expressible, is_plain_value
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.intervals import parameter_intervals
@@ -100,7 +100,7 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         found.selection,
         changes=changes,
         mjcf_changes=_at_work(found.fits["sayable"]),
-        left_out=tuple(c for c in claimed if not (expressible(c) or expressible(tell.told_change(c)))),
+        left_out=tuple(c for c in claimed if not any(expressible(case.robot, x) for x in (c, tell.told_change(c)))),
         predictions=_predictions(case, shown),
         finer=1 if found.own_step else found.shown.replays.cut.parts,
         rivals_finer=found.shown.replays.cut.parts,
@@ -139,7 +139,7 @@ def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
     terms = [c for c in found.claimed if is_law((c.effect, c.name or ""))]
     if not terms:
         return ()
-    others = [c for c in _at_work(found.fits["explained"]) if c not in terms and expressible(c)]
+    others = [c for c in _at_work(found.fits["explained"]) if c not in terms and is_plain_value(case.robot, c)]
     known = {id(robot): explained_spec(robot, others).compile() for robot in case.robots}
     seen = force_residuals(found.shown, [known[id(robot)] for robot in case.robots], case.indices("train"))
     joints = dict.fromkeys(str(c.name) for c in terms)

@@ -32,6 +32,7 @@ def portable(spec: mujoco.MjSpec) -> tuple[str, dict[str, Path]]:
         names[name] = path
         return f'{found[1]}{ASSETS}/{escape(name, {chr(34): "&quot;"})}"'
 
+    spec.compiler.savecompiled = False  # else values have six digits
     text = spec.to_xml()
     rewritten = _FILE.sub(moved, text)
     return (_FOLDERS.sub("", rewritten) if names else text), names
