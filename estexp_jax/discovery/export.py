@@ -8,6 +8,7 @@ from pathlib import Path
 import mujoco
 
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.new_elements import ROTOR
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.written import mjcf_refusal, written
 from estexp_jax.physics.model.portable import portable
@@ -40,18 +41,30 @@ def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> m
 
 
 def explained_xml(
-    robot: Robot, changes: Sequence[Change], left_out: Sequence[Change], finer: int
+    robot: Robot, changes: Sequence[Change], left_out: Sequence[tuple[Change, str]], finer: int
 ) -> tuple[str, dict[str, Path]]:
-    """MJCF text of `explained_spec`, headed by what it contains and what it lacks; and its files, see `portable`."""
-    told = " with the physics that its recordings show it lacked" if changes or left_out else ""
-    lines = [f"The nominal model{told}."]
-    step = robot.model.opt.timestep
-    lines += [f"Its step is {step / finer:g} s instead of {step:g} s."] if finer > 1 else []
-    lines += [f"In it: {c.sentence()}." for c in changes if expressible(robot, c)]
-    lines += [f"NOT in it: {c.sentence()} ({c.place}); {mjcf_refusal(robot, c)}." for c in left_out]
+    """MJCF text of `explained_spec`, headed by what it contains and what it lacks, and why; and its files.
+
+    See `portable`.
+    """
     spec = explained_spec(robot, changes, finer)
-    if any(any(joint.damping[1:]) or any(joint.stiffness[1:]) for joint in spec.joints):
-        lines += ["Damping or stiffness of several numbers, one for each power, needs MuJoCo 4."]
-    comment = "\n     ".join(lines).replace("--", "- -")
+    comment = "\n     ".join(_heading(robot, spec, changes, left_out, finer)).replace("--", "- -")
     text, files = portable(spec)
     return f"<!-- {comment} -->\n{text}", files
+
+
+def _heading(
+    robot: Robot, spec: mujoco.MjSpec, changes: Sequence[Change], left_out: Sequence[tuple[Change, str]], finer: int
+) -> list[str]:
+    told = " with the physics that its recordings show it lacked" if changes or left_out else ""
+    lines, step = [f"The nominal model{told}."], robot.model.opt.timestep
+    lines += [f"Its step is {step / finer:g} s instead of {step:g} s."] if finer > 1 else []
+    lines += [f"In it: {c.sentence()}." for c in changes]
+    lines += [f"NOT in it: {c.sentence()} ({c.place}); {why}." for c, why in left_out]
+    if any(any(joint.damping[1:]) or any(joint.stiffness[1:]) for joint in spec.joints):
+        lines += ["Damping or stiffness of several numbers, one for each power, needs MuJoCo 4."]
+    if any(effect(c.effect).extends_mjcf for c in changes):
+        lines += ["Its elements are MuJoCo 4's. After a reset, delayed commands are 0 until the first ones arrive."]
+    if any(a.name not in robot.names("joint") and ROTOR in a.name for a in spec.joints):
+        lines += [f"A joint named ..{ROTOR} is a motor's: at a reset, put it where its joint is."]
+    return lines

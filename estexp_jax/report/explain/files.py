@@ -19,6 +19,8 @@ from estexp_jax.report.explain.page import explain_page
 from estexp_jax.runs import RunFolder, write_json, write_text
 from estexp_jax.runs.model_files import write_model
 
+FINE, STAND_IN = "model_explained_fine.xml", "model_stand_in.xml"
+"""The model at a finer step, and the one with values that stand in for what MJCF has no place for."""
 EFFECTS_SCHEMA = "estexp.effects/1"
 """Format of `effects.json`."""
 COMPETING_SCHEMA = "estexp.rivals/1"
@@ -47,9 +49,12 @@ def write_explanation(
     except NoGlError as error:
         missing = str(error)
     write_json(folder.file("findings.json"), findings)
-    left_out = diagnosis.left_out
-    robot = diagnosis.case.robot
-    write_model(folder, "model_explained.xml", explained_xml(robot, diagnosis.mjcf_changes, left_out, diagnosis.finer))
+    robot, native = diagnosis.case.robot, diagnosis.native
+    write_model(folder, "model_explained.xml", explained_xml(robot, native.changes, native.left_out, native.finer))
+    if native.fine:
+        write_model(folder, FINE, explained_xml(robot, native.changes, native.left_out, diagnosis.finer))
+    if native.stand_in is not None:
+        write_model(folder, STAND_IN, explained_xml(robot, native.stand_in, native.left_out, native.finer))
     write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}
