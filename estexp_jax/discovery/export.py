@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 
 from estexp_jax.physics.effects.changes import Change
-from estexp_jax.physics.effects.new_elements import ROTOR
+from estexp_jax.physics.effects.new_elements import ROTOR, passive_motor_text
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.written import mjcf_refusal, written
-from estexp_jax.physics.model.portable import portable
+from estexp_jax.physics.model.files import is_file
+from estexp_jax.physics.model.portable import ASSETS, portable
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.source_model import ModelFiles, changed_source
+
+NOMINAL_FILE, EXPLAINED_FILE = "nominal.xml", "model_explained.xml"
+FINE, STAND_IN = "model_explained_fine.xml", "model_stand_in.xml"
+"""The model at a finer step, and the one with values that stand in for what MJCF has no place for."""
+RESULTS = (NOMINAL_FILE, EXPLAINED_FILE, FINE, STAND_IN)
+"""Models of a result; files that a model includes stand beside them."""
+_DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>\s*\n?")
 
 
 def expressible(robot: Robot, change: Change) -> bool:
@@ -40,17 +51,44 @@ def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> m
     return spec
 
 
-def explained_xml(
-    robot: Robot, changes: Sequence[Change], left_out: Sequence[tuple[Change, str]], finer: int
-) -> tuple[str, dict[str, Path]]:
-    """MJCF text of `explained_spec`, headed by what it contains and what it lacks, and why; and its files.
+def explained_model(
+    robot: Robot,
+    changes: Sequence[Change],
+    left_out: Sequence[tuple[Change, str]],
+    finer: int,
+    folder: Path | None = None,
+) -> ModelFiles:
+    """The files of `explained_spec`, headed by what is in it and what it lacks, and why.
 
-    See `portable`.
+    As the user wrote them, where that can be: only what changed differs. Else MuJoCo's own text of the model.
+
+    Args:
+        robot: the nominal robot.
+        changes: what is in it.
+        left_out: what it lacks, and why.
+        finer: part of the robot's step that it takes.
+        folder: where it goes; not over the user's own files.
     """
     spec = explained_spec(robot, changes, finer)
-    comment = "\n     ".join(_heading(robot, spec, changes, left_out, finer)).replace("--", "- -")
-    text, files = portable(spec)
-    return f"<!-- {comment} -->\n{text}", files
+    lines = _heading(robot, spec, changes, left_out, finer)
+    source = Path(robot.source)
+    elsewhere = _is_file(robot) and (folder is None or folder.resolve() != source.resolve().parent)
+    own = (
+        changed_source(source, robot.spec.copy(), spec, taken=RESULTS, spelled=passive_motor_text)
+        if elsewhere
+        else None
+    )
+    if own is None:
+        text, files = portable(spec)
+        own = ModelFiles(text, {}, {f"{ASSETS}/{name}": path for name, path in files.items()})
+    comment = "\n     ".join(lines).replace("--", "- -")
+    declared = _DECLARATION.match(own.text)
+    at = declared.end() if declared else 0
+    return replace(own, text=f"{own.text[:at]}<!-- {comment} -->\n{own.text[at:]}")
+
+
+def _is_file(robot: Robot) -> bool:
+    return robot.source.endswith(".xml") and is_file(Path(robot.source))
 
 
 def _heading(

@@ -6,8 +6,9 @@ stay as they are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -69,6 +70,7 @@ def add_rotor(spec: mujoco.MjSpec, joint: Any, inertia: float) -> Any:
     """
     name = free_name([j.name for j in spec.joints], joint.name + ROTOR)
     body = spec.worldbody.add_body(name=free_name([b.name for b in spec.bodies], name))
+    body.ipos = [0.0, 0.0, 0.0]
     body.explicitinertial, body.mass, body.inertia = True, _WEIGHTLESS, [_WEIGHTLESS] * 3
     rotor = body.add_joint(name=name, type=joint.type, ref=joint.ref, springref=joint.ref, armature=inertia)
     rotor.limited = rotor.actfrclimited = _NO_LIMIT
@@ -79,6 +81,8 @@ def add_rotor(spec: mujoco.MjSpec, joint: Any, inertia: float) -> Any:
 
 ROTOR = "_rotor"
 """Added to a joint's name gives its rotor's."""
+_PASSIVE = ("name", "class", "joint", "tendon", "site", "refsite", "gear", "group")
+"""What is said of a passive motor beside its magnets and bearings."""
 _HIDDEN = 4
 """Group of what viewers do not show at first."""
 _WEIGHTLESS = 1e-9
@@ -97,3 +101,19 @@ def free_name(taken: Sequence[str], wanted: str) -> str:
 def _filled(values: Sequence[float]) -> list[float]:
     """Ten numbers, as actuators have them."""
     return [*values, *[0.0] * (10 - len(values))]
+
+
+def passive_motor_text(element: ElementTree.Element) -> ElementTree.Element:
+    """A motor without windings as authors write it, of the general actuator that MuJoCo writes; others as they are."""
+    a = dict(element.attrib)
+    if (a.get("dyntype"), a.get("input")) != ("dcmotor", "none"):
+        return element
+    bias, dynamics = ([float(x) for x in a.get(name, "").split()] + [0.0] * 10 for name in ("biasprm", "dynprm"))
+    a = {name: a[name] for name in _PASSIVE if name in a} | {"input": "none", "motorconst": "0", "resistance": "1"}
+    a |= {"cogging": _as_text(bias[:3])} if any(bias[:3]) else {}
+    a |= {"lugre": _as_text([*dynamics[5:7], *bias[3:6]])} if any(dynamics[5:7]) else {}
+    return ElementTree.Element("dcmotor", a)
+
+
+def _as_text(values: Iterable[float]) -> str:
+    return " ".join(repr(x) if x % 1.0 else f"{x:g}" for x in values)

@@ -73,7 +73,8 @@ def _fit_keyframes(robot: Robot, spec: mujoco.MjSpec) -> None:
     if (model.nq, model.nv, model.na, model.nu) == (nominal.nq, nominal.nv, nominal.na, nominal.nu):
         return
     for k, key in enumerate(spec.keys):
-        key.qpos, key.qvel = carried_over(robot, model, nominal.key_qpos[k], nominal.key_qvel[k])
+        key.qpos, moving = carried_over(robot, model, nominal.key_qpos[k], nominal.key_qvel[k])
+        key.qvel = moving if moving.any() else []
         act, ctrl = np.zeros(model.na), np.zeros(model.nu)
         for a in range(model.nactuator):
             if (name := model.actuator(a).name) in robot.names("actuator"):
@@ -83,7 +84,7 @@ def _fit_keyframes(robot: Robot, spec: mujoco.MjSpec) -> None:
                 first, from_ = int(model.actuator_ctrladr[a]), int(nominal.actuator_ctrladr[own])
                 if n > 0:
                     ctrl[first : first + n] = nominal.key_ctrl[k][from_ : from_ + n]
-        key.act, key.ctrl = act, ctrl
+        key.act, key.ctrl = act if act.any() else [], ctrl if ctrl.any() else []
 
 
 def _copy(act: np.ndarray, first: int, n: int, before: np.ndarray, nominal: mujoco.MjModel, own: int) -> None:
