@@ -36,7 +36,7 @@ def is_plain_value(robot: Robot, change: Change) -> bool:
     return expressible(robot, change) and not effect(change.effect).extends_mjcf
 
 
-def explained_spec(robot: Robot, changes: Sequence[Change], finer: int = 1) -> mujoco.MjSpec:
+def explained_spec(robot: Robot, changes: Sequence[Change], finer: float = 1) -> mujoco.MjSpec:
     """A compiled description of the robot with the changes in it that MJCF can express, at a part of the robot's step.
 
     Files the model refers to (meshes, textures) are given by absolute paths.

@@ -19,8 +19,10 @@ from estexp_jax.discovery.intervals import ratio_interval
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.written import mjcf_refusal
+from estexp_jax.physics.engines.c.histories import lengthen_histories
 from estexp_jax.physics.engines.c.plain_replay import PlainReplay
 from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.window import Window
 
 _MOST_WINDOWS = 16
 """Windows of training recordings on which files are compared: they are stepped one by one."""
@@ -114,8 +116,8 @@ class Stepped:
         for robot in {id(robots[cut[w].recording]): robots[cut[w].recording] for w in missing}.values():
             own = [w for w in missing if robots[cut[w].recording] is robot]
             step = float(robot.model.opt.timestep) / finer
-            replay = PlainReplay(robot, explained_spec(robot, changes, finer).compile())
             segments = [cut[w] if finer == 1 else cut[w].stepped(step) for w in own]
+            replay = PlainReplay(robot, stepped_model(robot, changes, segments))
             for w, readings in zip(own, problem.channels.simulated(replay.replay(segments)), strict=True):
                 self._readings[name, finer, w] = readings
             problem.counted[0] += sum(s.steps.n_steps for s in segments)
@@ -127,8 +129,23 @@ class Stepped:
         return found
 
 
+_EVEN = 1e-3
+"""Share by which steps may differ and count as even."""
 _BLOWN_UP = 100.0
 """Squared error, over the squared range, of a simulation that is no number."""
+
+
+def stepped_model(robot: Robot, changes: Sequence[Change], windows: Sequence[Window]) -> mujoco.MjModel:
+    """The file's model at the step that windows take: one that ends on each row, so perhaps a little shorter.
+
+    Where rows are uneven, steps are too; then buffers of delays hold more of the shorter ones.
+    """
+    lengths = np.concatenate([w.steps.length[w.steps.length > 0.0] for w in windows])
+    step = float(np.median(lengths))
+    spec = explained_spec(robot, changes, float(robot.model.opt.timestep) / step)
+    if lengths.min() < (1.0 - _EVEN) * step:
+        lengthen_histories(spec)
+    return spec.compile()
 
 
 def _compiling(robot: Robot, changes: Sequence[Change]) -> tuple[tuple[Change, ...], tuple[Change, ...]]:

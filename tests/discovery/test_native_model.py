@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from estexp_jax.discovery.diagnosis import Case, NativeModel
-from estexp_jax.discovery.native_model import Stepped, native_model
+from estexp_jax.discovery.native_model import Stepped, native_model, stepped_model
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.engines.c.plain_replay import PlainReplay
+from estexp_jax.physics.model.robot import Robot
 from tests.discovery.planted import Plant, case_of, problem_of
+from tests.physics.exported import motion, ours, robot_of
 
 DELAY = Change("command_delay", "servo", {"delay": 0.04})
 DEAF = Change("dead_band", "servo", {"half_width": 0.05})
@@ -57,3 +60,15 @@ def test_what_blows_up_is_as_bad_as_can_be_told(late):
 
 def test_a_step_that_is_wrong_is_the_files(late):
     assert _model(late, [DELAY], fine_only=True).finer == 4
+
+
+@pytest.mark.parametrize("delay", [0.03, 0.0213])
+def test_delays_are_exact_where_steps_are_cut_to_end_on_rows(delay: float):
+    spec = robot_of("servos").spec.copy()
+    spec.option.timestep = 0.003
+    robot = Robot.from_spec(spec)
+    window, change = motion(robot, 0.6), Change("command_delay", "lift", {"delay": delay})
+    model = stepped_model(robot, [change], [window])
+    assert model.opt.timestep == pytest.approx(0.02 / 7)
+    alone = PlainReplay(robot, model).replay([window])
+    np.testing.assert_allclose(alone.sensors, ours(robot, [change], window).sensors, atol=1e-6)
