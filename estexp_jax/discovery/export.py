@@ -67,12 +67,12 @@ def explained_model(
         changes: what is in it.
         left_out: what it lacks, and why.
         finer: part of the robot's step that it takes.
-        folder: where it goes; not over the user's own files.
+        folder: where it goes, not over the user's own files; None: in one piece, as MuJoCo writes it.
     """
     spec = explained_spec(robot, changes, finer)
     lines = _heading(robot, spec, changes, left_out, finer)
     source = Path(robot.source)
-    elsewhere = _is_file(robot) and (folder is None or folder.resolve() != source.resolve().parent)
+    elsewhere = _is_file(robot) and (folder is not None and folder.resolve() != source.resolve().parent)
     own = (
         changed_source(source, robot.spec.copy(), spec, taken=RESULTS, spelled=passive_motor_text)
         if elsewhere

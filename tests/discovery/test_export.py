@@ -13,7 +13,7 @@ def test_the_explained_model_loads_from_anywhere(tmp_path):
     (tmp_path / "robot" / "arm.urdf").write_text(urdf("package://arm/meshes/link.stl"))
     robot = Robot.from_xml(tmp_path / "robot" / "arm.urdf")
     change = parse_change("coulomb_friction@elbow T=0.5", robot)
-    files = explained_model(robot, [change], [], 4)
+    files = explained_model(robot, [change], [], 4, tmp_path / "out")
     (tmp_path / "assets").mkdir()
     for name, source in files.assets.items():
         (tmp_path / name).write_bytes(source.read_bytes())

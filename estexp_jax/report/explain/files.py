@@ -59,7 +59,9 @@ def write_explanation(
     kept += [(FINE, native.changes, diagnosis.finer)] if native.fine else []
     kept += [(STAND_IN, native.stand_in, native.finer)] if native.stand_in is not None else []
     for name, held, finer in kept:
-        write_model_files(folder, name, explained_model(robot, held, native.left_out, finer, folder.path))
+        # Files that a model includes are written once, for the first: the others are of one piece.
+        own = folder.path if name == EXPLAINED_FILE else None
+        write_model_files(folder, name, explained_model(robot, held, native.left_out, finer, own))
     write_model(folder, NOMINAL_FILE, portable(explained_spec(robot, ())))
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}
