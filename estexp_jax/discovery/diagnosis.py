@@ -94,7 +94,7 @@ class NativeModel:
     Attributes:
         changes: what the file holds.
         left_out: the claims that MJCF cannot hold, and why.
-        errors: of the file, by role.
+        errors: of the file, by role; of training recordings in evenly spread windows.
         finer: part of the model's own step that it takes: 1 unless that step is what is wrong.
         fine: whether a second file, at the step of the explained simulator, predicts plainly better.
         stand_in: what another file holds that stands in for what is left out, and predicts plainly better; else None.

@@ -77,7 +77,8 @@ def native_model(
             other = _compiling(robot, [c for c in refitted if expressible(robot, c)])[0]
             better = ratio_interval(costs, stepped.costs(other, own, train), seed)[0] > _PLAINLY
             stand_in = other if better else None
-    errors = {role: stepped.error(changes, own, case.indices(role)) for role in ("train", "test")}
+    test = shown.windows_of(case.indices("test"))
+    errors = {role: stepped.error(changes, own, windows) for role, windows in (("train", train), ("test", test))}
     return NativeModel(changes, left_out, errors, own, fine, stand_in)
 
 
@@ -103,9 +104,8 @@ class Stepped:
         bad = np.where(np.isfinite(shares), shares, _BLOWN_UP)
         return np.array([b[s].mean() if s.any() else 0.0 for b, s in zip(bad, sampled, strict=True)])
 
-    def error(self, changes: Sequence[Change], finer: int, recordings: Sequence[int]) -> float:
-        """The nrmse in all windows of some recordings."""
-        windows = self._problem.windows_of(recordings)
+    def error(self, changes: Sequence[Change], finer: int, windows: np.ndarray) -> float:
+        """The nrmse in some windows."""
         return self._problem.recorded.error_of(self._stepped(tuple(changes), finer, windows), windows)
 
     def _stepped(self, changes: tuple[Change, ...], finer: int, windows: np.ndarray) -> np.ndarray:
