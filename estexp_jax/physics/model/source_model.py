@@ -6,8 +6,10 @@ import os
 import tempfile
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any, final
+from xml.etree.ElementTree import Element
 
 import mujoco
 import numpy as np
@@ -46,7 +48,7 @@ def changed_source(
     after: mujoco.MjSpec,
     *,
     taken: Collection[str] = (),
-    spelled: Spelling = lambda element: element,
+    spelled: Spelling | None = None,
 ) -> ModelFiles | None:
     """The files of a model in which a description was changed, as its author wrote them; None where that cannot be.
 
@@ -57,12 +59,12 @@ def changed_source(
         before: its description, compiled.
         after: the changed one, compiled.
         taken: names that no included file may have.
-        spelled: gives new elements as an author would write them.
+        spelled: gives new elements as an author would write them, where the defaults let them be that.
     """
     wanted = after.compile()
-    for frozen in (True, False):
+    for frozen, written in product((True, False), (spelled or _as_it_is, _as_it_is)):
         try:
-            found = _changed(path, before, after, frozen=frozen, taken=taken, spelled=spelled)
+            found = _changed(path, before, after, frozen=frozen, taken=taken, spelled=written)
             if _is_model(found, wanted):
                 return found
         except (NotEditable, OSError, ValueError, KeyError, RuntimeError, mujoco.FatalError):
@@ -102,6 +104,10 @@ def _changed(
     if len(set(names)) < len(names):
         raise NotEditable("a file is included twice")
     return ModelFiles(texts[0].changed(), {t.name: t.changed() for t in texts[1:]}, assets)
+
+
+def _as_it_is(element: Element) -> Element:
+    return element
 
 
 def _full_text(spec: mujoco.MjSpec) -> str:

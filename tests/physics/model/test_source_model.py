@@ -174,3 +174,13 @@ def test_an_included_file_with_the_name_of_a_result_is_left_to_mujoco(arm: Robot
     spec = arm.spec.copy()
     spec.compile()
     assert changed_source(Path(arm.source), arm.spec.copy(), spec, taken=("parts/drives.xml",)) is None
+
+
+def test_a_default_limit_does_not_limit_what_is_added(arm: Robot) -> None:
+    path = Path(arm.source).parent / "parts" / "defaults.xml"
+    path.write_text(DEFAULTS.replace("<joint damping", '<general forcerange="-0.05 0.05"/>\n    <joint damping'))
+    robot = Robot.from_xml(arm.source, path.parents[2])
+    spec = written(robot, [parse_change("cogging@elbow A=0.1 n=5 phase=0.2", robot)])
+    spec.compile()
+    found = changed_source(Path(arm.source), robot.spec.copy(), spec, spelled=passive_motor_text)
+    assert found is not None and 'forcelimited="false"' in found.included["parts/drives.xml"]
