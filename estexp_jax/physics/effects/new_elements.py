@@ -57,6 +57,7 @@ def add_tendon(spec: mujoco.MjSpec, name: str, shares: Sequence[tuple[str, float
     tendon = spec.add_tendon(name=free_name([t.name for t in spec.tendons], name))
     tendon.limited = tendon.actfrclimited = _NO_LIMIT
     tendon.stiffness, tendon.damping, tendon.frictionloss = [0.0] * 3, [0.0] * 3, 0.0
+    tendon.range = [0.0, 0.0]
     tendon.armature, tendon.springlength, tendon.group = 0.0, [0.0, 0.0], _HIDDEN
     for joint, share in shares:
         tendon.wrap_joint(joint, share)
@@ -75,7 +76,7 @@ def add_rotor(spec: mujoco.MjSpec, joint: Any, inertia: float) -> Any:
     rotor = body.add_joint(name=name, type=joint.type, ref=joint.ref, springref=joint.ref, armature=inertia)
     rotor.limited = rotor.actfrclimited = _NO_LIMIT
     rotor.damping, rotor.stiffness, rotor.frictionloss = [0.0] * 3, [0.0] * 3, 0.0
-    rotor.springdamper = [0.0, 0.0]
+    rotor.springdamper = rotor.range = [0.0, 0.0]
     return rotor
 
 
