@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from estexp_jax.api.effects import effects, register
     from estexp_jax.api.explain import explain
     from estexp_jax.api.propose import propose
+    from estexp_jax.api.randomisation import actuator_settings, randomisation
     from estexp_jax.api.record import record
     from estexp_jax.api.recover import recover
     from estexp_jax.api.rollout import rollout
@@ -26,12 +27,14 @@ if TYPE_CHECKING:
 _DOORS = {
     "Robot": "estexp_jax.physics.model.robot",
     "Trial": "estexp_jax.recovery.control.trial",
+    "actuator_settings": "estexp_jax.api.randomisation",
     "check": "estexp_jax.api.check",
     "effects": "estexp_jax.effects",
     "explain": "estexp_jax.api.explain",
     "load_controller": "estexp_jax.api.controller",
     "load_explained": "estexp_jax.api.simulator",
     "propose": "estexp_jax.api.propose",
+    "randomisation": "estexp_jax.api.randomisation",
     "record": "estexp_jax.api.record",
     "recover": "estexp_jax.api.recover",
     "register": "estexp_jax.api.effects",
@@ -41,12 +44,14 @@ _DOORS = {
 __all__ = [
     "Robot",
     "Trial",
+    "actuator_settings",
     "check",
     "effects",
     "explain",
     "load_controller",
     "load_explained",
     "propose",
+    "randomisation",
     "record",
     "recover",
     "register",

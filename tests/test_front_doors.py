@@ -49,6 +49,8 @@ WRONG = {
     "simulate": (("nominal.xml", {}), {"begin": None}, "known are: "),
     "load_controller": ((), {"file": "a.npz"}, "known are: path"),
     "load_explained": ((), {"path": "out"}, "known are: folder"),
+    "randomisation": (("out",), {"n": 3}, "known are: "),
+    "actuator_settings": ((), {"path": "out"}, "known are: folder"),
 }
 
 

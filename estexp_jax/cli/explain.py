@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from typing import Any
+
 from estexp_jax.api.explain import explain_to_folder
 from estexp_jax.api.options.explain import ExplainOptions
 
@@ -16,7 +20,23 @@ def explain_command(options: ExplainOptions) -> int:
     if written.no_pictures:
         print(f"No picture of the robots: {written.no_pictures}")
     print(written.result.summary())
-    for change in written.result.diagnosis.left_out:
-        print(f"MJCF has no place for {change.place}: model_explained.xml is fitted without it; load_explained has it.")
+    native = written.result.diagnosis.native
+    for change, why in native.left_out:
+        print(f"model_explained.xml is without {change.place}: {why}; load_explained has it.")
+    print(_model_line(written.result.diagnosis.findings["fit"]))
+    if native.fine:
+        print("model_explained_fine.xml predicts better: it takes a finer step.")
+    if native.stand_in is not None:
+        print("model_stand_in.xml predicts better: other values stand in for what it is without.")
     print(f"Report: {written.report}")
     return 0
+
+
+def _model_line(fit: Mapping[str, Any]) -> str:
+    """How far the file is off on the test recordings, beside the findings and the nominal model."""
+    own, found, nominal = (_percent(fit[name].get("test")) for name in ("mjcf", "explained", "nominal"))
+    return f"model_explained.xml in MuJoCo alone: test error {own} (findings {found}, nominal model {nominal})."
+
+
+def _percent(error: float | None) -> str:
+    return "none" if error is None or not math.isfinite(error) else f"{100.0 * error:.3g} %"

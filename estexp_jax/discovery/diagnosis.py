@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, final
 
@@ -86,6 +87,28 @@ class Prediction:
 
 
 @final
+@dataclass(frozen=True)
+class NativeModel:
+    """What `model_explained.xml` holds.
+
+    Attributes:
+        changes: what the file holds.
+        left_out: the claims that MJCF cannot hold, and why.
+        errors: of the file, by role; of training recordings in evenly spread windows.
+        finer: part of the model's own step that it takes: 1 unless that step is what is wrong.
+        fine: whether a second file, at the step of the explained simulator, predicts plainly better.
+        stand_in: what another file holds that stands in for what is left out, and predicts plainly better; else None.
+    """
+
+    changes: tuple[Change, ...]
+    left_out: tuple[tuple[Change, str], ...]
+    errors: Mapping[str, float]
+    finer: int = 1
+    fine: bool = False
+    stand_in: tuple[Change, ...] | None = None
+
+
+@final
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What was found.
@@ -96,8 +119,7 @@ class Diagnosis:
         findings: as in `findings.json`, but for cost and versions, which the caller knows.
         selection: all explanations tried.
         changes: the explained simulator: claimed effects and refitted values of the model.
-        mjcf_changes: what `model_explained.xml` holds; refitted without what MJCF cannot say.
-        left_out: the claims that MJCF cannot say.
+        native: what `model_explained.xml` holds, and what it leaves out.
         predictions: one for each recording.
         finer: part of the model's own step that the explained simulator takes.
         rivals_finer: the same of its rivals.
@@ -110,8 +132,7 @@ class Diagnosis:
     findings: dict[str, Any]
     selection: Selection
     changes: tuple[Change, ...]
-    mjcf_changes: tuple[Change, ...]
-    left_out: tuple[Change, ...]
+    native: NativeModel
     predictions: tuple[Prediction, ...]
     finer: int
     rivals_finer: int

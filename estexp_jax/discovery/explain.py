@@ -224,9 +224,9 @@ def _suffices(case: Case, selection: Selection, nearer: Selection) -> bool:
 
 def _refitted(problem: Problem, selection: Selection) -> Generator[Progress, None, dict[str, Fit]]:
     """The chosen explanation, its part that MJCF can say, and its rivals, fitted to all training windows."""
-    chosen, parameters = selection.chosen.fitted, selection.parameters.fitted
+    robot, chosen, parameters = problem.replayer.robot, selection.chosen.fitted, selection.parameters.fitted
     changes = chosen.hypothesis.changes(chosen.vector, claimed=True)
-    said = [c for c in (c if expressible(c) else tell.told_change(c) for c in changes) if expressible(c)]
+    said = [c for c in (c if expressible(robot, c) else tell.told_change(c) for c in changes) if expressible(robot, c)]
     sayable = claiming(problem.replayer.robot, parameters.hypothesis, [(c.effect, c.name or "") for c in said])
     known = {(f.effect, f.site, f.parameter): v for f, v in zip(chosen.hypothesis.free, chosen.vector, strict=True)}
     known |= {(c.effect, c.name or "", name): v for c in said for name, v in c.parameters.items()}

@@ -16,6 +16,7 @@ from estexp_jax.physics.effects import units
 from estexp_jax.physics.effects.changes import Change, sentence_of
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.written import mjcf_refusal
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
@@ -79,7 +80,7 @@ def what_entry(robot: Robot, change: Change, fitted: Fit, intervals: np.ndarray,
         "kind": e.kind,
         "name": change.name,
         "probability": probability,
-        "in_mjcf": effect(told.effect).in_mjcf,
+        "in_mjcf": not (mjcf_refusal(robot, change) and mjcf_refusal(robot, told)),
         "sentence": units.unit_at(robot, e.kind, change.name, sentence_of(robot, told)),
         "equation": effect(told.effect).equation_with_values(told.parameters),
         "parameters": parameters,

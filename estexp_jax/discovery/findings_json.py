@@ -11,8 +11,8 @@ import numpy as np
 from estexp_jax.discovery import findings as tell
 from estexp_jax.discovery.competing_models import competing_models_of
 from estexp_jax.discovery.confirmation import doubted
-from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
-from estexp_jax.discovery.export import explained_spec, expressible
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, NativeModel
+from estexp_jax.discovery.export import explained_spec, is_plain_value
 from estexp_jax.discovery.fitting import FAR
 from estexp_jax.discovery.force_residual import ForceResidual, force_residuals
 from estexp_jax.discovery.intervals import parameter_intervals
@@ -21,6 +21,8 @@ from estexp_jax.discovery.law_forces import LawForces, law_forces
 from estexp_jax.discovery.law_plausibility import is_law
 from estexp_jax.discovery.location import where
 from estexp_jax.discovery.merged_claims import merged_claims
+from estexp_jax.discovery.native_model import native_model
+from estexp_jax.discovery.predictions import predictions_of
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import RIVALS, better, fit_entry, refuted
 from estexp_jax.discovery.selection import Selection, probabilities, worth
@@ -82,12 +84,15 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
     if refused or (judged == "unexplained" and not better(case, config, shown)):
         judged, found = "unexplained", _unchanged(found)
         shown = _shown(found)
-    final, claimed, engine = found.fits["explained"], found.claimed, found.problem.replayer.choice
+    final, engine = found.fits["explained"], found.problem.replayer.choice
     changes, shares = _at_work(final), probabilities(found.selection, config.seed)
+    native = _native(case, config, found, judged, changes, fine_only=step is not None)
+    told = _told(case, config, found, shown, judged, step, shares)
+    told["fit"]["mjcf"] = dict(native.errors)
     body = {
         "schema": "estexp.findings/1",
         "verdict": judged,
-        **doubted(_told(case, config, found, shown, judged, step, shares), case.recordings),
+        **doubted(told, case.recordings),
         "engine": {"name": engine.engine, "largest_difference": engine.largest_difference},
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": found.problem.counted[0]},
@@ -100,14 +105,24 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         body,
         found.selection,
         changes=changes,
-        mjcf_changes=_at_work(found.fits["sayable"]),
-        left_out=tuple(c for c in claimed if not (expressible(c) or expressible(tell.told_change(c)))),
-        predictions=_predictions(case, shown),
+        native=native,
+        predictions=predictions_of(case, shown),
         finer=1 if found.own_step else found.shown.replays.cut.parts,
         rivals_finer=found.shown.replays.cut.parts,
         competing_models=competing_models_of(found.problem, found.selection, shares, changes),
         laws=_laws(case, found),
     )
+
+
+def _native(
+    case: Case, config: ExplainConfig, found: Found, judged: str, changes: Sequence[Change], *, fine_only: bool
+) -> NativeModel:
+    """What `model_explained.xml` holds: claims, or values of the model where these are what is told."""
+    finer = 1 if found.own_step else found.shown.replays.cut.parts
+    beside = [] if judged == "parameters" else [c for c in changes if c not in found.claimed]
+    told = [c for c in changes if c not in beside]
+    refitted = _at_work(found.fits["sayable"])
+    return native_model(case, found.shown, told, beside, refitted, finer=finer, fine_only=fine_only, seed=config.seed)
 
 
 def _shown(found: Found) -> Shown:
@@ -139,7 +154,7 @@ def _laws(case: Case, found: Found) -> tuple[LawForces, ...]:
     """What unknown laws do along the training recordings, beside what their joints lack without them."""
     if not (terms := [c for c in found.claimed if is_law((c.effect, c.name or ""))]):
         return ()
-    others = [c for c in _at_work(found.fits["explained"]) if c not in terms and expressible(c)]
+    others = [c for c in _at_work(found.fits["explained"]) if c not in terms and is_plain_value(case.robot, c)]
     known = {id(robot): explained_spec(robot, others).compile() for robot in case.robots}
     seen = force_residuals(found.shown, [known[id(robot)] for robot in case.robots], case.indices("train"))
     joints = dict.fromkeys(str(c.name) for c in terms)
@@ -226,25 +241,3 @@ def _at_work(fitted: Fit) -> tuple[Change, ...]:
     """The changes of a fit, without those that change nothing."""
     off = {(f.effect, f.site) for f, v in zip(fitted.hypothesis.free, fitted.vector, strict=True) if v != f.neutral}
     return tuple(c for c in fitted.hypothesis.changes(fitted.vector) if (c.effect, c.name or "") in off)
-
-
-def _predictions(case: Case, shown: Shown) -> tuple[Prediction, ...]:
-    problem, found = shown.problem, []
-    for index, recording in enumerate(case.recordings):
-        windows = problem.windows_of([index])
-        rows = [problem.segments[w].rows for w in windows]
-        logged = np.isin(problem.recordings[index].time, recording.time)
-        number = np.repeat(np.arange(len(windows)), rows)[logged]
-        recorded = problem.channels.recorded(recording)
-        prediction = Prediction(
-            recording.name,
-            recording.role,
-            recording.time,
-            number,
-            problem.channels.names,
-            recorded,
-            shown.joined("nominal", index)[logged],
-            shown.joined("explained", index)[logged],
-        )
-        found.append(prediction)
-    return tuple(found)

@@ -13,6 +13,7 @@ from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW, JointLaw
 from estexp_jax.physics.effects.registry import effect
+from estexp_jax.physics.effects.written import mjcf_refusal
 from estexp_jax.physics.model.robot import Robot
 
 COVERED = (0.005, 0.995)
@@ -90,7 +91,7 @@ def _entry(
         "kind": "joint",
         "name": joint,
         "probability": max(probability for _, probability in terms),
-        "in_mjcf": all(effect(c.effect).in_mjcf for c in changes),
+        "in_mjcf": not any(mjcf_refusal(robot, c) for c in changes),
         "sentence": (
             f"a law that no effect of the catalogue describes acts on the joint {joint}; it resembles {likeness}, "
             f"and may be trusted within {covered(robot, seen, joint)}, which the data cover"

@@ -42,6 +42,7 @@ def _sum(robot: Robot, one: Mapping[str, Any], other: Mapping[str, Any]) -> dict
     return {
         **one,
         "probability": max(one["probability"], other["probability"]),
+        "in_mjcf": one["in_mjcf"] and other["in_mjcf"],
         "sentence": units.unit_at(robot, e.kind, change.name, change.sentence()),
         "equation": e.equation_with_values(change.parameters),
         "parameters": parameters,

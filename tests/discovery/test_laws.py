@@ -119,8 +119,8 @@ def test_the_law_is_shown_along_the_recordings_beside_what_the_joint_lacks(notch
 def test_the_simulator_keeps_the_law_and_the_model_says_that_it_lacks_it(notched):
     [law] = [c for c in notched.changes if c.effect == "law_detent"]
     assert Change.from_json(json.loads(json.dumps(law.to_json()))) == law
-    assert [c.effect for c in notched.left_out] == ["law_detent"]
-    assert all(c.effect != "law_detent" for c in notched.mjcf_changes)
+    assert [c.effect for c, _ in notched.native.left_out] == ["law_detent"]
+    assert all(c.effect != "law_detent" for c in notched.native.changes)
 
 
 def test_the_simulator_that_is_given_back_moves_by_the_law(tmp_path):

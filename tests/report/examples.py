@@ -3,7 +3,7 @@
 import numpy as np
 
 from estexp_jax.discovery.competing_models import CompetingModel, CompetingModels
-from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, Prediction
+from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, NativeModel, Prediction
 from estexp_jax.discovery.hypotheses import Hypothesis
 from estexp_jax.discovery.selection import Explanation, Selection
 from estexp_jax.discovery.slopes import Fit
@@ -66,7 +66,7 @@ FINDINGS = {
         "metric": "nrmse",
         "window_s": None,
         "noise_floor": {"train": 0.001, "test": 0.0},
-        **dict.fromkeys(("nominal", "parameters_only", "explained"), NUMBERS),
+        **dict.fromkeys(("nominal", "parameters_only", "explained", "mjcf"), NUMBERS),
         "black_box": {},
         "placebo": {"train": 0.0333, "test": 0.0444},
         "gain": {"value": 0.93, "low": 0.9, "high": 0.95},
@@ -103,9 +103,11 @@ def diagnosis(verdict: str = "missing_physics") -> Diagnosis:
     nominal = explanation((), 0.05)
     selection = Selection(nominal, nominal, own, tuple(tried), chosen)
     findings = {**FINDINGS, "verdict": verdict, **OTHERS[verdict]}
-    left_out = (Change("load_dependent_friction", LONG, {"mu": 0.4}),) if verdict == "missing_physics" else ()
+    load = Change("load_dependent_friction", LONG, {"mu": 0.4})
+    left_out = ((load, "MuJoCo has no element for it"),) if verdict == "missing_physics" else ()
+    native = NativeModel((), left_out, {"train": 0.01, "test": 0.01})
     finer = 1 if verdict == "unexplained" else 16
-    return Diagnosis(case, ExplainConfig(), findings, selection, (), (), left_out, predictions, finer, 16)
+    return Diagnosis(case, ExplainConfig(), findings, selection, (), native, predictions, finer, 16)
 
 
 WEAK = Change("motor_weakness", "knee_f", {"loss": 0.48})

@@ -70,8 +70,10 @@ class Effect(abc.ABC):
 
     #: What is wrong with it: plant, command or sensor.
     side: ClassVar[str] = "plant"
-    #: Whether MJCF has a parameter for it; then `write_mjcf` sets it.
+    #: Whether MJCF has a place for it; then `write_mjcf` puts it there, unless `mjcf_refusal` says why not.
     in_mjcf: ClassVar[bool] = False
+    #: Whether it adds states, forces or memory to MJCF, and is not a value of an element that is there.
+    extends_mjcf: ClassVar[bool] = False
     #: Parts of the model that must be there when MJX compiles it, or later values of them do nothing; see `mjx_model`.
     arms: ClassVar[tuple[str, ...]] = ()
     #: Flags of MJCF's options with any of which disabled it does nothing.
@@ -138,6 +140,10 @@ class Effect(abc.ABC):
     def equation_with_values(self, values: Mapping[str, float]) -> str:
         """What it does, as text, with its numbers where it has no name to know it by."""
         return self.equation
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        """Why MJCF has no place for it on this robot, at this site or at these values; empty where it has one."""
+        return "" if self.in_mjcf else "MuJoCo has no element for it"
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Put the effect into a description, where MJCF has a place for it; `values` holds every parameter."""

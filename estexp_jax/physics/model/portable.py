@@ -28,16 +28,17 @@ def portable(spec: mujoco.MjSpec) -> tuple[str, dict[str, Path]]:
         path = Path(unescape(found[2]))
         if not path.is_absolute():
             return found[0]
-        name = next((name for name, other in names.items() if other == path), None) or _free(path, names)
+        name = next((name for name, other in names.items() if other == path), None) or free_file(path, names)
         names[name] = path
         return f'{found[1]}{ASSETS}/{escape(name, {chr(34): "&quot;"})}"'
 
+    spec.compiler.savecompiled = False  # else values have six digits
     text = spec.to_xml()
     rewritten = _FILE.sub(moved, text)
     return (_FOLDERS.sub("", rewritten) if names else text), names
 
 
-def _free(path: Path, names: dict[str, Path]) -> str:
+def free_file(path: Path, names: dict[str, Path]) -> str:
     """A file name that no other file has: `link.stl`, `link_2.stl`, ..."""
     name, count = path.name, 1
     while name in names:

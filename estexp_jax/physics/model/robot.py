@@ -210,7 +210,7 @@ class Robot:
             changed = True
         return Robot.from_spec(spec, self.source) if changed else self
 
-    def finer(self, parts: int) -> Robot:
+    def finer(self, parts: float) -> Robot:
         """The robot with a physics step that is a part of its own."""
         spec = self.spec.copy()
         set_timestep(spec, spec.option.timestep / parts)

@@ -45,7 +45,8 @@ def freeze(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Index) -> None:
             joint.stiffness = [nominal.jnt_stiffness[j], *joint.stiffness[1:]]
             joint.damping = [nominal.dof_damping[nominal.jnt_dofadr[j]], *joint.damping[1:]]
             joint.springdamper = [0.0, 0.0]
-    for actuator in spec.actuators:
+    servos = (a for a in spec.actuators if a.biastype == mujoco.mjtBias.mjBIAS_AFFINE)
+    for actuator in servos:
         derived = nominal.actuator_biasprm[index("actuator", actuator.name)]
         if actuator.biasprm[2] > 0.0 > derived[2]:  # so MjSpec holds dampratio, to be replaced by -kv
             actuator.biasprm = derived

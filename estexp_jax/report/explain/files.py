@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
-from estexp_jax.discovery.export import explained_spec, explained_xml
+from estexp_jax.discovery.export import (
+    EXPLAINED_FILE,
+    FINE,
+    NOMINAL_FILE,
+    STAND_IN,
+    explained_model,
+    explained_spec,
+)
 from estexp_jax.physics.model.portable import portable
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.report.drawing.gl import NoGlError
@@ -17,7 +24,7 @@ from estexp_jax.report.explain.ghosts import ghosts_of
 from estexp_jax.report.explain.marked import claimed_places, marked_of
 from estexp_jax.report.explain.page import explain_page
 from estexp_jax.runs import RunFolder, write_json, write_text
-from estexp_jax.runs.model_files import write_model
+from estexp_jax.runs.model_files import write_model, write_model_files
 
 EFFECTS_SCHEMA = "estexp.effects/1"
 """Format of `effects.json`."""
@@ -47,10 +54,15 @@ def write_explanation(
     except NoGlError as error:
         missing = str(error)
     write_json(folder.file("findings.json"), findings)
-    left_out = diagnosis.left_out
-    robot = diagnosis.case.robot
-    write_model(folder, "model_explained.xml", explained_xml(robot, diagnosis.mjcf_changes, left_out, diagnosis.finer))
-    write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
+    robot, native = diagnosis.case.robot, diagnosis.native
+    kept = [(EXPLAINED_FILE, native.changes, native.finer)]
+    kept += [(FINE, native.changes, diagnosis.finer)] if native.fine else []
+    kept += [(STAND_IN, native.stand_in, native.finer)] if native.stand_in is not None else []
+    for name, held, finer in kept:
+        # Files that a model includes are written once, for the first: the others are of one piece.
+        own = folder.path if name == EXPLAINED_FILE else None
+        write_model_files(folder, name, explained_model(robot, held, native.left_out, finer, own))
+    write_model(folder, NOMINAL_FILE, portable(explained_spec(robot, ())))
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}
     write_json(folder.file("effects.json"), effects)

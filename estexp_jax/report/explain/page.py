@@ -49,7 +49,9 @@ def explain_page(
         proof=_agreement(findings["fit"]) if findings["verdict"] == "consistent" else _proof(findings["fit"]),
         claims=[_claim(entry, diagnosis) for entry in findings["what"]],
         nothing=_NOTHING[findings["verdict"]],
-        left_out=[capital(f"{c.sentence()} ({c.place})") for c in diagnosis.left_out] if findings["what"] else [],
+        left_out=[capital(f"{c.sentence()} ({c.place}): {why}") for c, why in diagnosis.native.left_out]
+        if findings["what"]
+        else [],
         places=[_place(entry) for entry in findings["where"]],
         when=_when(findings["when"]) if findings["what"] else "",
         errors=_errors(findings["fit"]),

@@ -5,10 +5,9 @@ from typing import ClassVar, final
 
 import jax.numpy as jnp
 import mujoco
-import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, CommandLaw, Parameter
-from estexp_jax.physics.effects.delays import is_longer_than_step
+from estexp_jax.physics.effects.delays import add_lag, is_longer_than_step, lag_refusal
 from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
@@ -26,6 +25,7 @@ class ActuatorLag(CommandLaw):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("tau", "s"),)
     equation: ClassVar[str] = "tau du/dt = command - u"
     in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: actuator/dyntype filterexact"
     n_states: ClassVar[int] = 1
     nested_in: ClassVar[str] = "command_delay"
@@ -57,12 +57,14 @@ class ActuatorLag(CommandLaw):
         lags = tau > 0.0
         return jnp.where(lags, mean, command), (jnp.where(lags, after, command),)
 
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        refusals = (lag_refusal(robot, robot.index("actuator", one)) for one in _actuators(robot, site))
+        return next(filter(None, refusals), "")
+
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        if site == ALL_ALIKE:
-            for one in actuator_sites(robot):
-                self.write_mjcf(robot, spec, one, values)
-            return
-        actuator = spec_element(spec, robot, "actuator", site)
-        before = float(actuator.dynprm[0]) if actuator.dyntype == mujoco.mjtDyn.mjDYN_FILTEREXACT else 0.0
-        actuator.dyntype = mujoco.mjtDyn.mjDYN_FILTEREXACT
-        actuator.dynprm = np.array([before + values["tau"], *actuator.dynprm[1:]])
+        for one in _actuators(robot, site):
+            add_lag(spec, spec_element(spec, robot, "actuator", one), values["tau"])
+
+
+def _actuators(robot: Robot, site: str) -> tuple[str, ...]:
+    return actuator_sites(robot) if site == ALL_ALIKE else (site,)

@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.catalogue.coulomb_friction import CoulombFriction
@@ -13,6 +14,7 @@ from estexp_jax.physics.effects.guesses import SHARES, Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.effects.spec_friction import add_dry_friction
 from estexp_jax.physics.model.robot import Robot
 
 _DRY = CoulombFriction()
@@ -29,6 +31,8 @@ class AsymmetricFriction(Term):
     kind: ClassVar[str] = "joint"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("T", "N m"), Parameter("a", "", signed=True))
     equation: ClassVar[str] = "tau = -T (1 + a sign(w)) sign(w)"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 2.1"
     additive: ClassVar[bool] = True
     arms: ClassVar[tuple[str, ...]] = CoulombFriction.arms
@@ -61,3 +65,6 @@ class AsymmetricFriction(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, a = p
         return JointForce(friction=T * (1.0 + a * jnp.tanh(joint.w / _REVERSAL))), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_dry_friction(robot, spec, site, values["T"], values["a"])

@@ -3,8 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, final
 
+import mujoco
+
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.friction import friction_advice
+from estexp_jax.physics.effects.passive import add_damper
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.servos import servo_damping_at
 from estexp_jax.physics.effects.sites import actuator_sites
@@ -18,14 +21,15 @@ from estexp_jax.physics.recording import Recording
 class BackEmf(Term):
     """tau = -k w while the motor is on; integrated implicitly, as joint damping.
 
-    MJCF can say it only as damping, which also acts when the motor is off, or as a servo's `kv`, which its force range
-    clips; so it counts as not expressible.
+    MJCF holds it as damping of the joint, which does the same as long as the motor is on. As a servo's `kv` it would
+    be clipped with the force, and a DC motor's constant would be explicit under Euler.
     """
 
     name: ClassVar[str] = "back_emf"
     kind: ClassVar[str] = "actuator"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("k", "N m s/rad"),)
     equation: ClassVar[str] = "tau = -k w while the motor is on"
+    in_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "DC motor: k = k_t k_e / R"
     additive: ClassVar[bool] = True
     alike_while_on: ClassVar[str] = "viscous_friction"
@@ -48,3 +52,8 @@ class BackEmf(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (k,) = p
         return JointForce(damping=k * joint.on), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        joint = robot.joint_of_actuator(robot.index("actuator", site))
+        assert joint is not None, "it acts at joints alone"
+        add_damper(robot, spec, robot.names("joint")[joint], (values["k"], 0.0, 0.0))

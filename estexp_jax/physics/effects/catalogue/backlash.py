@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
+from estexp_jax.physics.effects.spec_drives import add_play
 from estexp_jax.physics.model.robot import Robot
 
 _SUBSTEPS = 4
@@ -28,6 +30,8 @@ class Play(Term):
     kind: ClassVar[str] = "joint"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("half_gap", "rad"),)
     equation: ClassVar[str] = "tau = motor torque where the rotor is half_gap ahead and pushes on, else 0"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     n_states: ClassVar[int] = 4
     motor_torque_state: ClassVar[int | None] = 2
@@ -93,3 +97,14 @@ class Backlash(Play):
     """With a rotor that has the joint's armature, and does not rebound."""
 
     name: ClassVar[str] = "backlash"
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        return "" if rotor_armature(robot, site) > 0.0 else "the joint has no armature, so its rotor no inertia"
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_play(robot, spec, site, values["half_gap"], rotor_armature(robot, site))
+
+
+def rotor_armature(robot: Robot, joint: str) -> float:
+    """Armature of a joint in the model, kg m2 or kg."""
+    return float(robot.model.dof_armature[robot.model.jnt_dofadr[robot.index("joint", joint)]])

@@ -5,10 +5,12 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.new_elements import add_passive_motor
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import is_slide, scalar_joint_sites
@@ -34,6 +36,8 @@ class Cogging(Term):
         Parameter("phase", "rad", signed=True),
     )
     equation: ClassVar[str] = "tau = A sin(n q + phase)"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Hanselman, Brushless Permanent Magnet Motor Design, chapter 4"
     additive: ClassVar[bool] = True
     beside_laws: ClassVar[bool] = True
@@ -63,3 +67,6 @@ class Cogging(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         A, n, phase = p
         return JointForce(force=A * jnp.sin(n * joint.q + phase)), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_passive_motor(spec, f"{site}_cogging", site, cogging=[values[name] for name in ("A", "n", "phase")])

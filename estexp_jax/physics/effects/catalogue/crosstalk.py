@@ -4,11 +4,15 @@ from collections.abc import Mapping
 from itertools import product
 from typing import ClassVar, final
 
+import mujoco
+
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Vectors, other_elements
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
+from estexp_jax.physics.effects.spec_drives import motors_of
+from estexp_jax.physics.effects.spec_forces import add_share, share_refusal
 from estexp_jax.physics.model.robot import Robot
 
 
@@ -24,6 +28,8 @@ class Crosstalk(Term):
         Parameter("g", "", signed=True),
     )
     equation: ClassVar[str] = "tau = g (motor torque of joint `from`)"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "coupled tendon transmissions: Siciliano et al., Robotics (2009), section 5.1"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
@@ -43,3 +49,11 @@ class Crosstalk(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         source, g = p
         return JointForce(force=g * joint.torque_of(source)), state
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        source = robot.names("joint")[int(values["from"]) - 1]
+        return share_refusal(robot, source) if source != site else "a joint feels all of its own motor"
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        source = robot.names("joint")[int(values["from"]) - 1]
+        add_share(robot, spec, motors_of(robot, source), site, values["g"])

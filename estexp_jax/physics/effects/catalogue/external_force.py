@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, BodyForce, Parameter
@@ -10,6 +11,7 @@ from estexp_jax.physics.effects.guesses import Vectors, along_axes
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import body_sites
+from estexp_jax.physics.effects.spec_forces import add_force, add_pull
 from estexp_jax.physics.model.robot import Robot
 
 _REACH, _CONSTANT = 1.0, 0.05
@@ -31,6 +33,8 @@ class ExternalForce(BodyForce):
         Parameter("k", "N/m"),
     )
     equation: ClassVar[str] = "F = (x, y, z) - k c"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "MuJoCo: xfrc_applied"
     additive: ClassVar[bool] = True
     nested_in: ClassVar[str] = "body_mass"
@@ -55,3 +59,10 @@ class ExternalForce(BodyForce):
     def force_on_body(self, p: Arrays, position: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         x, y, z, k = p
         return x - k * position[0], y - k * position[1], z - k * position[2]
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        force, k = [values[axis] for axis in "xyz"], values["k"]
+        if k > 0.0:
+            add_pull(robot, spec, site, k, [f / k for f in force])
+        else:
+            add_force(robot, spec, site, force)

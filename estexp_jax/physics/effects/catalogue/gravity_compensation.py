@@ -4,13 +4,17 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import ClassVar, final
 
+import mujoco
+import numpy as np
+
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Vectors
+from estexp_jax.physics.effects.new_elements import free_name
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE, driven_joint_sites, with_all
 from estexp_jax.physics.model import scales
-from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.recording import Recording
 
 _FELT = 1e-3
@@ -29,6 +33,8 @@ class GravityCompensation(Term):
     kind: ClassVar[str] = "joint"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("share", "", signed=True),)
     equation: ClassVar[str] = "tau = -share (torque of gravity at the joint)"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = (
         "gravity compensation: Siciliano et al., Robotics (2009), section 8.5.1; MuJoCo: body/gravcomp"
     )
@@ -57,13 +63,31 @@ class GravityCompensation(Term):
         (share,) = p
         return JointForce(force=-share * joint.on * joint.gravity()), state
 
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        own = self.sites(robot)[:-1] if site == ALL_ALIKE else (site,)
+        others = [j for j, name in enumerate(robot.names("joint")) if name not in own]
+        felt = [j for j in others if j not in robot.scalar_joints or not _is_still(robot, j)]
+        return "MuJoCo compensates gravity at all joints that carry a body alike" if felt else ""
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        nominal = robot.model
+        for index in np.flatnonzero((nominal.body_mass > 0.0) & (nominal.body_weldid != 0)).tolist():
+            spec_element(spec, robot, "body", robot.names("body")[index]).gravcomp += values["share"]
+        if not any(body.gravcomp > 0.0 for body in spec.bodies):  # else MuJoCo takes none into account
+            name = free_name([body.name for body in spec.bodies], "weightless")
+            spec.worldbody.add_body(name=name, gravcomp=1.0)
+
+
+def _is_still(robot: Robot, joint: int) -> bool:
+    """Whether gravity puts next to nothing on a joint."""
+    return scales.gravity_torque(robot, joint) <= _FELT * scales.joint_torque(robot, joint)
+
 
 @lru_cache(maxsize=64)
 def _loaded_joints(robot: Robot) -> tuple[str, ...]:
     """Names of the driven joints that feel gravity."""
 
     def is_loaded(joint: str) -> bool:
-        index = robot.index("joint", joint)
-        return scales.gravity_torque(robot, index) > _FELT * scales.joint_torque(robot, index)
+        return not _is_still(robot, robot.index("joint", joint))
 
     return tuple(filter(is_loaded, driven_joint_sites(robot)))

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from itertools import product
-from typing import ClassVar, final
+from typing import Any, ClassVar, final
 
 import jax
 import jax.numpy as jnp
@@ -70,12 +70,11 @@ class GravityTilt(Edit, Damage):
         return model.replace(opt=model.opt.replace(gravity=_turned(model.opt.gravity, values[0, 0], values[0, 1])))
 
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        angle, axis = (jnp.asarray(values[name]) for name in ("angle", "axis"))
-        spec.option.gravity = np.asarray(_turned(jnp.asarray(spec.option.gravity), angle, axis))
+        spec.option.gravity = _turned(np.array(spec.option.gravity), values["angle"], values["axis"], np)
 
 
-def _turned(gravity: jax.Array, angle: jax.Array, axis: jax.Array) -> jax.Array:
+def _turned(gravity: Any, angle: Any, axis: Any, xp: Any = jnp) -> Any:
     """Rodrigues' rotation; written so that an angle of 0 changes no bit."""
-    u = jnp.stack([jnp.cos(axis), jnp.sin(axis), jnp.zeros_like(axis)])
-    across = jnp.cross(u, gravity)
-    return gravity + jnp.sin(angle) * across + (1.0 - jnp.cos(angle)) * jnp.cross(u, across)
+    u = xp.stack([xp.cos(axis), xp.sin(axis), xp.zeros_like(axis)])
+    across = xp.cross(u, gravity)
+    return gravity + xp.sin(angle) * across + (1.0 - xp.cos(angle)) * xp.cross(u, across)

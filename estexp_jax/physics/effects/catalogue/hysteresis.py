@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
@@ -12,6 +13,7 @@ from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.effects.spec_friction import add_bristles
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -31,6 +33,8 @@ class Hysteresis(Term):
         Parameter("sigma", "N m/rad", neutral=1.0),
     )
     equation: ClassVar[str] = "dF/dq = sigma (1 - F/T sign(w)), tau = -F"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Dahl, A solid friction model, Aerospace Corporation TOR-0158 (1968)"
     n_states: ClassVar[int] = 2
     nested_in: ClassVar[str] = "coulomb_friction"
@@ -69,3 +73,6 @@ class Hysteresis(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, sigma = p
         return bristle_friction(T, jnp.maximum(T, 1e-9) / sigma, joint, state)
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_bristles(robot, spec, site, values["sigma"], (values["T"], values["T"], 1.0))

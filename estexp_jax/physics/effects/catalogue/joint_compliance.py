@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import Bounds, Vectors, spread
@@ -12,6 +13,7 @@ from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import holding_force, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites
+from estexp_jax.physics.effects.spec_drives import add_spring_drive, behind_refusal
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -35,6 +37,8 @@ class Compliance(Term):
         Parameter("I", "kg m2"),
     )
     equation: ClassVar[str] = "tau = k (r - q) + d (a - w), I da/dt = motor torque - tau, dr/dt = a"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109 (1987)"
     n_states: ClassVar[int] = 3
     motor_torque_state: ClassVar[int | None] = 2
@@ -85,6 +89,12 @@ class Compliance(Term):
             motor=jnp.where(is_soft, 0.0, 1.0),
         )
         return does, (jnp.where(is_soft, r, joint.q), jnp.where(is_soft, a, w), jnp.where(is_soft, torque, 0.0))
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        return "" if self.collocated else behind_refusal(robot, site)
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_spring_drive(robot, spec, site, values["I"], values["k"], values["d"])
 
 
 @register_effect

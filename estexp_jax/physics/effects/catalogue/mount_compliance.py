@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import (
@@ -26,10 +27,11 @@ from estexp_jax.physics.effects.mounts import (
     solved,
     vector_product,
 )
+from estexp_jax.physics.effects.new_elements import free_name
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.model import scales
-from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.robot import Robot, spec_element
 from estexp_jax.physics.recording import Recording
 
 _FREQUENCIES, _DAMPING = (0.7, 40.0), 1.5
@@ -58,6 +60,8 @@ class MountCompliance(Term):
         Parameter("d", "N m s/rad"),
     )
     equation: ClassVar[str] = "J dv/dt = -k x - d v + moment of what the body carries, dx/dt = v, x its tilt"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "flexible base: Siciliano and Khatib, Springer Handbook of Robotics (2008), section 13.3"
     n_states: ClassVar[int] = 13
 
@@ -106,6 +110,18 @@ class MountCompliance(Term):
         force = sum(-c * a - g * t for c, a, g, t in zip(there.coupling, change, there.arm, tilted, strict=True))
         after = (*x, *rate, *change, *momentum, joint.dt + jnp.zeros_like(k))
         return JointForce(force=jnp.where(gives, force, 0.0)), tuple(jnp.where(gives, a, 0.0) for a in after)
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        body = spec_element(spec, robot, "body", site)
+        joint = body.add_joint(name=free_name([j.name for j in spec.joints], f"{site}_mount"))
+        joint.type, joint.limited = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtLimited.mjLIMITED_FALSE
+        joint.stiffness, joint.damping = [values["k"], 0.0, 0.0], [values["d"], 0.0, 0.0]
+        joint.armature, joint.frictionloss, joint.springdamper = 0.0, 0.0, [0.0, 0.0]
+        weld, names = robot.model.body_weldid, robot.names("body")
+        moving = [b for b in robot.subtree(robot.index("body", site)) if weld[b] == 0]
+        still = [b for b in range(robot.model.nbody) if weld[b] == 0 and b not in moving]
+        for one, other in product(still, moving):  # what is welded together does not touch
+            spec.add_exclude(bodyname1=names[one], bodyname2=names[other])
 
 
 def _turned(k: Array, d: Array, there: MountState, state: Arrays) -> tuple[Arrays, Arrays, Arrays, Arrays]:

@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import NEVER, Array, Arrays, JointForce, JointState, Parameter, Term
@@ -13,6 +14,7 @@ from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import holding_force, inertia_bounds, rotor_step
 from estexp_jax.physics.effects.sites import driven_joint_sites, is_slide
+from estexp_jax.physics.effects.spec_drives import SOONEST, add_play, behind_refusal
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -45,6 +47,8 @@ class OuterBacklash(Term):
         Parameter("zeta", ""),
     )
     equation: ClassVar[str] = "tau = k (x - half_gap) + d (a - w) where the rotor is x > half_gap ahead and pushes"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002)"
     n_states: ClassVar[int] = 3
     motor_torque_state: ClassVar[int | None] = 2
@@ -94,3 +98,11 @@ class OuterBacklash(Term):
             motor=jnp.where(has_play, 0.0, 1.0),
         )
         return does, (jnp.where(has_play, x, 0.0), jnp.where(has_play, a, w), jnp.where(has_play, joint.torque, 0.0))
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        return behind_refusal(robot, site)
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        zeta, frequency = values["zeta"], np.sqrt(values["k"] / values["I"])
+        ends = max(1.0 / (zeta * frequency), SOONEST * float(spec.option.timestep)), zeta
+        add_play(robot, spec, site, values["half_gap"], values["I"], ends)

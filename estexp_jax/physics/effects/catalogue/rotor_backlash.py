@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointState, Parameter
@@ -11,6 +12,7 @@ from estexp_jax.physics.effects.guesses import Bounds, Vectors, spread
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.rotor import inertia_bounds
+from estexp_jax.physics.effects.spec_drives import add_play
 from estexp_jax.physics.model.robot import Robot
 
 _REBOUND = 0.35
@@ -52,3 +54,9 @@ class RotorBacklash(Play):
 
     def reported_as(self, values: Mapping[str, float]) -> tuple[str, Mapping[str, float]]:
         return "backlash", {"half_gap": values["half_gap"]}
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        return ""
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_play(robot, spec, site, values["half_gap"], values["I"])

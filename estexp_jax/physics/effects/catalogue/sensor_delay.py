@@ -3,14 +3,15 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter, ReadingShift
-from estexp_jax.physics.effects.delays import is_longer_than_step
+from estexp_jax.physics.effects.delays import add_delay, delay_refusal, is_longer_than_step
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_sensor_columns, scalar_sensor_sites
-from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.robot import Robot, spec_element
 
 
 @register_effect
@@ -22,7 +23,9 @@ class SensorDelay(ReadingShift):
     kind: ClassVar[str] = "sensor"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("delay", "s"),)
     equation: ClassVar[str] = "reading(t) = true(t - delay)"
-    source: ClassVar[str] = "transport delay"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
+    source: ClassVar[str] = "transport delay; MuJoCo: sensor/delay"
 
     def sites(self, robot: Robot) -> tuple[str, ...]:
         return scalar_sensor_sites(robot)
@@ -35,6 +38,12 @@ class SensorDelay(ReadingShift):
 
     def identifiable(self, robot: Robot, site: str, values: Mapping[str, float], observed: Observed) -> bool:
         return is_longer_than_step(robot, values["delay"])
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        return delay_refusal(robot, values["delay"])
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_delay(spec, spec_element(spec, robot, "sensor", site), values["delay"])
 
     def shift(self, robot: Robot, values: np.ndarray) -> np.ndarray:
         ages = np.zeros((*values.shape[:-2], robot.model.nsensordata))

@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.catalogue.coulomb_friction import CoulombFriction
@@ -13,6 +14,7 @@ from estexp_jax.physics.effects.guesses import SHARES, Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.effects.spec_friction import add_dry_friction
 from estexp_jax.physics.model.robot import Robot
 
 _DRY = CoulombFriction()
@@ -35,6 +37,8 @@ class SmoothFriction(Term):
         Parameter("w_0", "rad/s", neutral=1.0),
     )
     equation: ClassVar[str] = "tau = -T (1 + a sign(w)) tanh(w / w_0)"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Andersson, Soderberg and Bjorklund, Tribology International 40 (2007), equation 4"
     additive: ClassVar[bool] = True
     nested_in: ClassVar[str] = "asymmetric_friction"
@@ -66,3 +70,6 @@ class SmoothFriction(Term):
         T, a, w_0 = p
         x = jnp.maximum(jnp.abs(joint.w) / w_0, _STILL)
         return JointForce(damping=T * (1.0 + a * jnp.sign(joint.w)) / w_0 * jnp.tanh(x) / x), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_dry_friction(robot, spec, site, values["T"], values["a"])  # MuJoCo's own sets in gradually, too

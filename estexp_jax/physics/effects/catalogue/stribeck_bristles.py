@@ -5,6 +5,7 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics.effects.base import Array, Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.bristles import bristle_at_rest, bristle_friction
@@ -13,6 +14,7 @@ from estexp_jax.physics.effects.guesses import Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.effects.spec_friction import add_bristles
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -31,6 +33,8 @@ class StribeckBristles(Term):
         Parameter("x", "rad", neutral=1e-3),
     )
     equation: ClassVar[str] = "dF/dq = ((T + S exp(-(w / w_s)^2)) sign(w) - F) / x, tau = -F"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Canudas de Wit et al., IEEE Transactions on Automatic Control 40 (1995)"
     n_states: ClassVar[int] = 2
     nested_in: ClassVar[str] = "hysteresis"
@@ -70,3 +74,8 @@ class StribeckBristles(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s, x = p
         return bristle_friction(T + S * jnp.exp(-jnp.square(joint.w / w_s)), x, joint, state)
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        low, fall = values["T"], values["S"]
+        middle = (low + 0.5 * fall) / values["x"]  # its stiffness follows its level
+        add_bristles(robot, spec, site, middle, (low, low + fall, values["w_s"]))

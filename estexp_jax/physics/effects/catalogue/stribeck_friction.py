@@ -5,12 +5,14 @@ from itertools import product
 from typing import ClassVar, final
 
 import jax.numpy as jnp
+import mujoco
 
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
 from estexp_jax.physics.effects.guesses import SHARES, Bounds, Vectors
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
+from estexp_jax.physics.effects.spec_friction import add_falling_friction
 from estexp_jax.physics.model import scales
 from estexp_jax.physics.model.robot import Robot
 
@@ -38,6 +40,8 @@ class StribeckFriction(Term):
         Parameter("w_s", "rad/s", neutral=0.1),
     )
     equation: ClassVar[str] = "tau = -(T + S exp(-(w / w_s)^2)) sign(w)"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), equation 5"
     additive: ClassVar[bool] = True
     arms: ClassVar[tuple[str, ...]] = ("dof_frictionloss",)
@@ -74,3 +78,6 @@ class StribeckFriction(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         T, S, w_s = p
         return JointForce(friction=T + S * jnp.exp(-jnp.square(joint.w / w_s))), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_falling_friction(robot, spec, site, values["T"], values["S"], values["w_s"])

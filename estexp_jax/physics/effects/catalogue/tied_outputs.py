@@ -5,6 +5,7 @@ from typing import Any, ClassVar, final
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import Parameter
@@ -13,6 +14,7 @@ from estexp_jax.physics.effects.damage import PRESENT, Amounts, Damage
 from estexp_jax.physics.effects.guesses import Vectors, other_elements
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import register_effect
+from estexp_jax.physics.effects.spec_forces import tie, tie_refusal
 from estexp_jax.physics.model.actuators import actuator_of_input, first_input, single_inputs, unusual_actuator
 from estexp_jax.physics.model.robot import Robot
 
@@ -27,6 +29,8 @@ class TiedOutputs(CommandRoute, Damage):
     side: ClassVar[str] = "command"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("with", "1 + actuator index", refers="actuator"),)
     equation: ClassVar[str] = "command = command of `with`"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
     source: ClassVar[str] = "Bongard and Lipson 2004, situation 12"
     amounts: ClassVar[Amounts] = PRESENT
 
@@ -60,6 +64,12 @@ class TiedOutputs(CommandRoute, Damage):
         source = np.where(other >= 0, first_input(model)[other], -1)
         row = np.clip(np.searchsorted(own, owners), 0, max(len(own) - 1, 0))
         return np.where(np.isin(owners, own), source[..., row] if len(own) else -1, -1)
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        return tie_refusal(robot, robot.index("actuator", site), int(values["with"]) - 1)
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        tie(robot, spec, robot.index("actuator", site), int(values["with"]) - 1)
 
     def _is_possible(self, robot: Robot, other: float) -> bool:
         return int(other) - 1 in single_inputs(robot.model)

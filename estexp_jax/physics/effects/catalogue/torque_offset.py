@@ -3,7 +3,10 @@
 from collections.abc import Mapping
 from typing import ClassVar, final
 
+import mujoco
+
 from estexp_jax.physics.effects.base import Arrays, JointForce, JointState, Parameter, Term
+from estexp_jax.physics.effects.new_elements import CONSTANT, add_passive_motor
 from estexp_jax.physics.effects.registry import register_effect
 from estexp_jax.physics.effects.sites import scalar_joint_sites
 from estexp_jax.physics.model import scales
@@ -19,7 +22,9 @@ class TorqueOffset(Term):
     kind: ClassVar[str] = "joint"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("T", "N m", signed=True),)
     equation: ClassVar[str] = "tau = T"
-    source: ClassVar[str] = "constant generalised force"
+    in_mjcf: ClassVar[bool] = True
+    extends_mjcf: ClassVar[bool] = True
+    source: ClassVar[str] = "constant generalised force; MuJoCo: actuator/dcmotor, cogging without poles"
     additive: ClassVar[bool] = True
     is_constant_torque: ClassVar[bool] = True
     beside_laws: ClassVar[bool] = True
@@ -37,3 +42,6 @@ class TorqueOffset(Term):
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         (T,) = p
         return JointForce(force=T), state
+
+    def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        add_passive_motor(spec, f"{site}_offset", site, cogging=[values["T"], *CONSTANT])

@@ -122,6 +122,9 @@ class LawBristles(EffectLaw, effect=Hysteresis):
     def formula(self, values: Mapping[str, float]) -> str:
         return f"- F with dF/dq = ({values['T']:.3g} sign(w) - F)/{values['x']:.3g}"
 
+    def effect_values(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        return {"T": values["T"], "sigma": values["T"] / values["x"]}
+
     def hidden_along(self, p: tuple[float, ...], trajectory: JointTrajectory) -> tuple[np.ndarray, ...]:
         T, x = p
         moved, force = np.diff(trajectory.q), np.zeros(len(trajectory.q))

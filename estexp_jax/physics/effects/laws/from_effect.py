@@ -19,9 +19,9 @@ from estexp_jax.physics.model.robot import Robot
 class EffectLaw(JointLaw):
     """A term that says of a joint what a named effect says.
 
-    A subclass names the effect with the keyword `effect`. Each of `parameters`, `equation`, `in_mjcf`, `arms` and
-    `n_states` that the subclass (or a class it lists before this one) does not state is the effect's. A joint takes
-    over nothing that an effect on actuators has in the model or in MJCF.
+    A subclass names the effect with the keyword `effect`. Each of `parameters`, `equation`, `in_mjcf`, `extends_mjcf`,
+    `arms` and `n_states` that the subclass (or a class it lists before this one) does not state is the effect's. A
+    joint takes over nothing that an effect on actuators has in the model or in MJCF.
 
     Class attributes:
         effect: the named effect.
@@ -50,10 +50,19 @@ class EffectLaw(JointLaw):
         assert isinstance(self.effect, Term), f"{self.name} has to state its force: {self.effect.name} has none"
         return self.effect.act(p, joint, state)
 
+    def effect_values(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """The effect's values, of the term's; a term with parameters of its own states them, or is not `in_mjcf`."""
+        return values
+
+    def mjcf_refusal(self, robot: Robot, site: str, values: Mapping[str, float]) -> str:
+        if not self.in_mjcf:
+            return super().mjcf_refusal(robot, site, values)
+        return self.effect.mjcf_refusal(robot, site, self.effect_values(values))
+
     def write_mjcf(self, robot: Robot, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         if not self.in_mjcf:
             super().write_mjcf(robot, spec, site, values)
-        self.effect.write_mjcf(robot, spec, site, values)
+        self.effect.write_mjcf(robot, spec, site, self.effect_values(values))
 
 
 def _taken_over(effect: Effect) -> dict[str, Any]:
@@ -64,6 +73,7 @@ def _taken_over(effect: Effect) -> dict[str, Any]:
         "parameters": effect.parameters,
         "equation": effect.equation,
         "in_mjcf": at_joint and effect.in_mjcf,
+        "extends_mjcf": at_joint and effect.extends_mjcf,
         "arms": effect.arms if at_joint else (),
         "n_states": effect.n_states if isinstance(effect, Term) else 0,
     }

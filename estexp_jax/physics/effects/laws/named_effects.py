@@ -197,5 +197,8 @@ class LawDriven(CouplingLaw, EffectLaw, effect=Crosstalk):
     def formula(self, values: Mapping[str, float]) -> str:
         return signed_text(values["g"], f"m{other_joint(values)}")
 
+    def effect_values(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        return {"from": values[WITH_JOINT.name], "g": values["g"]}
+
     def act(self, p: Arrays, joint: JointState, state: Arrays) -> tuple[JointForce, Arrays]:
         return super().act(p[::-1], joint, state)  # of the effect, the joint comes first

@@ -108,6 +108,7 @@ class LawFallingFriction(EffectLaw, effect=StribeckFriction):
         Parameter("w_s", "rad/s", neutral=1.0),
     )
     equation: ClassVar[str] = "tau = -T sign(w) / (1 + (w / w_s)^2)"
+    in_mjcf: ClassVar[bool] = False  # the effect's curve is another one
     resembles: ClassVar[str] = "dry friction that falls off with speed"
 
     def largest_amplitude(self, robot: Robot, joint: int) -> float:

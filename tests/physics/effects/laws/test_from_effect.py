@@ -70,14 +70,21 @@ def test_a_term_adds_what_the_effect_adds_to_the_model(law: EffectLaw) -> None:
         np.testing.assert_allclose(gained[0], 0.25 * (field == FIELDS[law.adds_to]), atol=1e-6)
 
 
+def _values(law: EffectLaw) -> dict[str, float]:
+    return {p.name: 1.0 if p.refers else 0.2 for p in law.parameters}
+
+
 @every_one
 def test_a_term_stands_in_mjcf_where_its_effect_does(law: EffectLaw) -> None:
     subject = robot("cartpole")
-    assert law.in_mjcf == (law.effect.in_mjcf and law.effect.kind == "joint")
-    if law.in_mjcf:
-        values, site = {p.name: 0.2 for p in law.parameters}, law.sites(subject)[0]
+    same = {p.name for p in law.effect.parameters} == set(law.effect_values(_values(law)))
+    assert law.in_mjcf == (law.effect.in_mjcf and law.effect.kind == "joint" and same)
+    site = law.sites(subject)[0]
+    if not law.mjcf_refusal(subject, site, _values(law)):
         written = [subject.spec.copy() for _ in range(2)]
-        for e, spec in zip((law, law.effect), written, strict=True):
+        for e, spec, values in zip(
+            (law, law.effect), written, (_values(law), law.effect_values(_values(law))), strict=True
+        ):
             e.write_mjcf(subject, spec, site, values)
             spec.compile()
         assert written[0].to_xml() == written[1].to_xml() != subject.spec.to_xml()
