@@ -57,8 +57,8 @@ def freeze(spec: mujoco.MjSpec, nominal: mujoco.MjModel, index: Index) -> None:
 def with_masses(spec: mujoco.MjSpec, nominal: mujoco.MjModel) -> mujoco.MjSpec:
     """A compiled description with its masses in it, not their sum: of `settotalmass` MuJoCo warns each time.
 
-    The centre of a mass that was given in Python without one is the body's origin: MuJoCo 4.0.0 compiles it so, and leaves
-    the mass out of what it writes.
+    The centre of a mass that was given in Python without one is the body's origin: MuJoCo 4.0.0 compiles it so, and
+    leaves the mass out of what it writes.
     """
     for body in spec.bodies[1:]:
         if body.explicitinertial and np.isnan(body.ipos).any():
