@@ -9,7 +9,7 @@ from pathlib import Path
 
 import mujoco
 
-from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.changes import Change, sentence_of
 from estexp_jax.physics.effects.new_elements import ROTOR, passive_motor_text
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.written import mjcf_refusal, written
@@ -97,8 +97,8 @@ def _heading(
     told = " with the physics that its recordings show it lacked" if changes or left_out else ""
     lines, step = [f"The nominal model{told}."], robot.model.opt.timestep
     lines += [f"Its step is {step / finer:g} s instead of {step:g} s."] if finer > 1 else []
-    lines += [f"In it: {c.sentence()}." for c in changes]
-    lines += [f"NOT in it: {c.sentence()} ({c.place}); {why}." for c, why in left_out]
+    lines += [f"In it: {sentence_of(robot, c)}." for c in changes]
+    lines += [f"NOT in it: {sentence_of(robot, c)} ({c.place}); {why}." for c, why in left_out]
     if any(any(joint.damping[1:]) or any(joint.stiffness[1:]) for joint in spec.joints):
         lines += ["Damping or stiffness of several numbers, one for each power, needs MuJoCo 4."]
     if any(effect(c.effect).extends_mjcf for c in changes):

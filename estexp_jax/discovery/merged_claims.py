@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from estexp_jax.physics.effects import units
-from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.changes import Change, sentence_of
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.model.robot import Robot
@@ -43,7 +43,7 @@ def _sum(robot: Robot, one: Mapping[str, Any], other: Mapping[str, Any]) -> dict
         **one,
         "probability": max(one["probability"], other["probability"]),
         "in_mjcf": one["in_mjcf"] and other["in_mjcf"],
-        "sentence": units.unit_at(robot, e.kind, change.name, change.sentence()),
+        "sentence": units.unit_at(robot, e.kind, change.name, sentence_of(robot, change)),
         "equation": e.equation_with_values(change.parameters),
         "parameters": parameters,
     }

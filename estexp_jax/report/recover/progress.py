@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
+from estexp_jax.physics.effects.changes import Change, sentence_of
 from estexp_jax.recovery.cycle import Job
 from estexp_jax.recovery.estimation.choice import estimation_of
 from estexp_jax.recovery.situations import TABLE
@@ -35,7 +37,7 @@ class RecoverProgress:
         engine, reason, _ = self._job.simulator.closed_loop.choice
         self._progress.say(f"  engine: {engine}, {reason}")
         for change in self._job.planted:
-            self._progress.say(f"  planted: {change.sentence()}")
+            self._progress.say(f"  planted: {sentence_of(self._job.simulator.robot, change)}")
         if state.history:
             self._progress.say(f"going on with pass {state.number}, {state.phase}")
         self._stage(state)
@@ -58,7 +60,7 @@ class RecoverProgress:
         self._progress.say("")
         self._progress.say(f"{self._undamaged} {before}, damaged {trials[0]}")
         for number, each in enumerate(state.passes(axis), start=1):
-            found = "; ".join(change.sentence() for change in each.diagnosis) or "nothing differs"
+            found = self._said(each.diagnosis)
             self._progress.say(f"trial {number} {metres(each.hardware)} (predicted {each.simulated:.2f} m): {found}")
         if state.diagnoses:
             self._say_doubts(state)
@@ -75,7 +77,7 @@ class RecoverProgress:
         if len(after.diagnoses) > len(before.diagnoses):
             share = after.probabilities[-1]
             sure = "" if share is None else f", probability {share:.2f}"
-            found = "; ".join(change.sentence() for change in after.diagnoses[-1]) or "nothing differs"
+            found = self._said(after.diagnoses[-1])
             say(f"diagnosis {len(after.diagnoses)}: {found} (error {after.residuals[-1]:.2g}{sure})")
             self._say_doubts(after)
         if len(after.trials) > len(before.trials):
@@ -92,10 +94,13 @@ class RecoverProgress:
     def _say_doubts(self, state: RunState) -> None:
         """Print what the last diagnosis does not exclude."""
         for diagnosis, probability in state.alternatives[-1]:
-            said = "; ".join(change.sentence() for change in diagnosis) or "nothing differs"
-            self._progress.say(f"  not excluded, probability {probability:.2f}: {said}")
+            self._progress.say(f"  not excluded, probability {probability:.2f}: {self._said(diagnosis)}")
         if state.alarms[-1]:
             self._progress.say("  nothing in the catalogue reproduces the recordings: do not trust this diagnosis")
+
+    def _said(self, diagnosis: Sequence[Change]) -> str:
+        robot = self._job.simulator.robot
+        return "; ".join(sentence_of(robot, change) for change in diagnosis) or "nothing differs"
 
     def _stage(self, state: RunState) -> None:
         settings, number = self._job.settings, state.number
