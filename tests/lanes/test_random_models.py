@@ -180,11 +180,11 @@ def test_auto_takes_mjx_for_what_lanes_refuse_and_lanes_alone_is_an_error() -> N
 def test_lanes_that_differ_from_c_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = Agreement(states=32, physics_steps=2, median=0.2, high=0.4, largest=0.6)
     right = Agreement(32, 2, 0.0, 0.0, 0.0)
-    monkeypatch.setattr(choice, "closed_loop_agreement", lambda s, *_: right if s.choice.engine == "mjx" else wrong)
+    monkeypatch.setattr(choice, "closed_loop_agreement", lambda s, *_, **__: right if s.choice.engine == "c" else wrong)
     short: Any = {"policy": RecurrentPolicy(), "rows": 5, "control_step": 0.01}
     instead = choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short)
-    assert instead.choice.engine == "mjx" and "differs from plain MuJoCo" in instead.choice.reason
-    with pytest.raises(InputError, match="use --engine mjx"):
+    assert instead.choice.engine == "c" and "differs from plain MuJoCo" in instead.choice.reason
+    with pytest.raises(InputError, match="use --engine c"):
         choice.closed_loop_simulator(robot("cartpole"), catalogue(["body_mass"]), **short, engine="lanes")
 
 
