@@ -218,8 +218,9 @@ def _run_trial(job: Job, target: Target | RemoteTarget, state: RunState) -> Tria
     weights, steps = state.controllers[-1], job.settings.steps
     controller = job.simulator.controller(weights, steps)
     if not isinstance(target, RemoteTarget):
-        result = target(controller)
-        return trial_of_result(result, controller) if not isinstance(target, SameTarget | RealityGapTarget) else result
+        if isinstance(target, SameTarget | RealityGapTarget):
+            return target(controller)
+        return trial_of_result(target(controller), controller)
     changes = state.diagnoses[-1] if state.diagnoses else ()
     return target.perform(len(state.trials), controller, job.simulator.trial(changes, weights, steps))
 

@@ -13,7 +13,7 @@ from estexp_jax.recovery.config import Settings
 from estexp_jax.recovery.control.trial import Trial
 from estexp_jax.recovery.cycle import Job, job_of
 from estexp_jax.recovery.simulator import DamageSimulator, damage_simulator
-from estexp_jax.recovery.target import RemoteTarget
+from estexp_jax.recovery.target import RemoteTarget, trial_of_result
 from estexp_jax.runs import enable_compilation_cache
 from experiments.harness.recovery_case import SIZES, RecoveryCase, Size
 
@@ -47,4 +47,5 @@ def trial_of(job: Job, weights: np.ndarray, steps: int, healthy: bool = False) -
     """A trial of the simulated robot of a run, damaged or still healthy; it answers at once."""
     target = job.healthy if healthy else job.target
     assert target is not None and not isinstance(target, RemoteTarget), "robots of experiments are simulated"
-    return target(job.simulator.controller(weights, steps))
+    controller = job.simulator.controller(weights, steps)
+    return trial_of_result(target(controller), controller)

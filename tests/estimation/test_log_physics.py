@@ -12,6 +12,7 @@ from tests.estimation.two_links import arm, faulty, log_of
 def test_what_ordinary_physics_makes_it_explains(real):
     recording = log_of(arm(**real))
     replay = log_replay_of(arm(), recording)
+    assert replay is not None
     [before] = replay.errors([recording])
     left = fit_physics(replay, recording)
     assert before > 3.0 * replay.floor and left < 2.0 * replay.floor and left < 0.3 * before
@@ -23,6 +24,8 @@ def test_a_number_is_found_beside_it_with_its_deviation(real, begin):
     robot, effect = arm(), CommandLead()
     late = faulty(robot, log_of(arm(**real)), "command_lead lead=0.03")
     replay = log_replay_of(robot, late)
+
+    assert replay is not None
 
     def error_at(lead: float) -> float:
         return fit_physics(replay, effect.mended(robot, late, "", {"lead": lead}))

@@ -22,6 +22,7 @@ def test_versions_and_models_go_through_together():
     recording = log_of(arm())
     replay = log_replay_of(arm(), recording)
     exchanged = replace(recording, sensor=recording.sensor[:, ::-1])
+    assert replay is not None
     together = replay.errors([recording, exchanged, recording], [arm().model, arm().model, arm(mass=0.8).model])
     assert together[0] < 0.2 * together[2] < together[1]
     np.testing.assert_allclose(replay.errors([exchanged]), together[1])
@@ -30,7 +31,9 @@ def test_versions_and_models_go_through_together():
 def test_pieces_with_a_motor_off_do_not_count():
     recording = log_of(arm())
     enable = np.where(np.arange(recording.rows)[:, None] < recording.rows // 2, 0.0, 1.0) * np.ones((1, 2))
-    half = log_replay_of(arm(), recording).residuals([replace(recording, enable=enable)])[0]
+    replay = log_replay_of(arm(), recording)
+    assert replay is not None
+    half = replay.residuals([replace(recording, enable=enable)])[0]
     assert np.isnan(half[0]).all() and np.isfinite(half[-1]).all()
 
 

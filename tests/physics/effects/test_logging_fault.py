@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estexp_jax.physics.effects.changes import parse_change
-from estexp_jax.physics.effects.logging_fault import is_even, with_commands_at
+from estexp_jax.physics.effects.changes import Change, parse_change
+from estexp_jax.physics.effects.logging_fault import LoggingFault, is_even, with_commands_at
 from estexp_jax.physics.effects.registry import effect, logging_faults
 from tests.estimation.two_links import arm, faulty, log_of
 
@@ -14,6 +14,12 @@ from tests.estimation.two_links import arm, faulty, log_of
 def held(recording, at):
     """The commands in force at some times."""
     return recording.ctrl[np.searchsorted(recording.time, at, side="right") - 1]
+
+
+def fault_of(change: Change) -> LoggingFault:
+    found = effect(change.effect)
+    assert isinstance(found, LoggingFault)
+    return found
 
 
 @pytest.mark.parametrize(
@@ -30,7 +36,7 @@ def test_what_is_put_in_is_taken_out(fault):
     robot, right = arm(), log_of(arm())
     change = parse_change(fault, robot)
     wrong = faulty(robot, right, fault)
-    back = effect(change.effect).mended(robot, wrong, change.name or "", change.values)
+    back = fault_of(change).mended(robot, wrong, change.name or "", change.values)
     rows = np.flatnonzero(np.isfinite(back.sensor[:, 0]))
     np.testing.assert_allclose(back.time[rows], right.time, atol=1e-9)
     np.testing.assert_array_equal(back.sensor[rows], right.sensor)
@@ -45,7 +51,7 @@ def test_a_reading_without_a_signal_is_taken_out_whole():
     robot = arm()
     for fault in ("no_signal@q_elbow std=0.3", "no_signal@q_elbow copy_of=m_elbow"):
         change = parse_change(fault, robot)
-        back = effect(change.effect).mended(robot, faulty(robot, log_of(arm()), fault), "q_elbow", change.values)
+        back = fault_of(change).mended(robot, faulty(robot, log_of(arm()), fault), "q_elbow", change.values)
         assert np.isnan(back.sensor[:, 1]).all() and np.isfinite(back.sensor[:, 0]).all()
 
 

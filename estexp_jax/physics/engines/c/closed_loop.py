@@ -83,7 +83,7 @@ class CClosedLoop(ClosedLoopSimulator):
         parts = [np.arange(first, min(first + size, n)) for first in range(0, n, size)]
         taken = [jax.tree.map(lambda x, part=part: np.asarray(x)[part], (lanes, override)) for part in parts]
         with mujoco_warnings_suppressed(), ThreadPoolExecutor(min(cores(), len(parts))) as threads:
-            found = list(threads.map(lambda part: self._chunk(*part, steps, active), taken))
+            found = list(threads.map(lambda part: self._chunk(part[0], part[1], steps, active), taken))
         return jax.tree.map(lambda *each: np.concatenate(each), *found)
 
     def _chunk(self, lanes: RobotInstance, override: ReadingOverride | None, steps: int, active: bool) -> Rollout:
