@@ -17,18 +17,21 @@ REAL = {
 }
 
 
+EACH = [pytest.param(name, marks=[pytest.mark.slow] if name in ("heavier", "damped") else []) for name in REAL]
+
+
 def told(recording, motor="position"):
     return {f.change.place: f.change.parameters for f in found_faults(arm(motor), recording)[0]}
 
 
 @pytest.mark.parametrize("motor", ["position", "motor"])
-@pytest.mark.parametrize("real", REAL)
+@pytest.mark.parametrize("real", EACH)
 def test_physics_that_the_model_lacks_is_no_fault_of_the_log(motor, real):
     assert told(log_of(arm(motor, **REAL[real])), motor) == {}
 
 
 @pytest.mark.parametrize("motor", ["position", "motor"])
-@pytest.mark.parametrize("real", REAL)
+@pytest.mark.parametrize("real", EACH)
 @pytest.mark.parametrize("faults", [(READINGS,), (COMMANDS,), (READINGS, COMMANDS)], ids=["read", "commanded", "both"])
 def test_exchanged_channels_are_told_from_each_other(motor, real, faults):
     robot = arm(motor)
@@ -36,7 +39,7 @@ def test_exchanged_channels_are_told_from_each_other(motor, real, faults):
     assert told(faulty(robot, log_of(arm(motor, **REAL[real])), *faults), motor) == wanted
 
 
-@pytest.mark.parametrize("real", REAL)
+@pytest.mark.parametrize("real", EACH)
 @pytest.mark.parametrize("fault", ["command_lead lead=0.025", "clock_scale@* factor=1.006"])
 def test_displaced_commands_and_two_clocks_are_told_with_their_size(real, fault):
     robot = arm()
