@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import final
 
 import numpy as np
@@ -95,8 +96,15 @@ class ActingEffects:
 
     def act(self, hidden: LaneHidden) -> LaneHidden:
         """Let command laws and terms act in the step that has begun; hidden variables after it."""
+        return self._after((*self.laws, *self.terms), hidden)
+
+    def roll(self, hidden: LaneHidden) -> LaneHidden:
+        """Hidden variables after a step whose motion is given, so that forces do not matter."""
+        return self._after((*self.laws, *(term for term in self.terms if term.lasts)), hidden)
+
+    def _after(self, acting: Iterable[ActingCommandLaw | ActingTerm], hidden: LaneHidden) -> LaneHidden:
         after: LaneHidden = {}
-        for e in (*self.laws, *self.terms):
+        for e in acting:
             state = e.act(self.table, hidden.get(e.effect.name))
             if e.effect.n_states:
                 after[e.effect.name] = state

@@ -110,7 +110,7 @@ class COpenLoop(OpenLoopSimulator):
         for k in np.flatnonzero((roll.length > 0.0).any(axis=1)):
             acting.begin(*(np.asarray(x[k]).T for x in roll))
             with np.errstate(all="ignore"):
-                hidden = acting.kept(roll.length[k] > 0.0, hidden, acting.act(hidden))
+                hidden = acting.kept(roll.length[k] > 0.0, hidden, acting.roll(hidden))
         return hidden
 
     def _advanced(

@@ -45,6 +45,8 @@ class ActingTerm:
         law, self._names = term_program(e, motors.motors.shape[1], self._whole.size if self._whole else None)
         fixed = _fixed(chunk, there, motors), self._whole.fixed if self._whole else None
         self._p, self._law = there.p, law.bound(fixed, len(self.lane))
+        #: Whether something of it lasts where the motion is given: hidden variables, or what laws read of motors.
+        self.lasts = bool(e.n_states) or not {"command", "motor"}.isdisjoint(self._names)
         self._index(chunk, motors, dofs[self.site])
 
     def _index(self, chunk: Chunk, motors: Drives, dof: np.ndarray) -> None:
