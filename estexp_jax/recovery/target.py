@@ -16,8 +16,6 @@ from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.control.trial import Controller, Trial
 from estexp_jax.recovery.simulator import DamageSimulator
 
-_TABLES = ("time", "readings", "commands", "position")
-
 
 class Target(Protocol):
     """A robot in the world."""

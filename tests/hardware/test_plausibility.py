@@ -40,6 +40,13 @@ def test_degrees_are_refused(controller: Controller, trial: Trial) -> None:
         notes(controller, trial)
 
 
+def test_a_joint_that_is_to_turn_may(controller: Controller, trial: Trial) -> None:
+    predicted = walked(controller)
+    for one in (trial, predicted):
+        one.readings[:, FIRST] = np.linspace(0.0, 30.0, len(one.time))  # a wheel
+    assert plausibility_notes(controller, trial, predicted, COMPARED, "trial_0.csv") == ()
+
+
 def test_a_wrong_sign_is_told_by_its_column(controller: Controller, trial: Trial) -> None:
     trial.readings[:, FIRST + 2] *= -1.0
     [said] = notes(controller, trial)
