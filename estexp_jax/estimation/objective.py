@@ -15,6 +15,7 @@ import numpy as np
 
 from estexp_jax.estimation.dataset import Dataset
 from estexp_jax.estimation.parameters import ParameterSpace
+from estexp_jax.estimation.windows import FINER
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator
 from estexp_jax.physics.window import Window
 
@@ -48,16 +49,33 @@ class Objective:
         space: of the same.
         dataset: the windows.
         states: whether outputs are the states (qpos, qvel) instead of the channels' readings.
+        step_error: (windows, rows, outputs) added to all that is simulated, as of `without_step_error`.
     """
 
     simulator: OpenLoopSimulator
     space: ParameterSpace
     dataset: Dataset
     states: bool = False
+    step_error: np.ndarray | float = 0.0
 
     def with_dataset(self, dataset: Dataset, *, states: bool = False) -> Objective:
         """The same simulator compared with other windows."""
-        return replace(self, dataset=dataset, states=states)
+        return replace(self, dataset=dataset, states=states, step_error=0.0)
+
+    def without_step_error(self, point: np.ndarray) -> Objective:
+        """The same, with outputs as they would be at no time step at all, by what a finer one changes at a point (n,).
+
+        A step of some milliseconds damps a robot by itself, which would pass for friction or delay.
+
+        Source: Richardson, Philosophical Transactions of the Royal Society A 210 (1911).
+        """
+        plain, step = replace(self, step_error=0.0), float(self.space.robot.model.opt.timestep)
+        windows = tuple(w.stepped(step / FINER) for w in self.dataset.windows)
+        finer = replace(plain, dataset=replace(self.dataset, windows=windows))
+        change = finer.simulate(point[None])[0] - plain.simulate(point[None])[0]
+        high_order = int(self.space.robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4)
+        change = np.where(np.abs(change) < _DIVERGED, change, 0.0)
+        return replace(self, step_error=change * (1.0 if high_order else FINER / (FINER - 1)))
 
     def simulate(self, points: np.ndarray, of_window: np.ndarray | float = 0.0) -> np.ndarray:
         """Outputs (points, windows, rows, outputs) at points (points, n), NaN beyond a window's end.
@@ -72,7 +90,7 @@ class Objective:
             every = (part[:, None, :] + of_window) + np.zeros((1, n, 1))
             found.append(self._outputs(every.reshape(len(part) * n, -1), self.dataset.windows, _each(len(part), n)))
         whole = np.concatenate(found)
-        return whole.reshape(len(points), n, *whole.shape[1:])
+        return whole.reshape(len(points), n, *whole.shape[1:]) + self.step_error
 
     def responses(
         self,
@@ -86,7 +104,7 @@ class Objective:
         whole = self.simulate(np.concatenate([point[None], point + directions]), of_window)
         whole = np.where(np.abs(whole) < _DIVERGED, whole, np.where(np.isnan(whole), np.nan, _DIVERGED))
         shaken = self._shaken(point, of_window) if initial_states else np.zeros((0, *whole.shape[1:]))
-        return Responses(whole[0], whole[1:] - whole[0], shaken - whole[0])
+        return Responses(whole[0], whole[1:] - whole[0], shaken + self.step_error - whole[0])
 
     def _shaken(self, point: np.ndarray, of_window: np.ndarray | float) -> np.ndarray:
         """Outputs (2 nv, windows, rows, outputs) from initial states one standard deviation off in each way."""

@@ -97,19 +97,37 @@ def _smallest(space: ParameterSpace, guesses: list[Candidate]) -> list[Candidate
     return list(kept.values())
 
 
-def log_odds(names: Sequence[Place], criteria: SelectionCriteria, n: int | None = None) -> np.ndarray:
+def log_odds(
+    names: Sequence[Place],
+    criteria: SelectionCriteria,
+    among: Collection[Place] = (),
+    present: Collection[Place] = (),
+) -> np.ndarray:
     """Prior log odds of candidates, nats, from the places they stand for: one place's guesses share its odds.
+
+    An effect may be missing at a place by itself, or because its kind is missing at the robot's other places: friction
+    that five of six like gears have is expected in the sixth.
 
     Args:
         names: the place of each.
         criteria: how many effects are expected.
-        n: among so many places; None: those that are named.
+        among: all places where something may be missing; none: those that are named.
+        present: places of effects that are taken to be there.
+
+    Source: Scott and Berger, Annals of Statistics 38 (2010), multiplicity; Pearl, Probabilistic Reasoning (1988), the
+    noisy or.
     """
     places, counts = list(dict.fromkeys(names)), Counter(names)
-    among = max((n or len(places)) - criteria.expected_effects, 1.0)
-    odds = np.log(criteria.expected_effects / among)
+    every = set(among or places)
+    alone = min(criteria.expected_effects / max(len(every), 1), 0.5)
+    found = {}
+    for place in places:
+        kind = [p for p in every if p[0] == place[0] and p[1] != ALL_ALIKE]
+        others = sum(p[0] == place[0] and p != place for p in present) / max(len(kind), 1)
+        absent = (1.0 - alone) * (1.0 - min(others, 0.95))
+        found[place] = np.log((1.0 - absent) / absent)
     native = {p: criteria.native_odds * (effect(p[0]).model_attribute is not None) for p in places}
-    return np.array([odds + native[p] - np.log(counts[p]) for p in names])
+    return np.array([found[p] + native[p] - np.log(counts[p]) for p in names])
 
 
 def _multiples(space: ParameterSpace, direction: np.ndarray) -> tuple[float, float]:

@@ -2,180 +2,204 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator, Sequence
-from dataclasses import dataclass
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
 
 from estexp_jax.discovery.fitting import Progress
-from estexp_jax.discovery.joint.candidates import candidates, log_odds
+from estexp_jax.discovery.joint.candidates import Candidate, candidates, log_odds
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.discovery.joint.growth import Growth
+from estexp_jax.discovery.joint.problem import JointProblem
+from estexp_jax.discovery.joint.pruning import needed, wrong_values
 from estexp_jax.discovery.joint.reading_stage import JointFit, cost_at, gauss_newton, without
 from estexp_jax.discovery.joint.torque_stage import TorqueChoice, torque_choices
-from estexp_jax.estimation.channels import Channels, channel_ranges
-from estexp_jax.estimation.dataset import Dataset, dataset_of, evenly
+from estexp_jax.estimation.channels import channel_ranges
+from estexp_jax.estimation.dataset import Dataset, evenly
 from estexp_jax.estimation.linearised import independent_data, reading_noise_of
 from estexp_jax.estimation.objective import Objective
-from estexp_jax.estimation.parameters import ParameterSpace, Place, nuisances, parameter_space
-from estexp_jax.physics.effects.observed import Observed
+from estexp_jax.estimation.parameters import ParameterSpace, nuisances, parameter_space
 from estexp_jax.physics.effects.registry import effect
-from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
-from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.reading_noise import noise_std_of
-from estexp_jax.physics.recording import Recording
 
-_STEPS, _GROWTH_STEPS = 750_000, 5_000_000
+_STEPS, _GROWTH_STEPS = 2_500_000, 5_000_000
 """Robot steps that one linearisation may take, and one of all candidates: windows are as many as that allows ..."""
 _FEWEST, _MOST = 8, 240
 """... but at least and at most so many."""
-_FEWEST_LONG, _MOST_LONG = 12, 64
+_FEWEST_LONG, _MOST_LONG = 12, 240
 """Longer windows are taken only where there are so many, for held-out stretches to differ; and at most so many."""
 _LENGTHS = (2.0, 1.0, 0.5, 0.25)
 """Lengths of the windows of the second stage, s: the first in which the simulator stays near the readings."""
 _ROUNDS = 3
-_GROWTHS = 6
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class JointProblem:
-    """What the joint fit explains.
-
-    Attributes:
-        robots: the nominal robot with each recording's settings.
-        recordings: with their roles; only training ones are used.
-        channels: the readings compared.
-        simulator: of the robot and the catalogue.
-        places: what may be claimed.
-        known: places whose values are given for each recording.
-        observed: what recordings show of joints and sensors.
-    """
-
-    robots: Sequence[Robot]
-    recordings: tuple[Recording, ...]
-    channels: Channels
-    simulator: OpenLoopSimulator
-    places: Collection[Place]
-    known: Collection[Place]
-    observed: Observed
-
-    def dataset(self, length: float, memory: float) -> Dataset:
-        """All windows of a length of the training recordings, both in s as of `dataset_of`; each is cut once."""
-        if (length, memory) not in self._datasets:
-            cut = dataset_of(self.robots, self.recordings, self.channels, length, memory=memory)
-            self._datasets[length, memory] = cut
-        return self._datasets[length, memory]
-
-    @cached_property
-    def _datasets(self) -> dict[tuple[float, float], Dataset]:
-        return {}
+_GROWTHS = 10
 
 
 class JointResult(NamedTuple):
-    """What the joint fit found.
+    """What the torques choose, fitted to the readings.
 
     Attributes:
         torques: the first stage's choice.
         fit: the effects with their values.
-        rivals: fits with another effect in place of one, which the recordings do not tell from it.
     """
 
     torques: TorqueChoice
     fit: JointFit
-    rivals: tuple[JointFit, ...]
 
 
-def joint_fit(
-    problem: JointProblem, criteria: SelectionCriteria | None = None, fewest: int = 0
-) -> Generator[Progress, None, JointResult]:
-    """Fit all plausible effects together and keep those that the recordings call for.
+@final
+@dataclass(frozen=True, eq=False)
+class JointSearch:
+    """Fitting all plausible effects together, and keeping those that the recordings call for.
 
-    Args:
+    Attributes:
         problem: what is explained.
         criteria: what decides.
-        fewest: with fewer effects than that after the readings' first fit, no more are looked for.
-
-    Yields:
-        Progress of each stage.
     """
-    criteria = criteria or SelectionCriteria()
-    space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
-    errors = nuisances(space, problem.known)
-    yield Progress("torque balance", 0, 1)
-    tried = candidates(space, problem.observed, problem.places, additive=True)
-    others = candidates(space, problem.observed, problem.places, additive=False)
-    tried += [c.as_derivative() for c in others if effect(c.place[0]).model_attribute]
-    data = problem.dataset(criteria.short_window, criteria.memory)
-    data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
-    objective = Objective(problem.simulator, space, data, states=True)
-    added = [i for i in errors if effect(space.parameters[i].effect).additive]
-    choices = torque_choices(objective, tried, added, problem.robots, criteria)
-    fits, longest = list[JointFit](), data
-    for k, first in enumerate(choices):
-        point, places, fit = first.point, first.places, None
-        for round_ in range(_ROUNDS):
-            yield Progress("joint fit", k * _ROUNDS + round_, len(choices) * _ROUNDS)
-            data = _windows(problem, space, point, len(errors) + 3 * len(places), criteria)
-            fit = gauss_newton(objective.with_dataset(data), point, places, errors, _least_noise(problem), criteria)
-            point, places = fit.point, fit.places
-        assert fit is not None
-        fits.append(fit)
-        longest = max(longest, data, key=lambda d: float(np.median(d.durations)))
-    common = objective.with_dataset(longest)
-    best = _most_plausible(common, fits, _least_noise(problem), criteria) if len(fits) > 1 else 0
-    if len(fits[best].places) < fewest:
-        return JointResult(choices[best], fits[best], ())
-    fit, rivals = yield from _grown(problem, objective, fits[best], errors, criteria)
-    return JointResult(choices[best], fit, tuple(rivals))
 
+    problem: JointProblem
+    criteria: SelectionCriteria = field(default_factory=SelectionCriteria)
 
-def _most_plausible(
-    objective: Objective, fits: Sequence[JointFit], least_noise: np.ndarray, criteria: SelectionCriteria
-) -> int:
-    """Index of the fit with the largest evidence, by Schwarz's criterion, on common windows."""
-    data, space, points = objective.dataset, objective.space, np.array([f.point for f in fits])
-    left = [reading_noise_of(data, simulated, least_noise, criteria.clip) for simulated in objective.simulate(points)]
-    costs = cost_at(objective, points, np.min(left, axis=0), criteria)
-    measured = np.isfinite(data.measurements).any(axis=1).sum(axis=1)
-    count = float(independent_data(data, criteria.correlation_time) @ measured)
-    numbers = np.array([sum(len(space.of_place[p]) for p in f.places) for f in fits])
-    odds = np.array([-np.sum(log_odds(f.places, criteria, len(space.of_place))) for f in fits])
-    return int(np.argmin(0.5 * count * costs + 0.5 * np.log(max(count, 1.0)) * numbers + odds))
+    @cached_property
+    def space(self) -> ParameterSpace:
+        """All parameters."""
+        return parameter_space(self.problem.simulator.robot, self.problem.simulator.catalogue)
 
+    @cached_property
+    def _errors(self) -> list[int]:
+        """Indices of values of the model that may be a little off."""
+        return nuisances(self.space, self.problem.known)
 
-def _grown(
-    problem: JointProblem, objective: Objective, fit: JointFit, errors: list[int], criteria: SelectionCriteria
-) -> Generator[Progress, None, tuple[JointFit, list[JointFit]]]:
-    """The fit with what predicts held-out stretches better, and without what does not; and its rivals."""
-    space, noise = objective.space, _least_noise(problem)
-    every = [c for a in (True, False) for c in candidates(space, problem.observed, problem.places, additive=a)]
-    # What is sinusoidal shows in torques as well as in readings.
-    tried = [c.as_derivative() for c in every if not effect(c.place[0]).sinusoidal]
-    for round_ in range(_GROWTHS):
-        yield Progress("more effects", round_, _GROWTHS)
-        directions = len(errors) + 3 * len(fit.places) + len(tried)
-        data = _windows(problem, space, fit.point, directions, criteria, _GROWTH_STEPS)
-        fitted = _windows(problem, space, fit.point, len(errors) + 3 * len(fit.places), criteria)
-        few, many = objective.with_dataset(data), objective.with_dataset(fitted)
-        more, tried = Growth(few, many, errors, noise, problem.observed, criteria).grown(fit, tried)
-        if more is None:
-            break
-        fit = more
-    data = _windows(problem, space, fit.point, len(errors) + 3 * len(fit.places), criteria)
-    now = objective.with_dataset(data)
-    judge = Growth(now, now, errors, noise, problem.observed, criteria)
-    fit = gauss_newton(now, fit.point, fit.places, errors, noise, criteria)
-    wrong = [p for p in judge.wrong_values(fit) if p in problem.places]
-    if wrong:
-        fit = gauss_newton(now, fit.point, [*fit.places, *wrong], errors, noise, criteria)
-    kept = judge.needed(fit)
-    point = without(space, fit, [p for p in fit.places if p not in kept])
-    fit = gauss_newton(now, point, kept, errors, noise, criteria)
-    yield Progress("rivals", 0, 1)
-    return fit, judge.rivals(fit, tried)
+    def first(self) -> Generator[Progress, None, JointResult]:
+        """What torques of short windows call for, fitted to readings.
+
+        Yields:
+            Progress of each stage.
+        """
+        problem, space, criteria = self.problem, self.space, self.criteria
+        yield Progress("torque balance", 0, 1)
+        tried = candidates(space, problem.observed, problem.places, additive=True)
+        others = candidates(space, problem.observed, problem.places, additive=False)
+        tried += [c.as_derivative() for c in others if effect(c.place[0]).model_attribute]
+        data = problem.dataset(criteria.short_window, criteria.memory)
+        data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
+        objective = Objective(problem.simulator, space, data, states=True).without_step_error(space.neutral)
+        added = [i for i in self._errors if effect(space.parameters[i].effect).additive]
+        choices = torque_choices(objective, tried, added, problem.robots, criteria)
+        fits, longest = list[JointFit](), data
+        for k, chosen in enumerate(choices):
+            point, places, fit = chosen.point, chosen.places, None
+            for round_ in range(_ROUNDS):
+                yield Progress("joint fit", k * _ROUNDS + round_, len(choices) * _ROUNDS)
+                data = self._windows(point, len(self._errors) + 3 * len(places))
+                fit = self._fitted(data, point, places)
+                point, places = fit.point, fit.places
+            assert fit is not None
+            fits.append(fit)
+            longest = max(longest, data, key=lambda d: float(np.median(d.durations)))
+        best = self._most_plausible(longest, fits) if len(fits) > 1 else 0
+        return JointResult(choices[best], fits[best])
+
+    def grown(self, fit: JointFit) -> Generator[Progress, None, JointFit]:
+        """A fit with what predicts held-out stretches better.
+
+        Yields:
+            Progress.
+        """
+        promising, about = list[Candidate](), None  # what gains on few windows, and the fit about which it does
+        for round_ in range(_GROWTHS):
+            yield Progress("more effects", round_, _GROWTHS)
+            if about is None:
+                promising, about = self._promising(fit), fit
+            directions = len(self._errors) + 3 * len(fit.places) + len(promising)
+            more = self._growth(self._windows(fit.point, directions)).grown(fit, promising)
+            if more is None and about is fit:
+                break
+            fit, about = (fit, None) if more is None else (more, about)
+        return fit
+
+    def settled(self, fit: JointFit) -> JointFit:
+        """A fit with values of the model that are far off, and without what held-out stretches contradict."""
+        data = self._last_windows(fit)
+        judge = self._growth(data)
+        fit = self._fitted(data, fit.point, fit.places)
+        wrong = [p for p in wrong_values(judge, fit) if p in self.problem.places]
+        if wrong:
+            fit = self._fitted(data, fit.point, [*fit.places, *wrong])
+        kept = needed(judge, fit)
+        return self._fitted(data, without(self.space, fit, [p for p in fit.places if p not in kept]), kept)
+
+    def rivals(self, fit: JointFit) -> Generator[Progress, None, list[JointFit]]:
+        """Fits with another effect in place of one, which the recordings do not tell from it.
+
+        Yields:
+            Progress.
+        """
+        yield Progress("rivals", 0, 1)
+        return self._growth(self._last_windows(fit)).rivals(fit, self._promising(fit))
+
+    def values_only(self) -> Generator[Progress, None, JointFit]:
+        """Values of the model refitted within ordinary errors, and no effect.
+
+        Yields:
+            Progress.
+        """
+        yield Progress("values of the model alone", 0, 1)
+        neutral = self.space.neutral
+        return self._fitted(self._windows(neutral, len(self._errors)), neutral, ())
+
+    def _promising(self, fit: JointFit) -> list[Candidate]:
+        """Of all candidates those that gain anything on few windows."""
+        problem, space = self.problem, self.space
+        every = [c for a in (True, False) for c in candidates(space, problem.observed, problem.places, additive=a)]
+        # What is sinusoidal shows in torques as well as in readings.
+        tried = [c.as_derivative() for c in every if not effect(c.place[0]).sinusoidal]
+        few = self._windows(fit.point, len(self._errors) + len(tried), _GROWTH_STEPS)
+        return self._growth(few).promising(fit, tried)
+
+    def _growth(self, data: Dataset) -> Growth:
+        noise, observed = self.problem.least_noise, self.problem.observed
+        return Growth(self._objective(data), self._errors, noise, observed, self.criteria)
+
+    def _objective(self, data: Dataset) -> Objective:
+        return Objective(self.problem.simulator, self.space, data)
+
+    def _fitted(self, data: Dataset, point: np.ndarray, places: Sequence[tuple[str, str]]) -> JointFit:
+        objective = self._objective(data)
+        return gauss_newton(objective, point, places, self._errors, self.problem.least_noise, self.criteria)
+
+    def _most_plausible(self, data: Dataset, fits: Sequence[JointFit]) -> int:
+        """Index of the fit with the largest evidence, by Schwarz's criterion, on common windows."""
+        criteria, space, points = self.criteria, self.space, np.array([f.point for f in fits])
+        objective, least = self._objective(data).without_step_error(points[0]), self.problem.least_noise
+        left = [reading_noise_of(data, simulated, least, criteria.clip) for simulated in objective.simulate(points)]
+        costs = cost_at(objective, points, np.min(left, axis=0), criteria)
+        measured = np.isfinite(data.measurements).any(axis=1).sum(axis=1)
+        count = float(independent_data(data, criteria.correlation_time) @ measured)
+        numbers = np.array([sum(len(space.of_place[p]) for p in f.places) for f in fits])
+        odds = np.array([-np.sum(log_odds(f.places, criteria, space.of_place, f.places)) for f in fits])
+        return int(np.argmin(0.5 * count * costs + 0.5 * np.log(max(count, 1.0)) * numbers + odds))
+
+    def _last_windows(self, fit: JointFit) -> Dataset:
+        return self._windows(fit.point, len(self._errors) + 3 * len(fit.places))
+
+    def _windows(self, point: np.ndarray, directions: int, steps: float = _STEPS) -> Dataset:
+        """Windows as long as the simulator stays near the readings."""
+        problem, criteria = self.problem, self.criteria
+        data = problem.dataset(_LENGTHS[-1], criteria.memory)
+        for length in _LENGTHS:
+            data = problem.dataset(length, criteria.memory)
+            most = min(_affordable(data, directions, steps), _MOST_LONG)
+            if length > _LENGTHS[-1] and min(len(data.windows), most) < _FEWEST_LONG:
+                continue
+            data = evenly(data, most)
+            simulated = self._objective(data).simulate(point[None])[0]
+            ranges = np.array([channel_ranges(problem.channels, problem.recordings[r]) for r in data.owner])
+            error = (data.measurements - simulated) / ranges[:, None, :]
+            if np.sqrt(np.nanmean(error**2)) < criteria.near:
+                break
+        return data
 
 
 def _affordable(data: Dataset, directions: int, most: float) -> int:
@@ -183,55 +207,3 @@ def _affordable(data: Dataset, directions: int, most: float) -> int:
     steps = max(w.steps.n_steps for w in data.windows)
     dofs = 2 * len(data.windows[0].start.qvel)
     return int(np.clip(most / (steps * (directions + dofs + 1)), _FEWEST, _MOST))
-
-
-def values_only(
-    problem: JointProblem, criteria: SelectionCriteria | None = None
-) -> Generator[Progress, None, JointFit]:
-    """Values of the model refitted within ordinary errors, and no effect.
-
-    Yields:
-        Progress.
-    """
-    criteria = criteria or SelectionCriteria()
-    space = parameter_space(problem.simulator.robot, problem.simulator.catalogue)
-    errors = nuisances(space, problem.known)
-    yield Progress("values of the model alone", 0, 1)
-    data = _windows(problem, space, space.neutral, len(errors), criteria)
-    objective = Objective(problem.simulator, space, data)
-    return gauss_newton(objective, space.neutral, (), errors, _least_noise(problem), criteria)
-
-
-def _windows(
-    problem: JointProblem,
-    space: ParameterSpace,
-    point: np.ndarray,
-    directions: int,
-    criteria: SelectionCriteria,
-    steps: float = _STEPS,
-) -> Dataset:
-    """Windows as long as the simulator stays near the readings."""
-    data = problem.dataset(_LENGTHS[-1], criteria.memory)
-    for length in _LENGTHS:
-        data = problem.dataset(length, criteria.memory)
-        most = min(_affordable(data, directions, steps), _MOST_LONG)
-        if length > _LENGTHS[-1] and min(len(data.windows), most) < _FEWEST_LONG:
-            continue
-        data = evenly(data, most)
-        simulated = Objective(problem.simulator, space, data).simulate(point[None])[0]
-        ranges = np.array([channel_ranges(problem.channels, problem.recordings[r]) for r in data.owner])
-        error = (data.measurements - simulated) / ranges[:, None, :]
-        if np.sqrt(np.nanmean(error**2)) < criteria.near:
-            break
-    return data
-
-
-def _least_noise(problem: JointProblem) -> np.ndarray:
-    """Noise (channels,) of the readings: the median of the training recordings'."""
-    each = [
-        [noise_std_of(r.time, column) for column in problem.channels.recorded(r).T]
-        for r in problem.recordings
-        if r.role == "train"
-    ]
-    spans = [channel_ranges(problem.channels, r) for r in problem.recordings if r.role == "train"]
-    return np.fmax(np.nanmedian(np.array(each), axis=0), 1e-5 * np.nanmedian(np.array(spans), axis=0))

@@ -1,20 +1,19 @@
 """Growing a joint fit: effects that torques of short windows do not settle, tried on its readings one at a time.
 
 Gains, loads, delays, lags, gaps and faulty sensors are far from linear or share a scale with the masses, and relatives
-of friction look alike in a balance of torques, so that they are not offered all at once. Each is simulated at its first
-guesses beside the fit, and in place of each of its effects; what predicts held-out stretches best is fitted with all
-the rest, and stays where the readings agree.
+of friction look alike in a balance of torques. Each is simulated at its first guesses beside the fit, and in place of
+each of its effects; what predicts held-out stretches best is fitted with all the rest, and stays where readings agree.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from estexp_jax.discovery.joint.candidates import Candidate, derivatives
+from estexp_jax.discovery.joint.candidates import Candidate, derivatives, log_odds
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.discovery.joint.held_out import HeldOut, HeldOutGain
 from estexp_jax.discovery.joint.proposals import Proposal, proposed
@@ -27,12 +26,14 @@ from estexp_jax.physics.effects.registry import effect
 
 _AT_ONCE = 4
 """So many effects are added about one linearisation, before the readings are simulated again."""
-_RIVALS = 3
-"""So many rivals are fitted."""
+_RIVALS, _ROUNDS = 3, 2
+"""So many rivals are fitted, in so many more steps than what is added."""
 _FELT = 1e-12
 """Sum of squares of whitened readings from which on a candidate does anything at all."""
-_LOOKED_AT_AGAIN = 40
-"""So many guesses are tried again beside what was added."""
+_PROMISING = 40
+"""So many guesses that gain anything on few windows are tried on all."""
+_ATTEMPTS = 4
+"""So many sets of effects are tried about one linearisation before growth ends."""
 
 
 @final
@@ -41,8 +42,7 @@ class Growth:
     """What a joint fit may grow by, and how that is judged.
 
     Attributes:
-        objective: the windows on which candidates are tried.
-        fitted: those, more of them, on which a fit is made.
+        objective: the windows on which candidates are tried and fits are made.
         nuisances: indices of values of the model that may be a little off.
         least_noise: (channels,) noise of the readings.
         observed: what recordings show of joints and sensors.
@@ -50,121 +50,127 @@ class Growth:
     """
 
     objective: Objective
-    fitted: Objective
     nuisances: Sequence[int]
     least_noise: np.ndarray
     observed: Observed
     criteria: SelectionCriteria
 
-    def grown(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[JointFit | None, list[Candidate]]:
-        """The fit with more or other effects, None where none is better; and what may be tried again."""
-        chosen, again = self._chosen(fit, tried)
-        if not chosen:
-            return None, again
-        several = [chosen, chosen[:1]] if len(chosen) > 1 else [chosen]
-        found = [self._fitted(fit, proposals) for proposals in several]
-        kept = [k for k, f in enumerate(found) if self._is_confirmed(fit, f, tried)]
-        if not kept:
-            return None, again
-        several, found = [several[k] for k in kept], [found[k] for k in kept]
-        data, at = self.fitted.dataset, fit.point[None]
-        noise = reading_noise_of(data, self.fitted.simulate(at)[0], self.least_noise, self.criteria.clip)
-        costs = cost_at(self.fitted, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
-        independent = independent_data(data, self.criteria.correlation_time)
-        count = float(independent @ np.isfinite(data.measurements).any(axis=1).sum(axis=1))
-        gains = 0.5 * count * (costs[0] - costs[1:]) - _price(tried, self.criteria) * np.array(list(map(len, several)))
-        best = int(np.argmax(gains))
-        return found[best] if gains[best] > 0.0 else None, again
+    def promising(self, fit: JointFit, tried: Sequence[Candidate]) -> list[Candidate]:
+        """Candidates that gain anything beside the fit or in place of one of its effects, the best first."""
+        open_ = [c for c in tried if c.place not in fit.places]
+        if not open_:
+            return []
+        held_out, base = self.held_out(fit, [c.direction for c in open_])
+        felt = [i for i in range(len(open_)) if _is_felt(held_out, len(base) + i)]
+        proposals = proposed(held_out, base, self.groups(fit), open_, felt, len(base))
+        gaining = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
+        return list(gaining.values())[:_PROMISING]
 
-    def _is_confirmed(self, before: JointFit, fit: JointFit, tried: Sequence[Candidate]) -> bool:
-        """Whether what came in gains more than its price about the fit with it, too."""
-        judge = replace(self, objective=self.fitted)
-        held_out, base = judge._held_out(fit, [])
-        groups, each = self._groups(fit), 0.5 * np.log(max(held_out.linear.observations, 1.0))
-        prices = {c.place: _price(tried, self.criteria) + each * c.numbers for c in tried}
+    def grown(self, fit: JointFit, tried: Sequence[Candidate]) -> JointFit | None:
+        """The fit with more or other effects; None where none is better.
+
+        Where what seemed best does not last once it is fitted, it is left out, and the next ones are tried.
+        """
+        open_ = [c for c in tried if c.place not in fit.places]
+        if not open_:
+            return None
+        about = self.held_out(fit, [c.direction for c in open_])
+        refused = set[Place]()
+        for _ in range(_ATTEMPTS):
+            chosen = self._chosen(about, fit, open_, refused)
+            if not chosen:
+                return None
+            found = self._best(fit, chosen)
+            if found is not None:
+                return found
+            refused.add(chosen[0].candidate.place)
+        return None
+
+    def _best(self, fit: JointFit, chosen: Sequence[Proposal]) -> JointFit | None:
+        """The most plausible fit with all, some or the first of the proposals that held-out stretches confirm in it."""
+        sets, found = [list(chosen), list(chosen[:1])][: len(chosen)], list[JointFit]()
+        while sets:
+            proposals = sets.pop(0)
+            new = self._fitted(fit, proposals)
+            kept = self._confirmed(fit, new)
+            lasting = [p for p in proposals if p.candidate.place in kept]
+            if len(lasting) == len(proposals):
+                found.append(new)
+            elif len(lasting) > 1:
+                sets.insert(0, lasting)
+        if not found:
+            return None
+        objective = self.objective.without_step_error(fit.point)
+        data, left = objective.dataset, objective.simulate(fit.point[None])[0]
+        noise = reading_noise_of(data, left, self.least_noise, self.criteria.clip)
+        costs = cost_at(objective, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
+        measured = np.isfinite(data.measurements).any(axis=1).sum(axis=1)
+        count = float(independent_data(data, self.criteria.correlation_time) @ measured)
+        prices = [sum(self._price(fit, p) for p in f.places if p not in fit.places) for f in found]
+        gains = 0.5 * count * (costs[0] - costs[1:]) - np.array(prices)
+        best = int(np.argmax(gains))
+        return found[best] if gains[best] > 0.0 else None
+
+    def _confirmed(self, before: JointFit, fit: JointFit) -> list[Place]:
+        """What came in and gains more than its price about the fit with it, too."""
+        held_out, base = self.held_out(fit, [])
+        groups, each = self.groups(fit), 0.5 * np.log(max(held_out.linear.observations, 1.0))
         new = [p for p in fit.places if p not in before.places]
-        return all(self.is_gain(held_out.gain_of(groups[p], base), prices[p]) for p in new)
+        numbers = {p: len(self.objective.space.of_place[p]) for p in new}
+        prices = {p: self._price(before, p) + each * numbers[p] for p in new}
+        return [p for p in new if self.is_gain(held_out.gain_of(groups[p], base), prices[p])]
+
+    def _price(self, fit: JointFit, place: Place) -> float:
+        """Prior log odds, nats, against an effect beside those of a fit."""
+        return -float(log_odds([place], self.criteria, self.objective.space.of_place, fit.places)[0])
 
     def rivals(self, fit: JointFit, tried: Sequence[Candidate]) -> list[JointFit]:
         """Fits with another effect in place of one, which held-out stretches do not tell from it."""
         open_ = [c for c in tried if c.place not in fit.places]
         if not open_ or not fit.places:
             return []
-        held_out, base = self._held_out(fit, [c.direction for c in open_])
+        held_out, base = self.held_out(fit, [c.direction for c in open_])
         felt = [i for i in range(len(open_)) if _is_felt(held_out, len(base) + i)]
-        proposals = proposed(held_out, base, self._groups(fit), open_, felt, len(base))
-        alike = [p for p in proposals if p.instead_of and p.gain.coefficient and self._is_alike(p.gain)]
+        proposals = proposed(held_out, base, self.groups(fit), open_, felt, len(base))
+        likely = 1.0 - self.criteria.chance
+        alike = [p for p in proposals if p.instead_of and p.gain.coefficient and p.gain.least(likely) > 0.0]
         first = {(p.instead_of, p.candidate.place): p for p in reversed(alike)}
         found = [self._fitted(fit, [p]) for p in list(first.values())[::-1][:_RIVALS]]
+        for _ in range(_ROUNDS):  # they start as far away as what they lack
+            found = [self._step(f.point, f.places) for f in found]
         return [f for f in found if set(f.places) != set(fit.places)]
 
     def _is_seen(self, proposal: Proposal) -> bool:
         """Whether recordings show enough to tell an effect of the size proposed."""
         place, change = proposal.candidate.place, proposal.candidate.at(proposal.gain.coefficient)
-        return bool(change.any()) and self._is_identifiable(place, self.objective.space.neutral + change)
+        return bool(change.any()) and self.is_identifiable(place, self.objective.space.neutral + change)
 
-    def _is_identifiable(self, place: Place, point: np.ndarray) -> bool:
+    def is_identifiable(self, place: Place, point: np.ndarray) -> bool:
+        """Whether recordings show enough to tell an effect with its values at a point (n,)."""
         space = self.objective.space
         values = {space.parameters[i].name: float(point[i]) for i in space.of_place[place]}
         return effect(place[0]).identifiable(space.robot, place[1], values, self.observed)
 
-    def _is_alike(self, gain: HeldOutGain) -> bool:
-        return gain.least(1.0 - self.criteria.chance) > 0.0
-
-    def _chosen(self, fit: JointFit, tried: Sequence[Candidate]) -> tuple[list[Proposal], list[Candidate]]:
-        """Effects to be added, one after the other about one linearisation; and the candidates that gain anything."""
-        open_ = [c for c in tried if c.place not in fit.places]
-        if not open_:
-            return [], []
-        held_out, base = self._held_out(fit, [c.direction for c in open_])
-        first, groups, chosen = len(base), self._groups(fit), list[Proposal]()
-        again = list[Candidate]()
+    def _chosen(
+        self, about: tuple[HeldOut, np.ndarray], fit: JointFit, open_: Sequence[Candidate], refused: Collection[Place]
+    ) -> list[Proposal]:
+        """Effects to be added, one after the other about one linearisation with all candidates that are open."""
+        held_out, base = about
+        first, groups, chosen = len(base), self.groups(fit), list[Proposal]()
         for _ in range(_AT_ONCE):
-            taken = {p.candidate.place for p in chosen}
-            left = [i for i, c in enumerate(open_) if c.place not in taken]
-            felt = [i for i in left if _is_felt(held_out, first + i)]
+            taken = {*refused, *(p.candidate.place for p in chosen)}
+            felt = [i for i, c in enumerate(open_) if c.place not in taken and _is_felt(held_out, first + i)]
             proposals = proposed(held_out, base, groups, open_, felt, first)
-            if not chosen:
-                gaining = {id(p.candidate): p.candidate for p in proposals if p.gain.total > 0.0}
-                again = list(gaining.values())[:_LOOKED_AT_AGAIN]
-            price = _price(tried, self.criteria)
-            best = next((p for p in proposals if self.is_gain(p.gain, price + p.price) and self._is_seen(p)), None)
+            priced = [(p, p.price + self._price(fit, p.candidate.place)) for p in proposals]
+            priced.sort(key=lambda both: both[1] - both[0].gain.total)
+            best = next((p for p, price in priced if self.is_gain(p.gain, price) and self._is_seen(p)), None)
             if best is None:
                 break
             chosen.append(best)
             if best.instead_of:
                 base = np.setdiff1d(base, groups.pop(best.instead_of))
             base = np.append(base, first + next(i for i, c in enumerate(open_) if c is best.candidate))
-        return chosen, again
-
-    def needed(self, fit: JointFit) -> tuple[Place, ...]:
-        """The places of a fit without those that held-out stretches contradict."""
-        places = [p for p in fit.places if self._is_identifiable(p, fit.point)]
-        held_out, base = self._held_out(fit, [])
-        groups = self._groups(fit)
-        base = np.setdiff1d(base, np.concatenate([np.zeros(0, int), *(groups[p] for p in {*fit.places} - {*places})]))
-
-        def gain(place: Place) -> float:
-            return held_out.gain_of(groups[place], base).in_errors
-
-        weak = [p for p in places if gain(p) <= self.criteria.kept_errors]
-        while weak and gain(worst := min(weak, key=gain)) <= self.criteria.kept_errors:
-            weak.remove(worst)
-            places.remove(worst)
-            base = np.setdiff1d(base, groups[worst])
-        return tuple(places)
-
-    def wrong_values(self, fit: JointFit) -> tuple[Place, ...]:
-        """Values of the model that the fit moved farther than they are usually off, where held-out stretches agree."""
-        space, free = self.objective.space, self._free(fit)
-        held_out, base = self._held_out(fit, [])
-        found = []
-        for k, i in enumerate(free[len(free) - self._n_nuisances(fit) :], len(free) - self._n_nuisances(fit)):
-            p = space.parameters[i]
-            off = abs(fit.point[i] - p.neutral) / (self.criteria.model_error * p.nominal)
-            if off > self.criteria.wrong_value and self.is_gain(held_out.gain_of([k], base), 0.0):
-                found.append(p.place)
-        return tuple(found)
+        return chosen
 
     def is_gain(self, gain: HeldOutGain, price: float) -> bool:
         """Whether a held-out gain is more than its price, and so but for a chance."""
@@ -175,25 +181,30 @@ class Growth:
         point = without(self.objective.space, fit, gone)
         point = point + sum(p.candidate.at(p.gain.coefficient) for p in proposals)
         places = [*(q for q in fit.places if q not in gone), *(p.candidate.place for p in proposals)]
-        return gauss_newton(self.fitted, point, places, self.nuisances, self.least_noise, self.criteria)
+        return self._step(point, places)
 
-    def _free(self, fit: JointFit) -> list[int]:
+    def _step(self, point: np.ndarray, places: Sequence[Place]) -> JointFit:
+        return gauss_newton(self.objective, point, places, self.nuisances, self.least_noise, self.criteria)
+
+    def free(self, fit: JointFit) -> list[int]:
+        """Indices of a fit's own parameters, and of the model's values that may be a little off."""
         own = [int(i) for place in fit.places for i in self.objective.space.of_place[place]]
         return [*own, *(i for i in self.nuisances if i not in own)]
 
-    def _n_nuisances(self, fit: JointFit) -> int:
-        return len(self._free(fit)) - sum(len(self.objective.space.of_place[p]) for p in fit.places)
+    def n_nuisances(self, fit: JointFit) -> int:
+        """How many of these are the latter."""
+        return len(self.free(fit)) - sum(len(self.objective.space.of_place[p]) for p in fit.places)
 
-    def _groups(self, fit: JointFit) -> dict[Place, np.ndarray]:
+    def groups(self, fit: JointFit) -> dict[Place, np.ndarray]:
         """Positions of each place's columns among those of the fit."""
-        position = {i: k for k, i in enumerate(self._free(fit))}
+        position = {i: k for k, i in enumerate(self.free(fit))}
         return {p: np.array([position[int(i)] for i in self.objective.space.of_place[p]]) for p in fit.places}
 
-    def _held_out(self, fit: JointFit, more: Sequence[np.ndarray]) -> tuple[HeldOut, np.ndarray]:
+    def held_out(self, fit: JointFit, more: Sequence[np.ndarray]) -> tuple[HeldOut, np.ndarray]:
         """Windows about a fit with its own parameters, nuisances, and more directions; and the first two's columns."""
-        objective, criteria = self.objective, self.criteria
+        objective, criteria = self.objective.without_step_error(fit.point), self.criteria
         space = objective.space
-        free = derivatives(space, fit.point, self._free(fit))
+        free = derivatives(space, fit.point, self.free(fit))
         directions = np.concatenate([free.directions, np.reshape(more, (len(more), len(fit.point)))])
         found = objective.responses(fit.point, directions)
         noise = reading_noise_of(objective.dataset, found.point, self.least_noise, criteria.clip)
@@ -201,7 +212,7 @@ class Growth:
         offset = (fit.point - space.neutral)[free.indices] / free.steps
         base = np.arange(len(free.indices))
         nominal = np.array([space.parameters[i].nominal for i in free.indices])
-        claimed = base < len(base) - self._n_nuisances(fit)
+        claimed = base < len(base) - self.n_nuisances(fit)
         precision = (free.steps / np.where(claimed, np.inf, criteria.model_error * nominal)) ** 2
         held_out = HeldOut(
             linear,
@@ -216,8 +227,3 @@ class Growth:
 
 def _is_felt(held_out: HeldOut, column: int) -> bool:
     return bool(np.sum(held_out.linear.columns[:, column] ** 2) > _FELT)
-
-
-def _price(tried: Sequence[Candidate], criteria: SelectionCriteria) -> float:
-    """Prior log odds, nats, against any one place of all that were tried."""
-    return float(np.log(max(len({c.place for c in tried}) / criteria.expected_effects, 1.0)))

@@ -67,7 +67,7 @@ def gauss_newton(
         least_noise: (channels,) noise of the readings.
         criteria: what decides.
     """
-    space = objective.space
+    objective, space = objective.without_step_error(point), objective.space
     own = [int(i) for place in places for i in space.of_place[place]]
     errors = [i for i in nuisances if i not in own]  # a claimed value of the model is no nuisance besides
     free = derivatives(space, point, [*own, *errors])
@@ -75,6 +75,12 @@ def gauss_newton(
     noise = reading_noise_of(objective.dataset, found.point, least_noise, criteria.clip)
     linear = linearised(objective.dataset, found, noise, criteria.correlation_time, criteria.clip)
     offset = (point - space.neutral)[free.indices] / free.steps
+    regression = _regression(space, linear, offset, places, free, criteria)
+    # Noise is what all effects together leave: what is left before they are fitted would hide the weaker ones.
+    move = regression.posterior(range(len(places))).coefficients(len(free.steps)) - offset
+    fitted = found.point + np.einsum("k,kwrc->wrc", move, np.nan_to_num(found.change))
+    left = np.fmin(noise, reading_noise_of(objective.dataset, fitted, least_noise, criteria.clip))
+    linear = linearised(objective.dataset, found, left, criteria.correlation_time, criteria.clip, fitted)
     regression = _regression(space, linear, offset, places, free, criteria)
     chosen = regression.pruned(range(len(places)))
     goal = space.neutral.copy()
@@ -125,7 +131,7 @@ def _regression(
         low,
         high,
         np.array([len(effect(name).parameters) for name, _ in places], dtype=float),
-        log_odds(places, criteria, len(space.of_place)),
+        log_odds(places, criteria, space.of_place, places),
     )
 
 

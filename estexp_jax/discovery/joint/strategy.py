@@ -16,15 +16,18 @@ from estexp_jax.discovery.findings_json import Found, diagnosis
 from estexp_jax.discovery.fitting import Progress
 from estexp_jax.discovery.hypotheses import Hypothesis, claiming, known_values, parameters_only, simulated
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
-from estexp_jax.discovery.joint.fit import JointProblem, joint_fit, values_only
+from estexp_jax.discovery.joint.fit import JointSearch
+from estexp_jax.discovery.joint.problem import JointProblem
 from estexp_jax.discovery.joint.reading_stage import JointFit, without
 from estexp_jax.discovery.location import element
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import base_of, black_box_errors
-from estexp_jax.discovery.selection import Selection, folds_of
+from estexp_jax.discovery.selection import NOISE, Selection, folds_of
 from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.estimation.parameters import ParameterSpace, Place, parameter_space
+from estexp_jax.discovery.verdict import is_wrong_value, verdict
+from estexp_jax.estimation.parameters import ParameterSpace, Place
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect, every
 from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
 from estexp_jax.physics.model.robot import Robot
@@ -36,9 +39,9 @@ _INTERVAL = 1.645
 
 
 def is_jointly_fitted(case: Case) -> bool:
-    """Whether a robot has many hinges and slides, all driven and all measured, so that torques can be balanced."""
+    """Whether a robot has only hinges and slides, all driven and all measured, so that torques can be balanced."""
     robot, model = case.robot, case.robot.model
-    if len(robot.scalar_joints) != model.njnt or model.nv <= _CRITERIA.most_stepwise_joints:
+    if len(robot.scalar_joints) != model.njnt:
         return False
     driven = driven_joint_sites(robot) == scalar_joint_sites(robot)
     return driven and all(_is_measured(robot, r) for r in case.recordings)
@@ -61,7 +64,7 @@ def _is_measured(robot: Robot, recording: Recording) -> bool:
 def explain_jointly(
     case: Case, config: ExplainConfig, memory: dict[str, Any]
 ) -> Generator[Progress, None, Diagnosis | None]:
-    """Explain by the joint sparse fit; None where it does not apply or finds few effects.
+    """Explain by the joint sparse fit; None where it does not apply, or where another strategy may know better.
 
     Args:
         case: what is to be explained.
@@ -74,16 +77,38 @@ def explain_jointly(
     if not is_jointly_fitted(case):
         return None
     whole, problem = joint_problem_of(case, config, memory.setdefault("joint fit", {}))
-    simulator, known = problem.simulator, problem.known
-    _, fit, rivals = yield from joint_fit(problem, _CRITERIA, fewest=_CRITERIA.fewest_effects - 1)
-    if len(fit.places) < _CRITERIA.fewest_effects:
-        return None
-    bent = yield from values_only(problem, _CRITERIA)
-    space = parameter_space(simulator.robot, simulator.catalogue)
-    parameters = parameters_only(case.robot, whole.replayer.catalogue, known)
+    search = JointSearch(problem, _CRITERIA)
+    fit = (yield from search.first()).fit
+    space, parameters = search.space, parameters_only(case.robot, whole.replayer.catalogue, problem.known)
+    if sum(not is_wrong_value(case.robot, c) for c in _claims(fit, space)) >= _CRITERIA.fewest_effects - 1:
+        fit = yield from search.grown(fit)
+    fit = search.settled(fit)
+    bent = yield from search.values_only()
     yield Progress("held-out windows", 0, 1)
-    selection, fits, whole = _selected(whole, space, parameters, (fit, *rivals), bent)
+    selection, *_ = _selected(whole, space, parameters, [fit], bent)
+    if not _suffices(case.robot, selection):
+        return None
+    rivals = yield from search.rivals(fit)
+    selection, fits, whole = _selected(whole, space, parameters, [fit, *rivals], bent)
     return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
+
+
+def _claims(fit: JointFit, space: ParameterSpace) -> list[Change]:
+    """A fit's effects with their values."""
+    values = {i: (space.parameters[i].name, float(fit.point[i])) for p in fit.places for i in space.of_place[p]}
+    return [
+        Change(name, site or None, dict(values[i] for i in space.of_place[name, site])) for name, site in fit.places
+    ]
+
+
+def _suffices(robot: Robot, selection: Selection) -> bool:
+    """Whether nothing but noise is left to explain, or more is missing than the stepwise search adds in time."""
+    chosen = selection.chosen
+    missing = sum(not is_wrong_value(robot, change) for change in chosen.claims)
+    if chosen.error <= NOISE and missing == len(chosen.claims):
+        return True
+    explained = verdict(robot, selection, chosen.claims) != "unexplained"
+    return missing >= _CRITERIA.fewest_effects and (explained or robot.model.nv > _CRITERIA.most_stepwise_joints)
 
 
 def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> tuple[Problem, JointProblem]:
@@ -93,7 +118,8 @@ def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) 
     known = known_values(case.robot, settings)
     names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
     apart = apart_in(case, whole.segments, case.indices("train"))
-    simulator = replayer_of(case, config, list(names), apart, whole.segments)
+    same = set(names) == {e.name for e in whole.replayer.catalogue}
+    simulator = whole.replayer if same else replayer_of(case, config, list(names), apart, whole.segments)
     places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
     return whole, JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
 

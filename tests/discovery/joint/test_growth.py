@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
-from estexp_jax.discovery.joint.fit import joint_fit
+from estexp_jax.discovery.joint.fit import JointSearch
 from estexp_jax.discovery.joint.strategy import joint_problem_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
@@ -58,5 +58,6 @@ def _result(steps: Generator[Any, None, Any]) -> Any:
 
 def test_a_weak_motor_is_found_beside_a_damped_joint():
     _, problem = joint_problem_of(_case(), replace(ExplainConfig(), engine="c"), {})
-    found = _result(joint_fit(problem))
-    assert set(found.fit.places) == {("motor_weakness", "motor"), ("viscous_friction", "pivot")}
+    search = JointSearch(problem)
+    found = search.settled(_result(search.grown(_result(search.first()).fit)))
+    assert set(found.places) == {("motor_weakness", "motor"), ("viscous_friction", "pivot")}
