@@ -34,10 +34,9 @@ class SelectionCriteria:
         freedom: degrees of freedom of the error of a window, by Student's t. Convention of robust regression.
         near: root mean square error, as a share of a reading's range, up to which windows may be lengthened: beyond,
             the simulator is no longer linear in what it lacks. Measured: on the machines' board.
-        most_stepwise_joints: of robots with more joints the joint fit is told even if much is left; the stepwise search
-            takes too long for these. Measured: a UR5e took it 13 minutes.
         fewest_effects: where something is left, the joint fit is told if so many effects are missing; with fewer the
-            stepwise search is asked, which knows more forms of each, and laws. Convention.
+            stepwise search is asked, which knows more forms of each, and laws. Convention: it adds up to five effects,
+            one at a time, and a UR5e takes it 13 minutes.
         clip: residuals count as at most so many standard deviations. Convention of robust regression.
     """
 
@@ -54,6 +53,5 @@ class SelectionCriteria:
     wrong_value: float = 3.0
     freedom: float = 4.0
     near: float = 0.05
-    most_stepwise_joints: int = 3
     fewest_effects: int = 3
     clip: float = 3.0

@@ -33,7 +33,7 @@ _FEWEST_LONG, _MOST_LONG = 12, 240
 _LENGTHS = (2.0, 1.0, 0.5, 0.25)
 """Lengths of the windows of the second stage, s: the first in which the simulator stays near the readings."""
 _ROUNDS = 3
-_GROWTHS = 10
+_GROWTHS = 6
 
 
 class JointResult(NamedTuple):

@@ -7,7 +7,8 @@ each of its effects; what predicts held-out stretches best is fitted with all th
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -120,9 +121,10 @@ class Growth:
         prices = {p: self._price(before, p) + each * numbers[p] for p in new}
         return [p for p in new if self.is_gain(held_out.gain_of(groups[p], base), prices[p])]
 
-    def _price(self, fit: JointFit, place: Place) -> float:
-        """Prior log odds, nats, against an effect beside those of a fit."""
-        return -float(log_odds([place], self.criteria, self.objective.space.of_place, fit.places)[0])
+    def _price(self, fit: JointFit, place: Place, guesses: Mapping[Place, int] | None = None) -> float:
+        """Prior log odds, nats, against an effect beside those of a fit; an effect's guesses share its odds."""
+        odds = float(log_odds([place], self.criteria, self.objective.space.of_place, fit.places)[0])
+        return float(np.log((guesses or {}).get(place, 1))) - odds
 
     def rivals(self, fit: JointFit, tried: Sequence[Candidate]) -> list[JointFit]:
         """Fits with another effect in place of one, which held-out stretches do not tell from it."""
@@ -157,11 +159,12 @@ class Growth:
         """Effects to be added, one after the other about one linearisation with all candidates that are open."""
         held_out, base = about
         first, groups, chosen = len(base), self.groups(fit), list[Proposal]()
+        guesses = Counter(c.place for c in open_)
         for _ in range(_AT_ONCE):
             taken = {*refused, *(p.candidate.place for p in chosen)}
             felt = [i for i, c in enumerate(open_) if c.place not in taken and _is_felt(held_out, first + i)]
             proposals = proposed(held_out, base, groups, open_, felt, first)
-            priced = [(p, p.price + self._price(fit, p.candidate.place)) for p in proposals]
+            priced = [(p, p.price + self._price(fit, p.candidate.place, guesses)) for p in proposals]
             priced.sort(key=lambda both: both[1] - both[0].gain.total)
             best = next((p for p, price in priced if self.is_gain(p.gain, price) and self._is_seen(p)), None)
             if best is None:

@@ -25,7 +25,7 @@ from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.selection import NOISE, Selection, folds_of
 from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.slopes import Fit
-from estexp_jax.discovery.verdict import is_wrong_value, verdict
+from estexp_jax.discovery.verdict import is_wrong_value
 from estexp_jax.estimation.parameters import ParameterSpace, Place
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect, every
@@ -107,8 +107,7 @@ def _suffices(robot: Robot, selection: Selection) -> bool:
     missing = sum(not is_wrong_value(robot, change) for change in chosen.claims)
     if chosen.error <= NOISE and missing == len(chosen.claims):
         return True
-    explained = verdict(robot, selection, chosen.claims) != "unexplained"
-    return missing >= _CRITERIA.fewest_effects and (explained or robot.model.nv > _CRITERIA.most_stepwise_joints)
+    return missing >= _CRITERIA.fewest_effects and chosen.error < selection.parameters.error
 
 
 def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> tuple[Problem, JointProblem]:
