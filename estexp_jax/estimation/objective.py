@@ -7,7 +7,7 @@ initial states.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, final
 
 import mujoco
@@ -50,6 +50,7 @@ class Objective:
         dataset: the windows.
         states: whether outputs are the states (qpos, qvel) instead of the channels' readings.
         step_error: (windows, rows, outputs) added to all that is simulated, as of `without_step_error`.
+        counted: robot steps simulated so far, a list of one number.
     """
 
     simulator: OpenLoopSimulator
@@ -57,6 +58,7 @@ class Objective:
     dataset: Dataset
     states: bool = False
     step_error: np.ndarray | float = 0.0
+    counted: list[int] = field(default_factory=lambda: [0])
 
     def with_dataset(self, dataset: Dataset, *, states: bool = False) -> Objective:
         """The same simulator compared with other windows."""
@@ -120,6 +122,8 @@ class Objective:
 
     def _outputs(self, points: np.ndarray, windows: Sequence[Window], which: np.ndarray) -> np.ndarray:
         rollout = self.simulator.replay(self.space.values(points), windows, which)
+        steps = np.array([w.steps.n_steps for w in windows])
+        self.counted[0] += int(steps[which].sum())
         found = _states(rollout) if self.states else self.dataset.channels.simulated(rollout)
         missing = max(w.rows for w in self.dataset.windows) - found.shape[1]
         return np.pad(found.astype(np.float64), [(0, 0), (0, missing), (0, 0)], constant_values=np.nan)

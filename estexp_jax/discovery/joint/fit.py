@@ -84,7 +84,7 @@ class JointSearch:
         tried += [c.as_derivative() for c in others if effect(c.place[0]).model_attribute]
         data = problem.dataset(criteria.short_window, criteria.memory)
         data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
-        objective = Objective(problem.simulator, space, data, states=True).without_step_error(space.neutral)
+        objective = self._objective(data, states=True).without_step_error(space.neutral)
         added = [i for i in self._errors if effect(space.parameters[i].effect).additive]
         choices = torque_choices(objective, tried, added, problem.robots, criteria)
         fits, longest = list[JointFit](), data
@@ -162,8 +162,8 @@ class JointSearch:
         noise, observed = self.problem.least_noise, self.problem.observed
         return Growth(self._objective(data), self._errors, noise, observed, self.criteria)
 
-    def _objective(self, data: Dataset) -> Objective:
-        return Objective(self.problem.simulator, self.space, data)
+    def _objective(self, data: Dataset, *, states: bool = False) -> Objective:
+        return Objective(self.problem.simulator, self.space, data, states, counted=self.problem.counted)
 
     def _fitted(self, data: Dataset, point: np.ndarray, places: Sequence[tuple[str, str]]) -> JointFit:
         objective = self._objective(data)

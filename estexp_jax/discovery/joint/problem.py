@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import final
 
@@ -32,6 +32,7 @@ class JointProblem:
         places: what may be claimed.
         known: places whose values are given for each recording.
         observed: what recordings show of joints and sensors.
+        counted: robot steps simulated so far, a list of one number.
     """
 
     robots: Sequence[Robot]
@@ -41,6 +42,7 @@ class JointProblem:
     places: Collection[Place]
     known: Collection[Place]
     observed: Observed
+    counted: list[int] = field(default_factory=lambda: [0])
 
     def dataset(self, length: float, memory: float) -> Dataset:
         """All windows of a length of the training recordings, both in s as of `dataset_of`; each is cut once."""

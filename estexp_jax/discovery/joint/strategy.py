@@ -120,7 +120,9 @@ def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) 
     same = set(names) == {e.name for e in whole.replayer.catalogue}
     simulator = whole.replayer if same else replayer_of(case, config, list(names), apart, whole.segments)
     places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
-    return whole, JointProblem(case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen)
+    return whole, JointProblem(
+        case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen, whole.counted
+    )
 
 
 def _selected(
