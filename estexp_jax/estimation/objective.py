@@ -64,10 +64,14 @@ class Objective:
         """The same simulator compared with other windows."""
         return replace(self, dataset=dataset, states=states, step_error=0.0)
 
-    def without_step_error(self, point: np.ndarray) -> Objective:
+    def without_step_error(self, point: np.ndarray, share: float = 1.0) -> Objective:
         """The same, with outputs as they would be at no time step at all, by what a finer one changes at a point (n,).
 
         A step of some milliseconds damps a robot by itself, which would pass for friction or delay.
+
+        Args:
+            point: of the parameter space.
+            share: of the step's error that is taken out; a robot that was itself simulated has some of it.
 
         Source: Richardson, Philosophical Transactions of the Royal Society A 210 (1911).
         """
@@ -77,7 +81,7 @@ class Objective:
         change = finer.simulate(point[None])[0] - plain.simulate(point[None])[0]
         high_order = int(self.space.robot.model.opt.integrator) == int(mujoco.mjtIntegrator.mjINT_RK4)
         change = np.where(np.abs(change) < _DIVERGED, change, 0.0)
-        return replace(self, step_error=change * (1.0 if high_order else FINER / (FINER - 1)))
+        return replace(self, step_error=share * change * (1.0 if high_order else FINER / (FINER - 1)))
 
     def simulate(self, points: np.ndarray, of_window: np.ndarray | float = 0.0) -> np.ndarray:
         """Outputs (points, windows, rows, outputs) at points (points, n), NaN beyond a window's end.

@@ -84,7 +84,7 @@ class JointSearch:
         tried += [c.as_derivative() for c in others if effect(c.place[0]).model_attribute]
         data = problem.dataset(criteria.short_window, criteria.memory)
         data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
-        objective = self._objective(data, states=True).without_step_error(space.neutral)
+        objective = self._objective(data, states=True).without_step_error(space.neutral, problem.lacking)
         added = [i for i in self._errors if effect(space.parameters[i].effect).additive]
         choices = torque_choices(objective, tried, added, problem.robots, criteria)
         fits, longest = list[JointFit](), data
@@ -137,7 +137,9 @@ class JointSearch:
             Progress.
         """
         yield Progress("rivals", 0, 1)
-        return self._growth(self._last_windows(fit)).rivals(fit, self._promising(fit))
+        tried = self._candidates()
+        instead = self._growth(self._few_windows(fit, tried)).replacements(fit, tried)
+        return self._growth(self._last_windows(fit)).rivals(fit, instead)
 
     def values_only(self) -> Generator[Progress, None, JointFit]:
         """Values of the model refitted within ordinary errors, and no effect.
@@ -151,28 +153,37 @@ class JointSearch:
 
     def _promising(self, fit: JointFit) -> list[Candidate]:
         """Of all candidates those that gain anything on few windows."""
+        tried = self._candidates()
+        return self._growth(self._few_windows(fit, tried)).promising(fit, tried)
+
+    def _candidates(self) -> list[Candidate]:
+        """Small changes by all effects at all places; of what is sinusoidal readings show no more than torques do."""
         problem, space = self.problem, self.space
         every = [c for a in (True, False) for c in candidates(space, problem.observed, problem.places, additive=a)]
-        # What is sinusoidal shows in torques as well as in readings.
-        tried = [c.as_derivative() for c in every if not effect(c.place[0]).sinusoidal]
-        few = self._windows(fit.point, len(self._errors) + len(tried), _GROWTH_STEPS)
-        return self._growth(few).promising(fit, tried)
+        return [c.as_derivative() for c in every if not effect(c.place[0]).sinusoidal]
+
+    def _few_windows(self, fit: JointFit, tried: Sequence[Candidate]) -> Dataset:
+        return self._windows(fit.point, len(self._errors) + len(tried), _GROWTH_STEPS)
 
     def _growth(self, data: Dataset) -> Growth:
         noise, observed = self.problem.least_noise, self.problem.observed
-        return Growth(self._objective(data), self._errors, noise, observed, self.criteria)
+        return Growth(self._objective(data), self._errors, noise, observed, self.criteria, self.problem.lacking)
 
     def _objective(self, data: Dataset, *, states: bool = False) -> Objective:
         return Objective(self.problem.simulator, self.space, data, states, counted=self.problem.counted)
 
     def _fitted(self, data: Dataset, point: np.ndarray, places: Sequence[tuple[str, str]]) -> JointFit:
         objective = self._objective(data)
-        return gauss_newton(objective, point, places, self._errors, self.problem.least_noise, self.criteria)
+        least, lacking = self.problem.least_noise, self.problem.lacking
+        return gauss_newton(objective, point, places, self._errors, least, self.criteria, lacking)
 
     def _most_plausible(self, data: Dataset, fits: Sequence[JointFit]) -> int:
         """Index of the fit with the largest evidence, by Schwarz's criterion, on common windows."""
         criteria, space, points = self.criteria, self.space, np.array([f.point for f in fits])
-        objective, least = self._objective(data).without_step_error(points[0]), self.problem.least_noise
+        objective, least = (
+            self._objective(data).without_step_error(points[0], self.problem.lacking),
+            self.problem.least_noise,
+        )
         left = [reading_noise_of(data, simulated, least, criteria.clip) for simulated in objective.simulate(points)]
         costs = cost_at(objective, points, np.min(left, axis=0), criteria)
         measured = np.isfinite(data.measurements).any(axis=1).sum(axis=1)

@@ -48,6 +48,7 @@ class Growth:
         least_noise: (channels,) noise of the readings.
         observed: what recordings show of joints and sensors.
         criteria: what decides.
+        lacking: share of the error of the simulator's step that the robot lacks.
     """
 
     objective: Objective
@@ -55,6 +56,7 @@ class Growth:
     least_noise: np.ndarray
     observed: Observed
     criteria: SelectionCriteria
+    lacking: float = 1.0
 
     def promising(self, fit: JointFit, tried: Sequence[Candidate]) -> list[Candidate]:
         """Candidates that gain anything beside the fit or in place of one of its effects, the best first."""
@@ -101,7 +103,7 @@ class Growth:
                 sets.insert(0, lasting)
         if not found:
             return None
-        objective = self.objective.without_step_error(fit.point)
+        objective = self.objective.without_step_error(fit.point, self.lacking)
         data, left = objective.dataset, objective.simulate(fit.point[None])[0]
         noise = reading_noise_of(data, left, self.least_noise, self.criteria.clip)
         costs = cost_at(objective, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
@@ -126,21 +128,26 @@ class Growth:
         odds = float(log_odds([place], self.criteria, self.objective.space.of_place, fit.places)[0])
         return float(np.log((guesses or {}).get(place, 1))) - odds
 
-    def rivals(self, fit: JointFit, tried: Sequence[Candidate]) -> list[JointFit]:
-        """Fits with another effect in place of one, which held-out stretches do not tell from it."""
+    def replacements(self, fit: JointFit, tried: Sequence[Candidate]) -> list[Proposal]:
+        """The likeliest of all candidates in place of one of a fit's effects, each at its likeliest guess."""
         open_ = [c for c in tried if c.place not in fit.places]
         if not open_ or not fit.places:
             return []
         held_out, base = self.held_out(fit, [c.direction for c in open_])
         felt = [i for i in range(len(open_)) if _is_felt(held_out, len(base) + i)]
         proposals = proposed(held_out, base, self.groups(fit), open_, felt, len(base))
-        likely = 1.0 - self.criteria.chance
-        alike = [p for p in proposals if p.instead_of and p.gain.coefficient and p.gain.least(likely) > 0.0]
-        first = {(p.instead_of, p.candidate.place): p for p in reversed(alike)}
-        found = [self._fitted(fit, [p]) for p in list(first.values())[::-1][:_RIVALS]]
+        others = [p for p in proposals if p.instead_of]
+        first = {(p.instead_of, p.candidate.place): p for p in reversed(others)}
+        likely = [p for p in others if first[p.instead_of, p.candidate.place] is p][:_RIVALS]
+        # What does not help where the fit is may help elsewhere: it starts from a small amount.
+        return [p._replace(gain=p.gain._replace(coefficient=p.gain.coefficient or 1.0)) for p in likely]
+
+    def rivals(self, fit: JointFit, replacements: Sequence[Proposal]) -> list[JointFit]:
+        """A fit with each of some replacements."""
+        found = [self._fitted(fit, [p], prune=False) for p in replacements]
         for _ in range(_ROUNDS):  # they start as far away as what they lack
-            found = [self._step(f.point, f.places) for f in found]
-        return [f for f in found if set(f.places) != set(fit.places)]
+            found = [self._step(f.point, f.places, prune=False) for f in found]
+        return found
 
     def _is_seen(self, proposal: Proposal) -> bool:
         """Whether recordings show enough to tell an effect of the size proposed."""
@@ -179,15 +186,16 @@ class Growth:
         """Whether a held-out gain is more than its price, and so but for a chance."""
         return gain.least(self.criteria.chance) > price
 
-    def _fitted(self, fit: JointFit, proposals: Sequence[Proposal]) -> JointFit:
+    def _fitted(self, fit: JointFit, proposals: Sequence[Proposal], *, prune: bool = True) -> JointFit:
         gone = [p.instead_of for p in proposals if p.instead_of]
         point = without(self.objective.space, fit, gone)
         point = point + sum(p.candidate.at(p.gain.coefficient) for p in proposals)
         places = [*(q for q in fit.places if q not in gone), *(p.candidate.place for p in proposals)]
-        return self._step(point, places)
+        return self._step(point, places, prune=prune)
 
-    def _step(self, point: np.ndarray, places: Sequence[Place]) -> JointFit:
-        return gauss_newton(self.objective, point, places, self.nuisances, self.least_noise, self.criteria)
+    def _step(self, point: np.ndarray, places: Sequence[Place], *, prune: bool = True) -> JointFit:
+        objective, least = self.objective, self.least_noise
+        return gauss_newton(objective, point, places, self.nuisances, least, self.criteria, self.lacking, prune=prune)
 
     def free(self, fit: JointFit) -> list[int]:
         """Indices of a fit's own parameters, and of the model's values that may be a little off."""
@@ -205,7 +213,7 @@ class Growth:
 
     def held_out(self, fit: JointFit, more: Sequence[np.ndarray]) -> tuple[HeldOut, np.ndarray]:
         """Windows about a fit with its own parameters, nuisances, and more directions; and the first two's columns."""
-        objective, criteria = self.objective.without_step_error(fit.point), self.criteria
+        objective, criteria = self.objective.without_step_error(fit.point, self.lacking), self.criteria
         space = objective.space
         free = derivatives(space, fit.point, self.free(fit))
         directions = np.concatenate([free.directions, np.reshape(more, (len(more), len(fit.point)))])

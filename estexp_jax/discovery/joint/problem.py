@@ -32,6 +32,7 @@ class JointProblem:
         places: what may be claimed.
         known: places whose values are given for each recording.
         observed: what recordings show of joints and sensors.
+        lacking: share of the error of the simulator's step that the robot lacks.
         counted: robot steps simulated so far, a list of one number.
     """
 
@@ -42,6 +43,7 @@ class JointProblem:
     places: Collection[Place]
     known: Collection[Place]
     observed: Observed
+    lacking: float = 1.0
     counted: list[int] = field(default_factory=lambda: [0])
 
     def dataset(self, length: float, memory: float) -> Dataset:

@@ -56,6 +56,9 @@ def gauss_newton(
     nuisances: Sequence[int],
     least_noise: np.ndarray,
     criteria: SelectionCriteria,
+    lacking: float = 1.0,
+    *,
+    prune: bool = True,
 ) -> JointFit:
     """One step: relinearise, choose anew by evidence, and go as far as the residuals fall.
 
@@ -66,8 +69,10 @@ def gauss_newton(
         nuisances: indices of values of the model that may be a little off.
         least_noise: (channels,) noise of the readings.
         criteria: what decides.
+        lacking: share of the error of the simulator's step that the robot lacks.
+        prune: whether effects go that evidence speaks against.
     """
-    objective, space = objective.without_step_error(point), objective.space
+    objective, space = objective.without_step_error(point, lacking), objective.space
     own = [int(i) for place in places for i in space.of_place[place]]
     errors = [i for i in nuisances if i not in own]  # a claimed value of the model is no nuisance besides
     free = derivatives(space, point, [*own, *errors])
@@ -82,7 +87,7 @@ def gauss_newton(
     left = np.fmin(noise, reading_noise_of(objective.dataset, fitted, least_noise, criteria.clip))
     linear = linearised(objective.dataset, found, left, criteria.correlation_time, criteria.clip, fitted)
     regression = _regression(space, linear, offset, places, free, criteria)
-    chosen = regression.pruned(range(len(places)))
+    chosen = regression.pruned(range(len(places))) if prune else regression.posterior(range(len(places)))
     goal = space.neutral.copy()
     goal[free.indices] += chosen.coefficients(len(free.steps)) * free.steps
     new, cost = _line_search(objective, point, _inside(space, goal), noise, criteria)

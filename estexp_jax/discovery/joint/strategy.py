@@ -20,6 +20,8 @@ from estexp_jax.discovery.joint.fit import JointSearch
 from estexp_jax.discovery.joint.problem import JointProblem
 from estexp_jax.discovery.joint.reading_stage import JointFit, without
 from estexp_jax.discovery.location import element
+from estexp_jax.discovery.marginal import about
+from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import base_of, black_box_errors
 from estexp_jax.discovery.selection import NOISE, Selection, folds_of
@@ -85,11 +87,11 @@ def explain_jointly(
     fit = search.settled(fit)
     bent = yield from search.values_only()
     yield Progress("held-out windows", 0, 1)
-    selection, *_ = _selected(whole, space, parameters, [fit], bent)
+    selection, *_ = _selected(whole, search, parameters, [fit], bent)
     if not _suffices(case.robot, selection):
         return None
     rivals = yield from search.rivals(fit)
-    selection, fits, whole = _selected(whole, space, parameters, [fit, *rivals], bent)
+    selection, fits, whole = _selected(whole, search, parameters, [fit, *rivals], bent)
     return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
 
 
@@ -117,28 +119,37 @@ def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) 
     known = known_values(case.robot, settings)
     names = dict.fromkeys([*simulated(config.effects), *(e.name for e in every() if e.is_constant_torque)])
     apart = apart_in(case, whole.segments, case.indices("train"))
+    parameters = parameters_only(case.robot, whole.replayer.catalogue, known)
+    lacking = about(whole, Fit(parameters, parameters.start(), np.inf)).lacking
     same = set(names) == {e.name for e in whole.replayer.catalogue}
     simulator = whole.replayer if same else replayer_of(case, config, list(names), apart, whole.segments)
     places = {p for p in whole.places if p[0] in config.effects and effect(p[0]).named and not effect(p[0]).variant_of}
     return whole, JointProblem(
-        case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen, whole.counted
+        case.robots, whole.recordings, whole.channels, simulator, places, known, whole.seen, lacking, whole.counted
     )
 
 
 def _selected(
-    whole: Problem, space: ParameterSpace, parameters: Hypothesis, joint: Sequence[JointFit], bent: JointFit
+    whole: Problem,
+    search: JointSearch,
+    parameters: Hypothesis,
+    joint: Sequence[JointFit],
+    bent: JointFit,
 ) -> tuple[Selection, dict[str, Fit], Problem]:
     """The first joint fit, judged among what competes with it: nothing, values alone, less of it, and the others."""
-    robot, fit = whole.replayer.robot, joint[0]
+    robot, fit, space = whole.replayer.robot, joint[0], search.space
     nominal = Fit(parameters, parameters.start(), np.inf)
     explained = as_fit(robot, space, parameters, fit, fit.places)
     own = as_fit(robot, space, parameters, bent, ())
-    problem = whole.heard(explained.member).about(explained.member)
+    heard = replace(whole.heard(explained.member), lacking=search.problem.lacking)
+    problem, unchanged = heard.about(explained.member), heard.about(nominal.member)
     folds = folds_of(problem)
     less = [as_fit(robot, space, parameters, fit, kept) for kept in _with_fewer(robot, fit.places)]
     less += [as_fit(robot, space, parameters, other, other.places) for other in joint[1:]]
-    plain = replace(problem, rough=None)
-    as_it_is, corrected = (as_fitted(p, [nominal], folds)[0] for p in (replace(plain, step=None), plain))
+    plain = replace(unchanged, rough=None)
+    kinds = (replace(plain, step=None), plain, unchanged)
+    as_it_is, mended, doubted = (as_fitted(p, [nominal], folds)[0] for p in kinds)
+    corrected = doubted if doubted.error <= NOISE else mended  # but for the step's doubt, where nothing else is left
     found = as_fitted(problem, [own, *less, explained], folds)
     selection = Selection(as_it_is, corrected, found[0], tuple(found[1:]), found[-1])
     sayable = [p for p in fit.places if effect(p[0]).in_mjcf]
@@ -148,6 +159,10 @@ def _selected(
         "explained": explained,
         "sayable": as_fit(robot, space, parameters, fit, sayable),
     }
+    wrong = placebo(robot, parameters, selection)
+    tried = {e.places: e.fitted for e in selection.tried}
+    if wrong and wrong[0].places in tried:
+        fits["placebo"] = tried[wrong[0].places]
     return selection, fits, problem
 
 
@@ -155,7 +170,8 @@ def _with_fewer(robot: Robot, places: Sequence[Place]) -> list[tuple[Place, ...]
     """The places less one effect each, and less all effects of one element each: how much either explains."""
     each = [tuple(p for p in places if p != place) for place in places]
     elements = dict.fromkeys(element(robot, place) for place in places)
-    return list(dict.fromkeys([*each, *(tuple(p for p in places if element(robot, p) != e) for e in elements)]))
+    each += [tuple(p for p in places if element(robot, p) != e) for e in elements]
+    return [kept for kept in dict.fromkeys(each) if kept]
 
 
 def as_fit(robot: Robot, space: ParameterSpace, parameters: Hypothesis, fit: JointFit, places: Sequence[Place]) -> Fit:
