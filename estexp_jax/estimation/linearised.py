@@ -53,14 +53,7 @@ def independent_data(data: Dataset, correlation_time: float) -> np.ndarray:
     return np.maximum(data.durations / correlation_time, 1.0)
 
 
-def linearised(
-    data: Dataset,
-    found: Responses,
-    noise: np.ndarray,
-    correlation_time: float,
-    clip: float,
-    fitted: np.ndarray | None = None,
-) -> Linearised:
+def linearised(data: Dataset, found: Responses, noise: np.ndarray, correlation_time: float, clip: float) -> Linearised:
     """Whiten windows by measurement noise, model error and the initial states' covariance.
 
     Args:
@@ -69,12 +62,9 @@ def linearised(
         noise: (channels,) standard deviation of noise and model error together.
         correlation_time: how long a model error lasts, s: so often there is an independent datum in a channel.
         clip: residuals count as at most so many standard deviations.
-        fitted: (windows, rows, outputs) as a first fit has it: windows that it leaves far off are bounded, not those
-            that are far off before it. None: as simulated.
     """
     residuals, columns, owners = [], [], []
     left = data.measurements - found.point
-    after = left if fitted is None else data.measurements - fitted
     known = np.isfinite(left)
     independent = independent_data(data, correlation_time)
     costs = np.clip(np.where(known, left, 0.0) / noise, -clip * 10.0, clip * 10.0)[known]
@@ -85,13 +75,12 @@ def linearised(
         rows = max(float(there.sum(axis=0).max()), 1.0)
         std = np.broadcast_to(noise * np.sqrt(max(rows / independent[w], 1.0)), there.shape)[there]
         start = np.nan_to_num(found.initial_state[:, w][:, there]).T
-        both = np.nan_to_num(np.stack([left[w][there], after[w][there]], axis=1))
-        own = np.concatenate([both, np.nan_to_num(found.change[:, w][:, there]).T], axis=1)
+        own = np.concatenate([left[w][there][:, None], np.nan_to_num(found.change[:, w][:, there]).T], axis=1)
         white = _whitened(own / std[:, None], start / std[:, None])
-        size = np.sqrt(np.mean(white[:, 1] ** 2) * len(white) / (independent[w] * there.shape[1]))
+        size = np.sqrt(np.mean(white[:, 0] ** 2) * len(white) / (independent[w] * there.shape[1]))
         white *= min(1.0, clip / max(size, 1e-12))  # a window that is far off counts as one that is `clip` off
         residuals.append(white[:, 0])
-        columns.append(white[:, 2:])
+        columns.append(white[:, 1:])
         owners.append(np.full(len(white), w))
     count = float(sum(n * k.any(axis=0).sum() for n, k in zip(independent, known, strict=True)))
     return Linearised(

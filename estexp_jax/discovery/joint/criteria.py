@@ -26,7 +26,7 @@ class SelectionCriteria:
         correlation_time: how long a model error lasts, s, so that there is one independent datum of a channel in each
             such time. Measured: two of half-second windows on the machines' board.
         native_odds: prior odds of an effect that changes a value MJCF has, before one that repeats it under another
-            name, nats. Convention: enough to decide between equals, so far below what a recording says.
+            name, nats. Convention: enough to decide between equals.
         chance: probability that a held-out gain is less than what has to exceed its price. Convention.
         kept_errors: an effect that all readings call for goes where its held-out gain is at most so many standard
             errors: stretches need not prove it once more, but they may not contradict it. Convention.
@@ -47,7 +47,7 @@ class SelectionCriteria:
     short_window: float = 0.05
     memory: float = 0.3
     correlation_time: float = 0.25
-    native_odds: float = 1.5
+    native_odds: float = 3.0
     chance: float = 0.05
     kept_errors: float = 0.0
     wrong_value: float = 3.0

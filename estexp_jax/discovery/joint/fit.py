@@ -21,7 +21,7 @@ from estexp_jax.estimation.channels import channel_ranges
 from estexp_jax.estimation.dataset import Dataset, evenly
 from estexp_jax.estimation.linearised import independent_data, reading_noise_of
 from estexp_jax.estimation.objective import Objective
-from estexp_jax.estimation.parameters import ParameterSpace, nuisances, parameter_space
+from estexp_jax.estimation.parameters import ParameterSpace, Place, nuisances, parameter_space
 from estexp_jax.physics.effects.registry import effect
 
 _STEPS, _GROWTH_STEPS = 2_500_000, 5_000_000
@@ -32,7 +32,7 @@ _FEWEST_LONG, _MOST_LONG = 12, 240
 """Longer windows are taken only where there are so many, for held-out stretches to differ; and at most so many."""
 _LENGTHS = (2.0, 1.0, 0.5, 0.25)
 """Lengths of the windows of the second stage, s: the first in which the simulator stays near the readings."""
-_ROUNDS = 3
+_ROUNDS = 4
 _GROWTHS = 6
 
 
@@ -89,11 +89,13 @@ class JointSearch:
         choices = torque_choices(objective, tried, added, problem.robots, criteria)
         fits, longest = list[JointFit](), data
         for k, chosen in enumerate(choices):
-            point, places, fit = chosen.point, chosen.places, None
+            point, places, fit, longest_now = chosen.point, chosen.places, None, np.inf
             for round_ in range(_ROUNDS):
                 yield Progress("joint fit", k * _ROUNDS + round_, len(choices) * _ROUNDS)
-                data = self._windows(point, len(self._errors) + 3 * len(places))
+                data = self._windows(point, len(self._errors) + 3 * len(places), longest=longest_now)
                 fit = self._fitted(data, point, places)
+                if np.array_equal(fit.point, point):  # windows so long are not linear enough
+                    longest_now = 0.6 * float(np.median(data.durations))
                 point, places = fit.point, fit.places
             assert fit is not None
             fits.append(fit)
@@ -172,7 +174,7 @@ class JointSearch:
     def _objective(self, data: Dataset, *, states: bool = False) -> Objective:
         return Objective(self.problem.simulator, self.space, data, states, counted=self.problem.counted)
 
-    def _fitted(self, data: Dataset, point: np.ndarray, places: Sequence[tuple[str, str]]) -> JointFit:
+    def _fitted(self, data: Dataset, point: np.ndarray, places: Sequence[Place]) -> JointFit:
         objective = self._objective(data)
         least, lacking = self.problem.least_noise, self.problem.lacking
         return gauss_newton(objective, point, places, self._errors, least, self.criteria, lacking)
@@ -195,11 +197,11 @@ class JointSearch:
     def _last_windows(self, fit: JointFit) -> Dataset:
         return self._windows(fit.point, len(self._errors) + 3 * len(fit.places))
 
-    def _windows(self, point: np.ndarray, directions: int, steps: float = _STEPS) -> Dataset:
-        """Windows as long as the simulator stays near the readings."""
+    def _windows(self, point: np.ndarray, directions: int, steps: float = _STEPS, longest: float = np.inf) -> Dataset:
+        """Windows as long as the simulator stays near the readings, and not longer than so many s."""
         problem, criteria = self.problem, self.criteria
         data = problem.dataset(_LENGTHS[-1], criteria.memory)
-        for length in _LENGTHS:
+        for length in [each for each in _LENGTHS if each <= max(longest, _LENGTHS[-1])]:
             data = problem.dataset(length, criteria.memory)
             most = min(_affordable(data, directions, steps), _MOST_LONG)
             if length > _LENGTHS[-1] and min(len(data.windows), most) < _FEWEST_LONG:

@@ -27,13 +27,13 @@ from estexp_jax.physics.effects.registry import effect
 
 _AT_ONCE = 4
 """So many effects are added about one linearisation, before the readings are simulated again."""
-_RIVALS, _ROUNDS = 3, 2
+_RIVALS, _ROUNDS = 3, 1
 """So many rivals are fitted, in so many more steps than what is added."""
 _FELT = 1e-12
 """Sum of squares of whitened readings from which on a candidate does anything at all."""
 _PROMISING = 40
 """So many guesses that gain anything on few windows are tried on all."""
-_ATTEMPTS = 4
+_ATTEMPTS = 3
 """So many sets of effects are tried about one linearisation before growth ends."""
 
 

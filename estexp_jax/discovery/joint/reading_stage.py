@@ -81,12 +81,6 @@ def gauss_newton(
     linear = linearised(objective.dataset, found, noise, criteria.correlation_time, criteria.clip)
     offset = (point - space.neutral)[free.indices] / free.steps
     regression = _regression(space, linear, offset, places, free, criteria)
-    # Noise is what all effects together leave: what is left before they are fitted would hide the weaker ones.
-    move = regression.posterior(range(len(places))).coefficients(len(free.steps)) - offset
-    fitted = found.point + np.einsum("k,kwrc->wrc", move, np.nan_to_num(found.change))
-    left = np.fmin(noise, reading_noise_of(objective.dataset, fitted, least_noise, criteria.clip))
-    linear = linearised(objective.dataset, found, left, criteria.correlation_time, criteria.clip, fitted)
-    regression = _regression(space, linear, offset, places, free, criteria)
     chosen = regression.pruned(range(len(places))) if prune else regression.posterior(range(len(places)))
     goal = space.neutral.copy()
     goal[free.indices] += chosen.coefficients(len(free.steps)) * free.steps
@@ -153,11 +147,11 @@ def _inside(space: ParameterSpace, point: np.ndarray) -> np.ndarray:
 def _line_search(
     objective: Objective, point: np.ndarray, goal: np.ndarray, noise: np.ndarray, criteria: SelectionCriteria
 ) -> tuple[np.ndarray, float]:
-    """The best point on the way to a goal, with its cost; what comes or goes does so at once."""
+    """The best point on the way to a goal, with its cost; what comes or goes does so at once, or the point itself."""
     space = objective.space
     at_once = (point == space.neutral) | (goal == space.neutral) | [p.categorical for p in space.parameters]
     begin = np.where(at_once, goal, point)
-    tried = np.array([begin + share * (goal - begin) for share in _SHARES])
+    tried = np.array([*(begin + share * (goal - begin) for share in _SHARES), point])
     costs = cost_at(objective, tried, noise, criteria)
     best = int(np.argmin(costs))
     return tried[best], float(costs[best])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -82,9 +82,6 @@ def _choice(
     regression = _regression(balance, columns, std, own, criteria)
     simple = {g for g, c in enumerate(own) if _is_simple(c)}
     chosen = regression.search(allowed=simple)
-    found = [own[g].place for g in chosen.groups]
-    alike = replace(regression, log_odds=log_odds([c.place for c in own], criteria, present=found))
-    chosen = alike.search(chosen.groups, allowed=simple)
     chosen = _without_trifles(regression, chosen, balance, columns, criteria)
     times = chosen.coefficients(len(columns))
     point, shares = space.neutral.copy(), dict[Place, float]()
