@@ -15,6 +15,7 @@ from estexp_jax.physics.effects.effect import NEVER
 from estexp_jax.physics.effects.observed import Observed
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
+from estexp_jax.physics.model.robot import Robot
 
 _SMALL = 0.02
 """Share of a first guess that is small."""
@@ -100,6 +101,7 @@ def _smallest(space: ParameterSpace, guesses: list[Candidate]) -> list[Candidate
 def log_odds(
     names: Sequence[Place],
     criteria: SelectionCriteria,
+    robot: Robot,
     among: Collection[Place] = (),
     present: Collection[Place] = (),
 ) -> np.ndarray:
@@ -111,6 +113,7 @@ def log_odds(
     Args:
         names: the place of each.
         criteria: how many effects are expected.
+        robot: the nominal robot.
         among: all places where something may be missing; none: those that are named.
         present: places of effects that are taken to be there.
 
@@ -126,8 +129,14 @@ def log_odds(
         others = sum(p[0] == place[0] and p != place for p in present) / max(len(kind), 1)
         absent = (1.0 - alone) * (1.0 - min(others, 0.95))
         found[place] = np.log((1.0 - absent) / absent)
-    native = {p: criteria.native_odds * (effect(p[0]).model_attribute is not None) for p in places}
+    native = {p: criteria.native_odds * _is_left_out(robot, p) for p in places}
     return np.array([found[p] + native[p] - np.log(counts[p]) for p in names])
+
+
+def _is_left_out(robot: Robot, place: Place) -> bool:
+    """Whether MJCF has a value for it, and the model leaves it at nothing, as most models do."""
+    e = effect(place[0])
+    return e.model_attribute is not None and e.nominal_value(robot, place[1]) == 0.0
 
 
 def _multiples(space: ParameterSpace, direction: np.ndarray) -> tuple[float, float]:

@@ -25,8 +25,8 @@ class SelectionCriteria:
             controllers forget sooner; what does not, like heat, is left to other strategies.
         correlation_time: how long a model error lasts, s, so that there is one independent datum of a channel in each
             such time. Measured: two of half-second windows on the machines' board.
-        native_odds: prior odds of an effect that changes a value MJCF has, before one that repeats it under another
-            name, nats. Convention: enough to decide between equals.
+        native_odds: prior odds of an effect that MJCF has a value for, which the model leaves at nothing, nats.
+            Convention: most models leave friction and rotor inertia out, so it decides between equals.
         chance: probability that a held-out gain is less than what has to exceed its price. Convention.
         kept_errors: an effect that all readings call for goes where its held-out gain is at most so many standard
             errors: stretches need not prove it once more, but they may not contradict it. Convention.

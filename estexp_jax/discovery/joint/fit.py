@@ -180,7 +180,10 @@ class JointSearch:
         return gauss_newton(objective, point, places, self._errors, least, self.criteria, lacking)
 
     def _most_plausible(self, data: Dataset, fits: Sequence[JointFit]) -> int:
-        """Index of the fit with the largest evidence, by Schwarz's criterion, on common windows."""
+        """Index of the fit with the largest evidence, by Schwarz's criterion, on common windows.
+
+        Values of the model that are off by more than they usually are cost what their prior says.
+        """
         criteria, space, points = self.criteria, self.space, np.array([f.point for f in fits])
         objective, least = (
             self._objective(data).without_step_error(points[0], self.problem.lacking),
@@ -191,8 +194,15 @@ class JointSearch:
         measured = np.isfinite(data.measurements).any(axis=1).sum(axis=1)
         count = float(independent_data(data, criteria.correlation_time) @ measured)
         numbers = np.array([sum(len(space.of_place[p]) for p in f.places) for f in fits])
-        odds = np.array([-np.sum(log_odds(f.places, criteria, space.of_place, f.places)) for f in fits])
-        return int(np.argmin(0.5 * count * costs + 0.5 * np.log(max(count, 1.0)) * numbers + odds))
+        odds = np.array([-np.sum(log_odds(f.places, criteria, space.robot, space.of_place, f.places)) for f in fits])
+        unusual = np.array([self._unusual(f) for f in fits])
+        return int(np.argmin(0.5 * count * costs + 0.5 * np.log(max(count, 1.0)) * numbers + odds + unusual))
+
+    def _unusual(self, fit: JointFit) -> float:
+        """What values of the model that a fit bends cost by their prior, nats."""
+        bent = [i for i in self._errors if self.space.parameters[i].place not in fit.places]
+        ordinary = self.criteria.model_error * np.array([self.space.parameters[i].nominal for i in bent])
+        return 0.5 * float(np.sum(((fit.point - self.space.neutral)[bent] / ordinary) ** 2))
 
     def _last_windows(self, fit: JointFit) -> Dataset:
         return self._windows(fit.point, len(self._errors) + 3 * len(fit.places))

@@ -125,7 +125,8 @@ class Growth:
 
     def _price(self, fit: JointFit, place: Place, guesses: Mapping[Place, int] | None = None) -> float:
         """Prior log odds, nats, against an effect beside those of a fit; an effect's guesses share its odds."""
-        odds = float(log_odds([place], self.criteria, self.objective.space.of_place, fit.places)[0])
+        space = self.objective.space
+        odds = float(log_odds([place], self.criteria, space.robot, space.of_place, fit.places)[0])
         return float(np.log((guesses or {}).get(place, 1))) - odds
 
     def replacements(self, fit: JointFit, tried: Sequence[Candidate]) -> list[Proposal]:

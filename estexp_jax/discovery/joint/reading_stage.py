@@ -130,7 +130,7 @@ def _regression(
         low,
         high,
         np.array([len(effect(name).parameters) for name, _ in places], dtype=float),
-        log_odds(places, criteria, space.of_place, places),
+        log_odds(places, criteria, space.robot, space.of_place, places),
     )
 
 

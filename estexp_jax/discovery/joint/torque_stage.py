@@ -79,7 +79,7 @@ def _choice(
     columns = np.concatenate([balance.columns[list(kept)], balance.columns[len(tried) :]])
     own = [tried[c] for c in kept]
     std = _noise(_densely_explained(balance, columns, own, criteria), balance, objective.dataset.owner, criteria)
-    regression = _regression(balance, columns, std, own, criteria)
+    regression = _regression(balance, columns, std, own, criteria, space.robot)
     simple = {g for g, c in enumerate(own) if _is_simple(c)}
     chosen = regression.search(allowed=simple)
     chosen = _without_trifles(regression, chosen, balance, columns, criteria)
@@ -116,7 +116,12 @@ def _is_felt(balance: TorqueBalance, c: int, criteria: SelectionCriteria) -> boo
 
 
 def _regression(
-    balance: TorqueBalance, columns: np.ndarray, std: np.ndarray, own: Sequence[Candidate], criteria: SelectionCriteria
+    balance: TorqueBalance,
+    columns: np.ndarray,
+    std: np.ndarray,
+    own: Sequence[Candidate],
+    criteria: SelectionCriteria,
+    robot: Robot,
 ) -> SparseRegression:
     weight = 1.0 / np.sqrt(std**2 + balance.noise**2)
     j = (columns * weight).reshape(len(columns), -1).T
@@ -133,7 +138,7 @@ def _regression(
         np.concatenate([[c.least for c in own], np.full(rest, -np.inf)]),
         np.concatenate([[c.most for c in own], np.full(rest, np.inf)]),
         np.array([c.numbers for c in own]),
-        log_odds([c.place for c in own], criteria),
+        log_odds([c.place for c in own], criteria, robot),
     )
 
 
