@@ -7,7 +7,7 @@ parameters, or in the labels of the array's layout. Names of any other topic say
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, final
 
@@ -109,34 +109,42 @@ def _of(topic: str, message: Any) -> Iterator[_Listed]:
 def _of_layout(topic: str, message: Any) -> Iterator[_Listed]:
     """The labels of an array's dimensions, one for each value."""
     dimensions = children(children(message).get("layout")).get("dim")
-    labels = [children(each).get("label") for each in dimensions] if _is_sequence(dimensions) else []
-    if labels and all(isinstance(label, str) and label for label in labels):
-        yield _Listed(topic, f"{topic}.layout.dim", tuple(labels))
+    labels = _texts_in([children(each).get("label") for each in _listed(dimensions)])
+    if labels and all(labels):
+        yield _Listed(topic, f"{topic}.layout.dim", labels)
 
 
 def _of_parameters(topic: str, message: Any) -> Iterator[_Listed]:
     """The lists of joints among the parameters of a node, as `rcl_interfaces/ParameterEvent` tells them."""
     fields = children(message)
     node = fields.get("node")
-    for kind in _PARAMETERS if isinstance(node, str) else ():
-        for parameter in fields.get(kind) or ():
+    if not isinstance(node, str):
+        return
+    for kind in _PARAMETERS:
+        for parameter in _listed(fields.get(kind)):
             name = children(parameter).get("name")
-            names = children(children(parameter).get("value")).get("string_array_value")
-            if isinstance(name, str) and "joint" in name and _is_texts(names):
-                yield _Listed(node, f"{topic}, {node}.{name}", tuple(names))
+            names = _texts_in(children(children(parameter).get("value")).get("string_array_value"))
+            if isinstance(name, str) and "joint" in name and names:
+                yield _Listed(node, f"{topic}, {node}.{name}", names)
 
 
 def _texts(message: Any, place: str = "", depth: int = 0) -> Iterator[tuple[str, tuple[str, ...]]]:
     """The lists of texts in the objects of a message, with their paths."""
     for name, value in children(message).items() if depth < _DEEPEST else ():
-        if _is_texts(value):
-            yield f"{place}.{name}", tuple(value)
+        if names := _texts_in(value):
+            yield f"{place}.{name}", names
         else:
             yield from _texts(value, f"{place}.{name}", depth + 1)
 
 
-def _is_texts(value: Any) -> bool:
-    return _is_sequence(value) and 0 < len(value) <= MOST_VALUES and all(isinstance(text, str) for text in value)
+def _texts_in(value: Any) -> tuple[str, ...]:
+    """The texts of a list of nothing else, not too long; empty for other values."""
+    short = _is_sequence(value) and 0 < len(value) <= MOST_VALUES
+    return tuple(value) if short and all(isinstance(text, str) for text in value) else ()
+
+
+def _listed(value: Any) -> Sequence[Any]:
+    return value if _is_sequence(value) else ()
 
 
 def _is_sequence(value: Any) -> bool:
