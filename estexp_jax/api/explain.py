@@ -9,14 +9,17 @@ from typing import Any, Literal, NamedTuple
 
 from estexp_jax.api.options.explain import ExplainOptions
 from estexp_jax.api.options.keywords import front_door
+from estexp_jax.discovery.baseline import explain_change
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig, explaining
 from estexp_jax.discovery.explain import explain as explain_case
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.engines.choice import left_out_by
+from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.frames import Logs, logs_of
 from estexp_jax.recordings.inputs import Inputs, read_inputs
-from estexp_jax.recordings.roles import assign_roles
+from estexp_jax.recordings.roles import without_healthy
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.report.explain.files import write_explanation
 from estexp_jax.report.explain.result import ExplainResult
@@ -39,6 +42,7 @@ def explain(
     recordings: Logs = (),
     *,
     test: Logs = (),
+    healthy: Logs = (),
     map: Iterable[str] = (),  # noqa: A002 (the command's word)
     root: str | Path | None = None,
     window: float | str = 2.0,
@@ -55,6 +59,8 @@ def explain(
         recordings: a log to learn from or several: paths, a glob, data frames, dictionaries of arrays.
         test: logs to prove it on; as recordings. Without any, the last recording is kept back; of a single one, its
             last 30 %.
+        healthy: logs of the same robot when it was well; as recordings. The simulator is first fitted to these, then
+            what changed since is explained, and that alone.
         map: `ours=theirs` for logs with other column names.
         root: folder under which the model finds its files; None: the repository or package around it, else three up.
         window: length of the windows compared, s; infinite or `full` for whole recordings.
@@ -68,7 +74,8 @@ def explain(
         InputError: a keyword, a value or a file is wrong, or the model cannot be simulated.
     """
     files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
-    inputs = read_inputs(files, test=tests, maps=list(map), root=root)
+    well = logs_of(healthy, "healthy_frame")
+    inputs = read_inputs(files, test=tests, healthy=well, maps=list(map), root=root)
     config = explain_config_of(window, most, effects, seed, engine)
     return run_explanation(inputs, config, {}, progress or (lambda _: None))
 
@@ -89,9 +96,11 @@ def explain_to_folder(options: ExplainOptions) -> WrittenExplanation:
     """
     config = explain_config_of(options.window, options.most, options.effects, options.seed, options.engine)
     tests = [path for group in options.test for path in group]
-    inputs = read_inputs(options.files, test=tests, maps=options.map, root=options.root)
+    healthy = [path for group in options.healthy for path in group]
+    inputs = read_inputs(options.files, test=tests, healthy=healthy, maps=options.map, root=options.root)
     window = "full" if options.window == float("inf") else options.window
     files = {"files": options.files, "test": tests, "map": options.map, "window": window}
+    files |= {"healthy": healthy} if healthy else {}
     chosen = {"most": config.most, "effects": config.effects, "seed": config.seed, "engine": config.engine}
     marker = {"command": "explain", "config": {**files, **chosen}}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
@@ -117,15 +126,19 @@ def explain_config_of(
     return ExplainConfig(window=length, most=most, effects=chosen, seed=seed, engine=engine)
 
 
-def case_of(inputs: Inputs) -> Case:
-    """Recordings with their roles, and the nominal robot under each one's settings.
+def cases_of(inputs: Inputs) -> tuple[Case, Case | None]:
+    """Recordings with their roles, and the nominal robot under each one's settings: as it is, and when it was well.
 
     Raises:
         InputError: no recording is left to learn from, or names clash.
     """
-    recordings = tuple(assign_roles(inputs.recordings))
-    robots = tuple(apply_settings(inputs.robot, r.settings, where=r.name) for r in recordings)
-    return Case(inputs.robot, recordings, robots)
+    now, healthy = without_healthy(inputs.recordings)
+    return _case(inputs.robot, now), _case(inputs.robot, healthy) if healthy else None
+
+
+def _case(robot: Robot, recordings: tuple[Recording, ...]) -> Case:
+    robots = tuple(apply_settings(robot, r.settings, where=r.name) for r in recordings)
+    return Case(robot, recordings, robots)
 
 
 def run_explanation(
@@ -143,7 +156,10 @@ def run_explanation(
     forget_programs()
     begin = perf_counter()
     with count_compilations() as compiled:
-        steps = explain_case(case_of(inputs), config, memory)
+        now, healthy = cases_of(inputs)
+        steps = explain_case(now, config, memory)
+        if healthy is not None:
+            steps = explain_change(healthy, now, config, memory)
         while True:
             try:
                 report(next(steps))

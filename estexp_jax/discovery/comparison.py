@@ -44,8 +44,10 @@ def problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Pro
     apart = apart_in(case, cut.whole, case.indices("train"))
     simulator = replayer_of(case, config, simulated(config.effects), apart, cut.whole)
     channels = channels_of(case.robot, recordings)
-    noise = deviations(channels, recordings)
-    problem = Problem(Replays(simulator, channels, cut), recordings, memory, noise, places)
+    left = np.array([case.discrepancy.get(name, 0.0) for name in channels.names])
+    noise = np.hypot(deviations(channels, recordings), left)
+    replays = Replays(simulator, channels, cut, standing=case.standing)
+    problem = Problem(replays, recordings, memory, noise, places)
     return replace(problem, most=_most_windows(case.robot, cut.whole))
 
 
@@ -62,7 +64,8 @@ def replayer_of(
     """
     robot, *robots = _each(lambda r: r.without_contacts(apart), (case.robot, *case.robots))
     train = [w for w in windows if w.recording in case.indices("train")]
-    return open_loop_simulator(robot, catalogue(effects), robots, engine=config.engine, windows=train)
+    known = catalogue(dict.fromkeys([*effects, *(change.effect for change in case.standing)]))
+    return open_loop_simulator(robot, known, robots, engine=config.engine, windows=train)
 
 
 def apart_in(

@@ -26,11 +26,16 @@ class Case:
         robot: the nominal robot.
         recordings: training and test recordings, at least one of each.
         robots: for each recording, the nominal robot with what is known of that recording.
+        standing: what the robot has in all of them and no MJCF can hold: found when it was healthy, so no news.
+        discrepancy: by a reading's name, how far the simulator was off when the robot was healthy, for reasons that
+            nobody found: it counts as noise.
     """
 
     robot: Robot
     recordings: tuple[Recording, ...]
     robots: tuple[Robot, ...]
+    standing: tuple[Change, ...] = ()
+    discrepancy: Mapping[str, float] = field(default_factory=dict)
 
     def indices(self, role: str) -> list[int]:
         """Indices of the recordings of a role."""

@@ -72,9 +72,10 @@ def explain(
 
 def _explained(case: Case, config: ExplainConfig, memory: dict[str, Any]) -> Generator[Progress, None, Diagnosis]:
     """Explain recordings that are as they should be; arguments as of `explain`."""
-    jointly = yield from explain_jointly(case, config, memory)
-    if jointly is not None:
-        return jointly
+    if not (case.standing or case.discrepancy):  # the joint fit knows neither
+        jointly = yield from explain_jointly(case, config, memory)
+        if jointly is not None:
+            return jointly
     whole = problem_of(case, config, memory)
     engine, reason, _ = whole.replayer.choice
     yield Progress("replaying the nominal simulator", 0, 1, f"engine: {engine}, {reason}")

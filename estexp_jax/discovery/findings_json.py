@@ -93,6 +93,7 @@ def diagnosis(case: Case, config: ExplainConfig, found: Found) -> Diagnosis:
         "schema": "estexp.findings/1",
         "verdict": judged,
         **doubted(told, case.recordings),
+        "baseline": [],
         "engine": {"name": engine.engine, "largest_difference": engine.largest_difference},
         "data": tell.data_entries(case.recordings),
         "cost": {"wall_s": None, "compile_s": None, "robot_steps": found.problem.counted[0]},
@@ -120,8 +121,8 @@ def _native(
     """What `model_explained.xml` holds: claims, or values of the model where these are what is told."""
     finer = 1 if found.own_step else found.shown.replays.cut.parts
     beside = [] if judged == "parameters" else [c for c in changes if c not in found.claimed]
-    told = [c for c in changes if c not in beside]
-    refitted = _at_work(found.fits["sayable"])
+    told = [*case.standing, *(c for c in changes if c not in beside)]
+    refitted = (*case.standing, *_at_work(found.fits["sayable"]))
     return native_model(case, found.shown, told, beside, refitted, finer=finer, fine_only=fine_only, seed=config.seed)
 
 

@@ -12,7 +12,7 @@ from typing import final
 
 import numpy as np
 
-from estexp_jax.physics.effects.changes import Change, Values, neutral
+from estexp_jax.physics.effects.changes import Change, Values, encode, neutral
 from estexp_jax.physics.effects.registry import Catalogue, effect, every, logging_faults
 from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.model.robot import Robot
@@ -176,24 +176,38 @@ def singles(robot: Robot, catalogue: Catalogue) -> list[Place]:
     return [(e.name, site) for e in catalogue for site in e.sites(robot)]
 
 
-def batch(robot: Robot, catalogue: Catalogue, members: Sequence[tuple[Hypothesis, np.ndarray]]) -> Values:
-    """Values (members, n_sites, n_parameters) of hypotheses with their vectors (n_free,)."""
-    base = neutral(robot, catalogue)
+def batch(
+    robot: Robot,
+    catalogue: Catalogue,
+    members: Sequence[tuple[Hypothesis, np.ndarray]],
+    standing: Sequence[Change] = (),
+) -> Values:
+    """Values (members, n_sites, n_parameters) of hypotheses with their vectors (n_free,).
+
+    What the robot has under every hypothesis (`standing`) is in all of them; what is claimed at the same place adds.
+    """
+    base = encode(robot, catalogue, standing) if standing else neutral(robot, catalogue)
     values = {name: np.repeat(v[None], len(members), axis=0) for name, v in base.items()}
     for i, (hypothesis, vector) in enumerate(members):
         for f, value in zip(hypothesis.free, vector, strict=True):
-            values[f.effect][i, f.row, f.column] = value
+            there = base[f.effect][f.row, f.column]
+            adds = standing and not f.chosen and there != np.float32(f.neutral)
+            values[f.effect][i, f.row, f.column] = there + value - f.neutral if adds else value
     return values
 
 
 def lanes(
-    robot: Robot, catalogue: Catalogue, members: Sequence[tuple[Hypothesis, np.ndarray]], early: Sequence[bool]
+    robot: Robot,
+    catalogue: Catalogue,
+    members: Sequence[tuple[Hypothesis, np.ndarray]],
+    early: Sequence[bool],
+    standing: Sequence[Change] = (),
 ) -> Values:
     """Values (members x windows, n_sites, n_parameters); in windows that are early, nothing claimed acts yet."""
-    late = {name: np.repeat(v, len(early), axis=0) for name, v in batch(robot, catalogue, members).items()}
+    late = {name: np.repeat(v, len(early), axis=0) for name, v in batch(robot, catalogue, members, standing).items()}
     if not any(early):
         return late
-    before = batch(robot, catalogue, [(h, h.unclaimed(v)) for h, v in members])
+    before = batch(robot, catalogue, [(h, h.unclaimed(v)) for h, v in members], standing)
     here = np.tile(early, len(members))[:, None, None]
     return {name: np.where(here, np.repeat(before[name], len(early), axis=0), v) for name, v in late.items()}
 

@@ -18,6 +18,7 @@ import numpy as np
 from estexp_jax.discovery.hypotheses import Hypothesis, lanes
 from estexp_jax.estimation.channels import Channels
 from estexp_jax.estimation.windows import WindowSet
+from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.engines.open_loop import OpenLoopSimulator
 from estexp_jax.physics.window import Window
 
@@ -39,6 +40,7 @@ class Replays:
         cut: the windows, at the model's own step and at parts of it.
         counted: robot steps simulated so far, a list of one number.
         began: index of a recording to the time before which nothing that is claimed acts in it, s.
+        standing: what the robot has under every hypothesis.
     """
 
     replayer: OpenLoopSimulator
@@ -46,6 +48,7 @@ class Replays:
     cut: WindowSet
     counted: list[int] = field(default_factory=lambda: [0])
     began: Mapping[int, float] = field(default_factory=dict)
+    standing: tuple[Change, ...] = ()
 
     def readings(self, members: Sequence[Member], windows: np.ndarray, segments: Sequence[Window]) -> np.ndarray:
         """Readings (members, windows, rows, channels) in some of these segments, NaN beyond a window's end."""
@@ -54,7 +57,7 @@ class Replays:
         for begin in range(0, len(members), step):
             part = members[begin : begin + step]
             early = [self._early(segments[w]) for w in windows]
-            values = lanes(self.replayer.robot, self.replayer.catalogue, part, early)
+            values = lanes(self.replayer.robot, self.replayer.catalogue, part, early, self.standing)
             replay = self.replayer.replay(values, segments, np.tile(windows, len(part)))
             found.append(self.channels.simulated(replay).reshape(len(part), len(windows), -1, len(self.channels.names)))
         self.counted[0] += len(members) * sum(segments[w].steps.n_steps for w in windows)

@@ -8,6 +8,11 @@ from typing import final
 
 import numpy as np
 
+HEALTHY = "healthy"
+"""The role of recordings of the same robot when it was well."""
+ROLES = ("train", "test", HEALTHY)
+"""What a recording serves for: it is fitted, kept for the test, or of the robot when it was well."""
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -22,7 +27,7 @@ class Recording:
         sensor: (rows, nsensordata) readings, taken before the row's command acts.
         qpos: (rows, nq) measured configuration; NaN where nothing measured it.
         qvel: (rows, nv) measured velocity; NaN where nothing measured it.
-        role: `train` or `test`.
+        role: `train`, `test`, or `healthy`: of the robot when it was well.
         settings: what is known to differ in this recording, `<element>.<name>.<attribute>` to value.
         notes: remarks of the reader on what it found (ignored columns, gaps).
         clock_faults: that its clocks do not agree, as sentences: alone it can look like any physics.
@@ -52,8 +57,8 @@ class Recording:
                 raise ValueError(f"{self.name}: {name} is {table.shape}, not ({rows}, columns)")
         if not (np.all(np.isfinite(self.ctrl)) and np.all(np.isfinite(self.enable))):
             raise ValueError(f"{self.name}: commands and motor switches may have no gaps")
-        if self.role not in ("train", "test"):
-            raise ValueError(f"{self.name}: role is '{self.role}', not 'train' or 'test'")
+        if self.role not in ROLES:
+            raise ValueError(f"{self.name}: role is '{self.role}', not one of {', '.join(ROLES)}")
 
     @property
     def rows(self) -> int:

@@ -9,7 +9,7 @@ from typing import final
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.recording import HEALTHY, Recording
 from estexp_jax.recordings import read_manifest, read_recording
 from estexp_jax.recordings.bind import bind_columns
 from estexp_jax.recordings.checks.inspect import CLOCK_KINDS, judge
@@ -44,6 +44,7 @@ def read_inputs(
     files: Sequence[Log],
     *,
     test: Sequence[Log] = (),
+    healthy: Sequence[Log] = (),
     maps: Sequence[str] = (),
     mend: bool = False,
     root: str | Path | None = None,
@@ -53,6 +54,7 @@ def read_inputs(
     Args:
         files: a `recordings.toml` alone, or an MJCF and logs.
         test: logs with the role `test`.
+        healthy: logs of the same robot when it was well.
         maps: `ours=theirs`, for logs with other column names.
         mend: judge rather than refuse logs whose clock stands still or runs backwards.
         root: the folder that the model's files have to be under; None: see `Robot.from_xml`.
@@ -68,7 +70,7 @@ def read_inputs(
         raise InputError("is a folder", where=str(folder), right=right)
     if is_manifest(files):
         manifest = str(files[0])
-        if len(files) > 1 or test or maps:
+        if len(files) > 1 or test or healthy or maps:
             right = "it names logs, roles and columns itself; or give an MJCF and logs instead"
             raise InputError("a manifest stands alone", where=manifest, right=right)
         read = read_manifest(manifest, mend=mend, root=root)
@@ -78,6 +80,7 @@ def read_inputs(
     model, mapping = str(files[0]), parse_maps(maps)
     robot = Robot.from_xml(model, root)
     roles = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
+    roles += [(log, HEALTHY) for log in healthy]
     recordings = tuple(_recording(robot, log, role, mapping, mend) for log, role in roles)
     return _inputs(Path(model), robot, recordings, mend)
 

@@ -10,13 +10,12 @@ from typing import Any, final
 
 from estexp_jax.errors import InputError, abbreviated, known
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.recording import ROLES, Recording
 from estexp_jax.recordings.bind import check_names, read_recording
 from estexp_jax.recordings.columns import Source, parse_number, parse_source
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.recordings.table import CLOCKS, Selection
 
-ROLES = ("train", "test")
 _MOST_BYTES = 16 * 2**20
 
 

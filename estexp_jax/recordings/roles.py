@@ -9,10 +9,28 @@ from pathlib import Path
 import numpy as np
 
 from estexp_jax.errors import InputError
-from estexp_jax.physics.recording import Recording
+from estexp_jax.physics.recording import HEALTHY, Recording
 
 KEPT_BACK = 0.3
 """Share of a single recording's duration that is held out as the test."""
+
+
+def without_healthy(recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    """Recordings of the robot as it is, with their roles, and those of it when it was well, with roles of their own.
+
+    Each of the two is fitted and tested for itself, by the rules of `assign_roles`; the second may be empty.
+
+    Raises:
+        InputError: as `assign_roles` does; or all recordings are of the healthy robot.
+    """
+    _check_stems(recordings)
+    healthy = [replace(recording, role="train") for recording in recordings if recording.role == HEALTHY]
+    others = [recording for recording in recordings if recording.role != HEALTHY]
+    if healthy and not others:
+        names = ", ".join(recording.name for recording in healthy)
+        right = "recordings of the robot as it is now, with role = train or test"
+        raise InputError(f"every recording is of the healthy robot: {names}", where="roles", right=right)
+    return assign_roles(others), assign_roles(healthy) if healthy else ()
 
 
 def assign_roles(recordings: Sequence[Recording]) -> tuple[Recording, ...]:

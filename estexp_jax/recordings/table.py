@@ -40,6 +40,7 @@ class Table:
         stamps: columns that held time stamps or durations; they are in s, stamps from the first one on.
         restarts: rows, from 0, at which the logger began anew.
         unread: columns that are there, but were not asked for.
+        labels: of columns whose own name says nothing: the name that the log gives them elsewhere, and where.
     """
 
     source: str
@@ -53,6 +54,7 @@ class Table:
     stamps: frozenset[str] = frozenset()
     restarts: tuple[int, ...] = ()
     unread: tuple[str, ...] = ()
+    labels: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -47,6 +47,11 @@ def _replaced(folder, old, new, text=MANIFEST):
     return folder / "recordings.toml"
 
 
+def test_a_recording_may_be_of_the_healthy_robot(folder):
+    path = _replaced(folder, 'role = "test"', 'role = "healthy"')
+    assert [r.role for r in read_manifest(path).recordings] == ["train", "healthy"]
+
+
 def test_manifest_is_read_relative_to_itself(folder):
     manifest = read_manifest(folder / "recordings.toml")
     assert manifest.model == folder / "pendulum.xml"

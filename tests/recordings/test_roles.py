@@ -5,7 +5,7 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.recording import Recording
-from estexp_jax.recordings.roles import assign_roles
+from estexp_jax.recordings.roles import assign_roles, without_healthy
 
 
 def _recording(name, role="train", rows=11):
@@ -42,3 +42,18 @@ def test_what_cannot_be_assigned():
         assign_roles([_recording("a.csv"), _recording("a.npz")])
     with pytest.raises(InputError, match=r"a\.csv: 3 rows are too few"):
         assign_roles([_recording("a.csv", rows=3)])
+
+
+def test_recordings_of_the_healthy_robot_have_roles_of_their_own():
+    given = [
+        _recording(f"{name}.csv", role)
+        for name, role in zip("abcd", ["healthy", "train", "healthy", "test"], strict=True)
+    ]
+    now, healthy = without_healthy(given)
+    assert [(r.name, r.role) for r in now] == [("b.csv", "train"), ("d.csv", "test")]
+    assert [(r.name, r.role) for r in healthy] == [("a.csv", "train"), ("c.csv", "test")]
+    assert without_healthy(given[1:2])[1] == ()
+    with pytest.raises(InputError, match="every recording is of the healthy robot: a.csv"):
+        without_healthy(given[:1])
+    with pytest.raises(InputError, match="two recordings are called 'a'"):
+        without_healthy([*given, _recording("a.parquet")])

@@ -19,6 +19,7 @@ class ExplainOptions(CheckedOptions):
     Example:
         estexp explain recordings.toml --out out/explain
         estexp explain nominal.xml a.csv b.csv --test c.csv --map ctrl.servo=goal_position --out out/explain
+        estexp explain nominal.xml today.csv --healthy before_1.csv before_2.csv --out out/change
     """
 
     files: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE [FILE ...]")]
@@ -29,6 +30,10 @@ class ExplainOptions(CheckedOptions):
         tyro.conf.UseAppendAction[tuple[tuple[str, ...], ...]], tyro.conf.arg(metavar="FILE [FILE ...]")
     ] = ()
     """Logs that are kept for the proof; without any, the last one given."""
+    healthy: Annotated[
+        tyro.conf.UseAppendAction[tuple[tuple[str, ...], ...]], tyro.conf.arg(metavar="FILE [FILE ...]")
+    ] = ()
+    """Logs of the same robot when it was well: what changed since is explained, and that alone."""
     map: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="OURS=THEIRS")] = ()
     """A column of the logs that has another name than ours."""
     root: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None

@@ -53,7 +53,8 @@ def moves_before_commands(time: np.ndarray, command: np.ndarray, reading: np.nda
             continue
         step = signals.encoder_step(reading)
         least = max(3.0 * step, 6.0 * float(np.std(calm)), 1e-3 * float(np.ptp(reading)))
-        if float(np.ptp(calm)) > least:  # not at rest yet
+        settled = reading[int(np.searchsorted(time, time[row] - 2.0 * _REST_S)) : before.stop]
+        if float(np.ptp(settled)) > least:  # not at rest yet: what creeps or swings goes on to do so
             continue
         away = np.sign(command[row] - command[row - 1]) * (near - np.median(calm)) > least
         still = np.flatnonzero(~away)

@@ -115,13 +115,13 @@ def is_plain(kind: pyarrow.DataType) -> bool:
 
 
 def empty_column(rows: int) -> np.ndarray:
-    """An array (rows,) of float64 to be filled, in Arrow's memory.
+    """An array (rows,) of float64 to be filled, in memory that comes from the system as it is.
 
-    NumPy asks the system for huge pages, and where memory is in pieces that may take longer than to read the file.
+    NumPy asks for huge pages, and Arrow's own pool prepares large blocks: both may take longer than to read the file.
     """
     import pyarrow
 
-    return np.frombuffer(pyarrow.allocate_buffer(8 * rows), np.float64)
+    return np.frombuffer(pyarrow.allocate_buffer(8 * rows, memory_pool=pyarrow.system_memory_pool()), np.float64)
 
 
 def fill(target: np.ndarray, values: pyarrow.Array) -> None:

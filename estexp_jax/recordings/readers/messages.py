@@ -209,11 +209,8 @@ def names_beside(values: Any, parents: Sequence[Any]) -> list[str] | None:
 
 def _lists_of_names(parent: Any, length: int) -> list[str]:
     """Fields of an object that hold as many texts as a list has values; those called after names first."""
-    found = []
-    for field in _field_names(parent) or ():
-        texts = _get(parent, field)
-        if length and _is_list(texts) and len(texts) == length and all(isinstance(text, str) for text in texts):
-            found.append(field)
+    texts = {field: each for field, each in children(parent).items() if length and _is_list(each)}
+    found = [k for k, each in texts.items() if len(each) == length and all(isinstance(text, str) for text in each)]
     return sorted(found, key=lambda field: "name" not in field.lower())
 
 
@@ -221,6 +218,11 @@ def _get(value: Any, key: str) -> Any:
     if isinstance(value, Mapping):
         return value.get(key, _ABSENT)
     return getattr(value, key, _ABSENT) if key in (_slots(type(value)) or ()) else _ABSENT
+
+
+def children(value: Any) -> dict[str, Any]:
+    """The fields of a message or object; none of other values."""
+    return {name: _get(value, name) for name in _field_names(value) or ()}
 
 
 def _field_names(value: Any) -> Sequence[str] | None:

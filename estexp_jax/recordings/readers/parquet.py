@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 EPISODE = "episode_index"
 """The column of a LeRobot data set that holds each row's episode."""
 _MOST_META_BYTES = 16 * 2**20
-_BATCH = 100_000
+_BATCH = 65_536
 """Rows that are decoded at a time."""
 
 

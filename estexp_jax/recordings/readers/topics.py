@@ -17,6 +17,7 @@ from estexp_jax.recordings.readers.channels import Channel, Decode, Samples
 from estexp_jax.recordings.readers.decoding import CdrDecoder
 from estexp_jax.recordings.readers.layouts import Layouts
 from estexp_jax.recordings.readers.messages import follow, nanoseconds, numbers_in
+from estexp_jax.recordings.readers.name_lists import NameLists
 from estexp_jax.recordings.table import MOST_COLUMNS, Selection, Table, check_size
 
 _MOST_MESSAGES = 50_000_000
@@ -40,6 +41,7 @@ class TopicMerger:
         self._channels: dict[Hashable, Channel] = {}
         self._layouts: dict[Hashable, Layouts] = {}
         self._samples: dict[str, Samples] = {}
+        self._name_lists = NameLists()
         self._n_messages = 0
 
     def open(self, key: Hashable, topic: str, make: Callable[[], Decode]) -> bool:
@@ -82,6 +84,8 @@ class TopicMerger:
             for rest in numbers_in(message) if self._selection.wanted is None else ():
                 if len(self._samples) < MOST_COLUMNS:
                     channel.expect(rest)
+            if self._selection.wanted is None:
+                self._name_lists.add(key, channel.topic, message)
         except Exception as error:  # a decoder may raise anything on damaged bytes
             what = f"a message cannot be decoded: {_reason(error)}"
             if self._selection.wanted is not None:
@@ -137,7 +141,8 @@ class TopicMerger:
         unusable = self._missing(samples)
         if unusable and not samples:
             raise next(iter(unusable.values()))
-        return Table(self._source, filled, unusable, notes=tuple(notes))
+        labels = self._name_lists.labels(filled)
+        return Table(self._source, filled, unusable, notes=tuple(notes), labels=labels)
 
     def _with_clock_set(self, notes: list[str]) -> dict[str, Samples]:
         """The samples without those whose stamp was never set, which are told."""

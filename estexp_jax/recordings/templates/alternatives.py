@@ -50,6 +50,7 @@ def better_mappings(robot: Robot, recording: Recording) -> list[str]:
     error, found = float(replay.errors([recording])[0]), list[str]()
     for _ in range(len(positions)):
         others = [*_others(recording, positions, in_degrees), *_others(recording, commands, in_degrees)]
+        others += _turned(recording, positions, commands)
         errors = replay.errors([other.recording for other in others])
         least, other = float(errors.min()), others[int(errors.argmin())]
         if not (least < _FAR_BETTER * error and error > _NOT_EXACT):
@@ -85,6 +86,15 @@ def _others(now: Recording, channels: Sequence[LogChannel], in_degrees: Collecti
         yield _Mapped(_scaled(now, channel, -1.0), f"with scale = -1.0 for {channel.ours}")
         if channel in in_degrees:
             yield _Mapped(_scaled(now, channel, _DEGREE), f'with unit = "deg" for {channel.ours}')
+
+
+def _turned(now: Recording, positions: Sequence[LogChannel], commands: Sequence[LogChannel]) -> Iterator[_Mapped]:
+    """The mappings in which a joint turns the other way, in its reading and its command alike."""
+    for reading in positions:
+        for command in commands:
+            if command.joint == reading.joint:
+                turned = _scaled(_scaled(now, reading, -1.0), command, -1.0)
+                yield _Mapped(turned, f"with scale = -1.0 for {reading.ours} and {command.ours}")
 
 
 def _scaled(recording: Recording, channel: LogChannel, factor: float) -> Recording:

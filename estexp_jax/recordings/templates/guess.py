@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import final
 
 import mujoco
 import numpy as np
@@ -12,10 +10,17 @@ import numpy as np
 from estexp_jax.physics.model.actuators import declared_inputs, inputs_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import column_names
-from estexp_jax.recordings.templates.names import NamedColumn, Quantity, are_numbers, owner_of, owners
+from estexp_jax.recordings.templates.matching import (
+    BY_NAME,
+    BY_ORDER,
+    ColumnGroup,
+    Guess,
+    in_order,
+    matched_by_name,
+    one_list,
+)
+from estexp_jax.recordings.templates.names import NamedColumn, Quantity, owner_of, owners
 
-_BY_NAME, _BY_END = "a guess, by its name", "a guess, by the end of its name: check this"
-_BY_ORDER, _BY_NUMBER = "by its order: check this", "a guess, by its number: check this"
 _ONLY = "a guess, the only one: check this"
 _READINGS: Mapping[mujoco.mjtSensor, Quantity] = {
     mujoco.mjtSensor.mjSENS_JOINTPOS: "position",
@@ -26,31 +31,6 @@ _INPUTS: Mapping[mujoco.mjtCtrlInput, Quantity] = {
     mujoco.mjtCtrlInput.mjINPUT_POS: "position",
     mujoco.mjtCtrlInput.mjINPUT_VEL: "velocity",
 }
-
-
-@final
-@dataclass(frozen=True)
-class Guess:
-    """A column that may be one of ours.
-
-    Attributes:
-        column: in the log; None where several may be, or their order is in doubt.
-        why: for the manifest: what the guess rests on, or why there is none.
-        nanoseconds: the column beside it that has a time's nanoseconds.
-    """
-
-    column: NamedColumn | None
-    why: str
-    nanoseconds: str | None = None
-
-
-@final
-@dataclass(frozen=True)
-class _Group:
-    """Elements of one kind and the columns among which theirs are; joints by our column name."""
-
-    joints: Mapping[str, str]
-    columns: Sequence[NamedColumn]
 
 
 def guesses(robot: Robot, columns: Sequence[NamedColumn]) -> dict[str, Guess]:
@@ -73,10 +53,11 @@ def guesses(robot: Robot, columns: Sequence[NamedColumn]) -> dict[str, Guess]:
     free = [column for column in free if not (column.is_aside or column.is_clock)]
     by_order: dict[str, list[tuple[str, NamedColumn]]] = {}
     for kind, group in _groups(robot, free).items():
-        matched = _by_name(group, known)
-        if matched is None and len(group.columns) == len(group.joints) and not group.joints.keys() & found.keys():
-            by_order[kind] = _in_order(group, known)
-            why = _ONLY if len(group.columns) == 1 else _BY_ORDER
+        matched = matched_by_name(group, known)
+        columns = one_list(group.columns, len(group.joints))
+        if matched is None and len(columns) == len(group.joints) and not group.joints.keys() & found.keys():
+            by_order[kind] = in_order(ColumnGroup(group.joints, columns), known)
+            why = _ONLY if len(columns) == 1 else BY_ORDER
             matched = {ours: Guess(column, why) for ours, column in by_order[kind]}
         matched = matched or {}
         found |= {ours: each for ours, each in matched.items() if ours not in found}
@@ -124,72 +105,26 @@ def _commands(robot: Robot) -> dict[str, tuple[str, Quantity]]:
     return found
 
 
-def _groups(robot: Robot, free: Sequence[NamedColumn]) -> dict[str, _Group]:
+def _groups(robot: Robot, free: Sequence[NamedColumn]) -> dict[str, ColumnGroup]:
     """Elements and the columns that may be theirs, by kind and quantity; a later one takes what an earlier left."""
     wanted = _commands(robot)
     commands = [column for column in free if column.is_command]
-    groups: dict[str, _Group] = {}
+    groups: dict[str, ColumnGroup] = {}
     for quantity in dict.fromkeys(quantity for _, quantity in wanted.values()):
         ours = {f"ctrl.{name}": joint for name, (joint, asked) in wanted.items() if asked == quantity}
-        groups[f"ctrl {quantity}"] = _Group(ours, [c for c in commands if c.quantity == quantity])
-        groups[f"ctrl, any {quantity}"] = _Group(ours, [c for c in commands if not c.quantity])
+        groups[f"ctrl {quantity}"] = ColumnGroup(ours, [c for c in commands if c.quantity == quantity])
+        groups[f"ctrl, any {quantity}"] = ColumnGroup(ours, [c for c in commands if not c.quantity])
     switches = {f"enable.{name}": joint for name, joint in _actuators(robot).items()}
-    groups["enable"] = _Group(switches, [c for c in free if c.is_switch])
+    groups["enable"] = ColumnGroup(switches, [c for c in free if c.is_switch])
     readings = [column for column in free if not column.is_command and not column.is_switch]
     for kind, quantity in _READINGS.items():
         ours = {f"sensor.{name}": joint for name, joint in _sensors(robot, kind).items()}
-        groups[f"sensor {quantity}"] = _Group(ours, [c for c in readings if c.quantity == quantity])
+        groups[f"sensor {quantity}"] = ColumnGroup(ours, [c for c in readings if c.quantity == quantity])
         if quantity == "position":
-            groups["sensor"] = _Group(
+            groups["sensor"] = ColumnGroup(
                 ours, [c for c in readings if not c.quantity and owner_of(c, owners(_known_names(robot)))]
             )
     return {kind: group for kind, group in groups.items() if group.joints}
-
-
-def _by_name(group: _Group, known: Mapping[tuple[str, ...], str]) -> dict[str, Guess] | None:
-    """The columns that bear a joint's name; where several bear it as well, none. None if no column bears any."""
-    bearing = [(column, *owner) for column in group.columns if (owner := owner_of(column, known)) is not None]
-    if not bearing:
-        return None
-    by_number = are_numbers([column.owner[-length:] for column, _, length in bearing])
-    if by_number:
-        # The first is 0 in one place and 1 in another: numbers are names only where they are the same ones.
-        of_log = {c.owner[-1:] for c in group.columns if c.owner}
-        if of_log != {spelled for joint in group.joints.values() for spelled in _number_words(joint, known)}:
-            return None
-    found: dict[str, Guess] = {}
-    for ours, joint in group.joints.items():
-        fitting = [(length, -len(column.words), column) for column, owner, length in bearing if owner == joint]
-        if not fitting:
-            continue
-        best = max(entry[:2] for entry in fitting)
-        columns = [entry[2] for entry in fitting if entry[:2] == best]
-        if len(columns) > 1:
-            found[ours] = Guess(None, f"which of these? {', '.join(column.name for column in columns[:8])}")
-            continue
-        rest = set(columns[0].owner[: -best[0]]) - _shared([column for column, _, _ in bearing])
-        found[ours] = Guess(columns[0], _BY_NUMBER if by_number else _BY_END if rest else _BY_NAME)
-    return found
-
-
-def _number_words(joint: str, known: Mapping[tuple[str, ...], str]) -> list[tuple[str, ...]]:
-    """The number by which a joint is known, if it is."""
-    return [spelled for spelled, owner in known.items() if owner == joint and are_numbers([spelled])][:1]
-
-
-def _in_order(group: _Group, known: Mapping[tuple[str, ...], str]) -> list[tuple[str, NamedColumn]]:
-    """Our columns with the log's: numbered ones in the order of their numbers, others as they stand."""
-    ours, columns = list(group.joints), list(group.columns)
-    by_number = {name: number[0][0] for name, joint in group.joints.items() if (number := _number_words(joint, known))}
-    if len(by_number) == len(ours) and are_numbers([column.owner[-1:] for column in columns]):
-        ours.sort(key=lambda name: int(by_number[name]))
-        columns.sort(key=lambda column: int(column.owner[-1]))
-    return list(zip(ours, columns, strict=True))
-
-
-def _shared(columns: Sequence[NamedColumn]) -> set[str]:
-    """Words that all columns have, such as their topic."""
-    return set.intersection(*(set(column.owner) for column in columns)) if len(columns) > 1 else set()
 
 
 def _contradicting(by_order: Mapping[str, Sequence[tuple[str, NamedColumn]]]) -> dict[str, Guess]:
@@ -212,7 +147,7 @@ def _clock(free: Sequence[NamedColumn]) -> dict[str, Guess]:
         for seconds, nanoseconds in (("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec"), ("seconds", "nanos")):
             other = name[: len(name) - len(seconds)] + nanoseconds
             if name.endswith(seconds) and not name.endswith(nanoseconds) and other in names:
-                return {"time": Guess(NamedColumn(name), _BY_NAME, other)}
+                return {"time": Guess(NamedColumn(name), BY_NAME, other)}
     clocks = [column for column in free if column.is_clock and column.index is None]
     exact = [column for column in clocks if column.name.lower() in ("timestamp", "t", "stamp")]
-    return {"time": Guess((exact or clocks)[0], _BY_NAME)} if clocks else {}
+    return {"time": Guess((exact or clocks)[0], BY_NAME)} if clocks else {}

@@ -19,7 +19,8 @@ from estexp_jax.recordings.inputs import is_manifest, parse_maps
 from estexp_jax.recordings.readers.messages import MOST_VALUES
 from estexp_jax.recordings.readers.read import holds_episodes, read_table
 from estexp_jax.recordings.table import Selection
-from estexp_jax.recordings.templates.guess import Guess, guesses
+from estexp_jax.recordings.templates.guess import guesses
+from estexp_jax.recordings.templates.matching import Guess
 from estexp_jax.recordings.templates.names import NamedColumn
 from estexp_jax.runs.files import write_text
 
@@ -79,7 +80,7 @@ def _contents(logs: Sequence[str]) -> _Contents:
             columns |= (
                 dict.fromkeys(NamedColumn(name, k) for k in range(values.shape[1]))
                 if many
-                else {NamedColumn(name): None}
+                else {NamedColumn(name, None, *table.labels.get(name, ())): None}
             )
             if values.ndim == 1 and name not in table.stamps:
                 times.setdefault(name, values)
@@ -111,7 +112,9 @@ def _columns(robot: Robot, contents: _Contents, given: Mapping[str, str]) -> lis
         elif ours == "time" and ours in names:
             source, unit_note = _source(ours, Guess(NamedColumn(ours), ""), contents)
             lines += [f"time = {source}  # {unit_note.removeprefix('; ')}"] if unit_note else []
-        elif ours not in names and (ours == "time" or ours.startswith("ctrl.")):
+        elif ours not in names and ours == "time":
+            lines.append('# time = "?"  # needed; of a log without a clock, its rate: { hz = 50.0 }')
+        elif ours not in names and ours.startswith("ctrl."):
             lines.append(f'# {_key(ours)} = "?"  # needed; for a constant command: {{ value = 0.0 }}')
         elif ours not in names and ours.startswith("sensor."):
             lines.append(f'# {_key(ours)} = "?"')

@@ -11,7 +11,7 @@ Quantity = Literal["position", "velocity", "effort", ""]
 
 COMMAND = frozenset(
     "command commands commanded cmd cmds ctrl control goal goals target targets action actions desired des"
-    " reference references ref setpoint setpoints con".split()
+    " reference references ref setpoint setpoints con soll sollwert consigne".split()
 )
 """Words of a command. They count more than others: `goal_position` is one."""
 SWITCH = frozenset({"enable", "enabled"})
@@ -29,10 +29,15 @@ _UNITS = {
     **dict.fromkeys(("rpm", "mm", "ms", "us", "ns", "rad", "s", "sec", "secs", "seconds"), ""),
     **{"msec": "ms", "milliseconds": "ms", "usec": "us", "microseconds": "us", "nsec": "ns", "nanoseconds": "ns"},
 }
-_MEASURED = frozenset("meas measured measurement actual feedback present observation observations state states".split())
-_GENERIC = frozenset("joint joints motor motors servo servos actuator sensor data value values raw".split())
+_MEASURED = frozenset(
+    "meas measured measurement actual feedback present observation observations state states ist istwert obs".split()
+)
+_GENERIC = frozenset(
+    "joint joints motor motors servo servos actuator sensor data value values raw controller controllers".split()
+)
 _NAMELESS = COMMAND | SWITCH | _QUANTITIES.keys() | _MEASURED | _GENERIC | _UNITS.keys()
 """Words that say what a column is, not whose."""
+_SIDES = {"l": "left", "r": "right"}
 _ASIDE = frozenset(
     "error errors err layout offset stride seq secs nsecs sec nanosec nanos seconds temperature temp".split()
 )
@@ -45,8 +50,8 @@ def words(name: str) -> tuple[str, ...]:
 
 
 def owner_words(name: str) -> tuple[str, ...]:
-    """The words of a name that say whose it is."""
-    return tuple(word for word in words(name) if word not in _NAMELESS)
+    """The words of a name that say whose it is; `l` and `r` are left and right."""
+    return tuple(_SIDES.get(word, word) for word in words(name) if word not in _NAMELESS)
 
 
 @final
@@ -57,20 +62,28 @@ class NamedColumn:
     Attributes:
         name: in the log.
         index: of the value in a list column whose values have no names; None for others.
+        label: the name that another topic of the log gives it; empty where none does.
+        label_from: where that name stands.
     """
 
     name: str
     index: int | None = None
+    label: str = ""
+    label_from: str = ""
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The words of its name."""
-        return words(self.name)
+        """The words of its name; a label stands in place of the index at its end."""
+        return words(self._spoken)
+
+    @property
+    def _spoken(self) -> str:
+        return f"{self.name.rpartition('[')[0]}[{self.label}]" if self.label else self.name
 
     @property
     def owner(self) -> tuple[str, ...]:
         """The words that say whose it is."""
-        return owner_words(self.name)
+        return owner_words(self._spoken)
 
     @property
     def is_aside(self) -> bool:
@@ -126,13 +139,24 @@ def owners(names: Mapping[str, Iterable[str]]) -> dict[tuple[str, ...], str]:
     return {spelled: next(iter(elements)) for spelled, elements in found.items() if len(elements) == 1}
 
 
-def owner_of(column: NamedColumn, known: Mapping[tuple[str, ...], str]) -> tuple[str, int] | None:
-    """Whose column it is: the element with the longest name at the end of the column's, and how many words that has."""
-    own = column.owner
+def owner_of(
+    column: NamedColumn, known: Mapping[tuple[str, ...], str], behind: int = 0
+) -> tuple[str, tuple[str, ...]] | None:
+    """Whose column it is: the element with the longest name at the end of the column's, and the words of that name.
+
+    A name of the same words in another order is its as well: `elbow_left` of `left_elbow`.
+
+    Args:
+        column: of a log.
+        known: elements by their words.
+        behind: how many words at the end of the column's name say nothing.
+    """
+    own = column.owner[: len(column.owner) - behind]
     for length in range(len(own), 0, -1):
         if own[-length:] in known:
-            return known[own[-length:]], length
-    return None
+            return known[own[-length:]], own[-length:]
+    turned = {known[each] for each in known if sorted(each) == sorted(own) and not all(w.isdecimal() for w in own)}
+    return (turned.pop(), own) if len(turned) == 1 else None
 
 
 def are_numbers(spelled: Sequence[tuple[str, ...]]) -> bool:

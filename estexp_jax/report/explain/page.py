@@ -15,7 +15,7 @@ from estexp_jax.report.explain.competing_models import NAMES, figure_competing_m
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where
 from estexp_jax.report.explain.latex import latex
 from estexp_jax.report.explain.law_figure import figure_law
-from estexp_jax.report.explain.text import VERDICTS
+from estexp_jax.report.explain.text import is_change, verdict_sentence
 from estexp_jax.report.pages import capital, finite, format_number, image, percent, probability, render_page
 
 if TYPE_CHECKING:
@@ -48,7 +48,10 @@ def explain_page(
         clocks=clock_lines(diagnosis.case.recordings),
         proof=_agreement(findings["fit"]) if findings["verdict"] == "consistent" else _proof(findings["fit"]),
         claims=[_claim(entry, diagnosis) for entry in findings["what"]],
-        nothing=_NOTHING[findings["verdict"]],
+        is_change=is_change(findings),
+        baseline=[_claim(entry, diagnosis) for entry in findings.get("baseline", ())],
+        discrepancy=[f"{name}: {format_number(size)}" for name, size in findings.get("discrepancy", {}).items()],
+        nothing=_nothing(findings),
         left_out=[capital(f"{c.sentence()} ({c.place}): {why}") for c, why in diagnosis.native.left_out]
         if findings["what"]
         else [],
@@ -71,9 +74,16 @@ def explain_page(
     )
 
 
+def _nothing(findings: Mapping[str, Any]) -> str:
+    """What stands where there are no claims."""
+    if findings["verdict"] == "consistent" and is_change(findings):
+        return "Nothing: the simulator of the healthy robot is as good as noise allows to tell."
+    return _NOTHING[findings["verdict"]]
+
+
 def explain_headline(findings: Mapping[str, Any]) -> str:
     """The verdict in a sentence, with the first claim where physics is missing."""
-    text = VERDICTS[findings["verdict"]]
+    text = verdict_sentence(findings)
     if findings["verdict"] != "missing_physics" or not findings["what"]:
         return text
     first, *others = findings["what"]
@@ -84,7 +94,12 @@ def explain_headline(findings: Mapping[str, Any]) -> str:
 def _claim(entry: Mapping[str, Any], diagnosis: Diagnosis) -> dict[str, Any]:
     laws = [law for law in diagnosis.laws if entry["effect"] == UNKNOWN_LAW and law.joint == entry["name"]]
     parameters = [
-        {"name": name, "unit": p["unit"], **{key: format_number(p[key]) for key in ("value", "low", "high")}}
+        {
+            "name": name,
+            "unit": p["unit"],
+            **{key: format_number(p[key]) for key in ("value", "low", "high")},
+            "was": format_number(p["from"]) if "from" in p else "",
+        }
         for name, p in entry["parameters"].items()
     ]
     return {

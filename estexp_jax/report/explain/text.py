@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
+from estexp_jax.physics.recording import HEALTHY
 from estexp_jax.report.tables import html_table
 
 VERDICTS = {
@@ -15,12 +16,30 @@ VERDICTS = {
     "unexplained": "The simulator is wrong, and no effect of the catalogue explains how.",
 }
 """Each verdict in a sentence."""
+CHANGES = {
+    "consistent": "Nothing has changed since the robot was healthy, up to noise.",
+    "parameters": "Values of the model have changed since the robot was healthy; nothing else has.",
+    "missing_physics": "The robot has changed since it was healthy.",
+    "unexplained": "The robot has changed since it was healthy, and no effect of the catalogue explains how.",
+}
+"""Each verdict in a sentence, where recordings of the healthy robot were given."""
+
+
+def is_change(findings: Mapping[str, Any]) -> bool:
+    """Whether it is told what changed since the robot was healthy."""
+    return any(entry["role"] == HEALTHY for entry in findings["data"])
+
+
+def verdict_sentence(findings: Mapping[str, Any]) -> str:
+    """The verdict in a sentence."""
+    return (CHANGES if is_change(findings) else VERDICTS)[findings["verdict"]]
 
 
 def explain_summary(findings: Mapping[str, Any]) -> str:
     """The verdict, each claim with its numbers, the proof, and the alternatives; several lines."""
-    lines = [VERDICTS[findings["verdict"]]]
+    lines = [verdict_sentence(findings)]
     lines += [f"  {claim(entry)}" for entry in findings["what"]]
+    lines += [f"  When it was healthy: {claim(entry)}" for entry in findings.get("baseline", ())]
     lines += [proof(findings)]
     for other in findings["alternatives"]:
         if other["probability"] >= 0.05:
@@ -78,4 +97,4 @@ def explain_table(findings: Mapping[str, Any]) -> str:
     columns = ("effect", "at", "parameter", "value", "low", "high", "unit", "probability")
     rows = [[row[column] for column in columns] for row in explain_rows(findings)]
     table = html_table(columns, rows) if rows else ""
-    return f"<p><b>{escape(VERDICTS[findings['verdict']])}</b></p>{table}<p>{escape(proof(findings))}</p>"
+    return f"<p><b>{escape(verdict_sentence(findings))}</b></p>{table}<p>{escape(proof(findings))}</p>"

@@ -44,3 +44,12 @@ def test_both_are_told_with_their_remedy():
     [fault] = agreement_faults("sensor.a", time, command, np.interp(time, time - 0.04, reading))
     assert fault.kind == "ahead" and "stamp both by one clock" in fault.sentence
     assert not list(agreement_faults("sensor.a", time, command, reading))
+
+
+def test_a_joint_that_creeps_does_not_begin_to_move_before_its_command():
+    time = np.arange(300) / 100
+    command = np.where(time < 1.0, 0.0, 0.5)
+    creeping = np.where(time < 1.02, 0.02 * time, 0.02 * time + 0.5 * (1.0 - np.exp(-10.0 * (time - 1.02))))
+    assert moves_before_commands(time, command, creeping) == 0.0
+    early = np.where(time < 0.94, 0.0, 0.5 * (1.0 - np.exp(-10.0 * (time - 0.94))))
+    assert moves_before_commands(time, command, early) > 0.03

@@ -410,6 +410,58 @@ def _bag_ros1(folder, log):
     return _bag_rosbags(folder, log, 1)
 
 
+def _bag_bare_numbers(folder, log):
+    """Commands as bare numbers; their order stands among the controller's parameters, and readings have another."""
+    pytest.importorskip("rosbags.highlevel")
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kinds = {
+        "/arm_controller/commands": "std_msgs/msg/Float64MultiArray",
+        "/joint_states": "sensor_msgs/msg/JointState",
+    }
+    kinds["/parameter_events"] = "rcl_interfaces/msg/ParameterEvent"
+
+    def made(kind, *fields):
+        return store.types[kind](*fields)
+
+    def time(stamp):
+        return made("builtin_interfaces/msg/Time", stamp // 10**9, stamp % 10**9)
+
+    empty, names = np.empty(0), [JOINTS[j] for j in ORDER]
+    value = made("rcl_interfaces/msg/ParameterValue", 9, False, 0, 0.0, "", *[empty.astype(t) for t in "Bbqd"], names)
+    joints = made("rcl_interfaces/msg/Parameter", "joints", value)
+    layout = made("std_msgs/msg/MultiArrayLayout", [], 0)
+    with Writer(folder / "run", version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        links = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in kinds.items()}
+
+        def write(topic, stamp, *fields):
+            message = made(kinds[topic], *fields)
+            writer.write(links[topic], stamp, store.serialize_cdr(message, kinds[topic]))
+
+        begin = int(log.stamps[0])
+        write("/parameter_events", begin, time(begin), "/arm_controller", [joints], [], [])
+        for stamp, goals, angles in zip(log.stamps.tolist(), log.goals, log.angles, strict=True):
+            header = made("std_msgs/msg/Header", time(stamp), "")
+            write("/joint_states", stamp, header, list(JOINTS), angles, empty, empty)
+            write("/arm_controller/commands", stamp, layout, goals[list(ORDER)])
+    return folder / "run"
+
+
+def _hdf5_aloha(folder, log):
+    """ALOHA's layout: lists in the model's order without names, no clock, pictures, wheels."""
+    h5py = pytest.importorskip("h5py")
+    rows = len(log.time)
+    with h5py.File(folder / "episode_0.hdf5", "w") as file:
+        file.attrs["sim"] = False
+        file["action"], file["wheel_action"], file["compress_len"] = log.goals, np.zeros((rows, 2)), np.ones((1, rows))
+        file["observations/qpos"], file["observations/qvel"] = log.angles, np.gradient(log.angles, 0.01, axis=0)
+        file["observations/effort"] = np.zeros((rows, 3))
+        file["observations/images/cam_high"] = np.zeros((rows, 2, 2, 3), np.uint8)
+    return folder / "episode_0.hdf5"
+
+
 VARIANTS = {
     "CSV": _csv,
     "CSV, semicolons and decimal commas": _csv_semicolons,
@@ -436,6 +488,7 @@ VARIANTS = {
     "Arrow IPC, polars": _feather_polars,
     "HDF5": _hdf5,
     "HDF5, robomimic": _hdf5_demonstrations,
+    "HDF5, ALOHA": _hdf5_aloha,
     "HDF5, MATLAB v7.3": _hdf5_matlab,
     "LeRobot": _lerobot,
     "MCAP, ROS 2": _mcap,
@@ -446,6 +499,13 @@ VARIANTS = {
     "MCAP, compressed as a whole": _mcap_packed_file,
     "rosbag2 folder, MCAP": _bag_folder,
     "rosbag2 folder, SQLite": _bag_rosbags,
+    "rosbag2, commands of bare numbers": _bag_bare_numbers,
     "ROS 1 bag": _bag_ros1,
 }
 """By the name that each has in the table of docs/recordings.md."""
+TO_BE_CHECKED = {
+    "HDF5, ALOHA": "by its order: check",
+    "rosbag2, commands of bare numbers": "by the list of names in /parameter_events, /arm_controller.joints: check",
+}
+"""What `--init` says of variants that do not name each column."""
+WITHOUT_CLOCK = ("HDF5, ALOHA",)

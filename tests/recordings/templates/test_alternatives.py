@@ -63,6 +63,13 @@ def test_what_fits_far_better_is_told(motor, change, told):
         assert any(each in sentence for each in either.split("|"))
 
 
+def test_a_joint_that_turns_the_other_way_in_command_and_reading_is_told():
+    recording = _recording("position")
+    turned = replace(recording, ctrl=recording.ctrl * (-1, 1), sensor=recording.sensor * (-1, 1))
+    [sentence] = better_mappings(_arm("position"), turned)
+    assert "with scale = -1.0 for sensor.qa and ctrl.ma" in sentence
+
+
 def test_what_cannot_be_replayed_is_not_doubted():
     recording = _recording("position")
     silent = replace(recording, sensor=np.where([[True, False]], np.nan, recording.sensor))

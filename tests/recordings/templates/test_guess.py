@@ -76,11 +76,20 @@ def _whole(robot, command, reading, joints):
         ("leftElbow rightElbow", "{}_target_position", "{}_position", "snake"),
         ("panda_joint1 panda_joint2", "tau_cmd_{}", "joint{}_pos", "number"),
         ("FL_hip FL_thigh", "des_{}_q", "{}_q", "lower"),
+        ("shoulder elbow", "/arm/{}_position_controller/command.data", "/js.position[{}]", "{}"),  # ROS 1, Gazebo
+        ("shoulder elbow", "/model/arm/joint/{}/0/cmd_pos.data", "/js.position[{}]", "{}"),  # Gazebo's own topics
+        ("joint1 joint2", "/model/arm/joint/{}/0/cmd_pos.data", "/js.position[{}]", "{}"),
+        ("hip_left hip_right", "{}_target", "{}_angle", "turned"),
+        ("l_hip r_hip l_knee r_knee", "{}Cmd", "{}Pos", "side"),
+        ("shoulder elbow", "{}_Soll", "{}_Ist", "{}"),
+        ("shoulder elbow", "{}_cmd_filtered", "{}_pos_filtered", "{}"),
     ],
 )
 def test_joints_in_another_order_are_found_by_their_names(joints, command, reading, spelled):
     names = joints.split()
     spell = {"short": lambda n: n.split("_")[0], "number": lambda n: n[-1], "lower": str.lower}
+    spell["turned"] = lambda n: "_".join(reversed(n.split("_")))
+    spell["side"] = lambda n: {"l": "left", "r": "right"}[n[0]] + n[2:].title()
     spell["snake"] = lambda n: n.replace("E", "_e")
     own = {name: spell.get(spelled, str)(name) for name in names}
     robot = _arm(*names, motor="motor" if "tau" in command else "position", names="x")
@@ -139,6 +148,21 @@ def test_numbers_are_names_only_where_they_are_the_same_ones(first, why):
     found = {ours: guess.column.name for ours, guess in every.items() if guess.column is not None}
     assert found["sensor.joint1_s"] == f"q{first}" and found["sensor.joint2_s"] == f"q{first + 1}"
     assert found["ctrl.m1"] == f"q{first}_cmd" and all(why in guess.why for guess in every.values())
+
+
+def test_of_several_lists_the_one_of_as_many_values_is_taken():
+    robot = _arm("shoulder", "elbow", names="m")
+    columns = [NamedColumn("action", k) for k in range(2)] + [NamedColumn("wheel_action", k) for k in range(3)]
+    every = guesses(robot, columns)
+    assert {ours: guess.column for ours, guess in every.items()} == {f"ctrl.m{k}": columns[k] for k in range(2)}
+
+
+def test_names_that_stand_elsewhere_in_the_log_count_as_names():
+    robot = _arm("shoulder", "elbow", names="m")
+    columns = [NamedColumn(f"/cmd.data[{k}]", None, name, "/j.joints") for k, name in enumerate(("elbow", "shoulder"))]
+    every = guesses(robot, columns)
+    assert {ours: guess.column for ours, guess in every.items()} == {"ctrl.m0": columns[1], "ctrl.m1": columns[0]}
+    assert all("by the list of names in /j.joints" in guess.why for guess in every.values())
 
 
 def test_values_of_a_list_are_taken_by_their_order():

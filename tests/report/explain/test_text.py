@@ -23,6 +23,15 @@ def test_the_summary_names_verdict_claims_proof_and_likely_alternatives():
     assert lines[4] == "It could also be parameters alone (5%)."
 
 
+def test_with_healthy_recordings_it_is_told_what_changed():
+    healthy = [{**entry, "role": "healthy"} for entry in FINDINGS["data"]]
+    findings = {**FINDINGS, "data": [*healthy, *FINDINGS["data"]], "baseline": FINDINGS["what"][:1]}
+    text = explain_summary(findings)
+    assert text.startswith("The robot has changed since it was healthy.")
+    assert "When it was healthy: The joint resists motion with 1.02 N m" in text
+    assert explain_summary({**findings, "verdict": "consistent", "what": []}).startswith("Nothing has changed since")
+
+
 def test_without_a_gain_the_proof_is_the_errors():
     findings = {**FINDINGS, "fit": {**FINDINGS["fit"], "gain": {"value": None, "low": None, "high": None}}}
     assert proof(findings) == (
