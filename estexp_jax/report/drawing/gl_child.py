@@ -5,13 +5,18 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import threading
+import time
 from typing import Any
 
 import mujoco
 import numpy as np
 
 _THICKER = 0.03
+_POLL_S = 1.0
+"""Period at which it checks that its parent is alive, s."""
 
 
 def draw_shot(job: Any) -> np.ndarray:
@@ -62,6 +67,13 @@ def _compose(renderer: Any, data: Any, ghost: Any, job: Any, shot: int, frame: i
                 geom.size[:] *= 1.0 + _THICKER * layer  # avoids flicker of coinciding geoms
 
 
+def _end_with_parent(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_POLL_S)
+    os._exit(1)
+
+
 if __name__ == "__main__":
+    threading.Thread(target=_end_with_parent, args=(os.getppid(),), daemon=True).start()
     with np.load(sys.argv[1], allow_pickle=False) as given:
         np.save(sys.argv[2], draw_shot(given), allow_pickle=False)
