@@ -87,7 +87,7 @@ def _check_ray(addresses: tuple[str, ...]) -> None:
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:
-    """The process's return code. Ctrl-C reaches it as well as us; it is told of a signal that was meant for us alone."""
+    """The process's return code. Ctrl-C reaches it as well as us; of a signal for us alone it is told."""
     try:
         return process.wait()
     except KeyboardInterrupt:

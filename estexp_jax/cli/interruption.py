@@ -2,10 +2,10 @@
 
 A signal raises KeyboardInterrupt, which ends the work where it is. Three things would keep it from that. While a module
 of compiled code is loaded, an exception may be lost or end the process in ways of its own, so that the process ends at
-once there; so it does in a destructor, which would swallow it. While compiled code runs, Python's handlers wait; so a thread
-hears of signals as well, by the descriptor that the interpreter itself writes to. And where the exception is swallowed,
-or does not come through for long, that thread ends the process. Nothing is lost by any of it: whatever a run needs to
-go on is on disk at any moment.
+once there; so it does in a destructor, which would swallow it. While compiled code runs, Python's handlers wait; so a
+thread hears of signals as well, by the descriptor that the interpreter itself writes to. And where the exception is
+swallowed, or does not come through for long, that thread ends the process. Nothing is lost by any of it: whatever a run
+needs to go on is on disk at any moment.
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ def whole(command: str, inputs: Path, out: Path) -> float:
     return took
 
 
-def interrupted(command: str, name: str, at: float, inputs: Path, reference: Path, out: Path) -> dict[str, Any]:
+def interrupted(command: str, name: str, at: float, inputs: Path, reference: Path | None, out: Path) -> dict[str, Any]:
     """A command that is sent a signal, and then gone on with to the end.
 
     Args:
@@ -81,23 +81,18 @@ def interrupted(command: str, name: str, at: float, inputs: Path, reference: Pat
         name: of the signal. SIGINT and SIGHUP go to all of its processes, as a terminal sends them.
         at: when, s of its processor time, so that a busy machine draws the same moments.
         inputs: what it reads.
-        reference: results of a run without a signal.
+        reference: results of a run without a signal; None: it is not gone on with.
         out: its folder; emptied.
     """
     shutil.rmtree(out, ignore_errors=True)
     ending = _signalled(line(command, inputs, out), name, at)
+    found = {"command": command, "signal": name, "at_cpu_s": at, **asdict(ending), "right": ending.is_right(name)}
+    if reference is None:
+        return {**found, "again": None, "differs": []}
     again = subprocess.run(line(command, inputs, out), check=False, capture_output=True, text=True)
+    told = "" if again.returncode == 0 else again.stderr[-2000:]
     differs = subjects.differences(reference, out)
-    return {
-        "command": command,
-        "signal": name,
-        "at_cpu_s": at,
-        **asdict(ending),
-        "right": ending.is_right(name),
-        "again": again.returncode,
-        "again_stderr": "" if again.returncode == 0 else again.stderr[-2000:],
-        "differs": differs,
-    }
+    return {**found, "again": again.returncode, "again_stderr": told, "differs": differs}
 
 
 def _signalled(arguments: list[str], name: str, at: float) -> Ending:
