@@ -13,10 +13,13 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import threading
-from contextlib import suppress
-from types import FrameType, TracebackType
-from typing import Any, final
+
+TYPE_CHECKING = False  # until signals are handled, nothing is imported that can wait
+
+if TYPE_CHECKING:
+    from threading import Timer
+    from types import FrameType, TracebackType
+    from typing import Any
 
 INTERRUPTED = 3
 """The exit code."""
@@ -32,7 +35,6 @@ _SHOW_CURSOR = "\x1b[?25h"
 """What a terminal needs where a live line had hidden its cursor."""
 
 
-@final
 class Interruptible:
     """A context in which signals interrupt; to be entered in the main thread.
 
@@ -43,10 +45,10 @@ class Interruptible:
     def __init__(self) -> None:
         """Outside of it signals do what they did."""
         self.received = False
-        self._told = False
+        self._has_reported = False
         self._before: dict[int, object] = {}
         self._descriptors: tuple[int, int, int] | None = None
-        self._timer: threading.Timer | None = None
+        self._timer: Timer | None = None
         self._hook = sys.unraisablehook
 
     def begin(self) -> None:
@@ -58,16 +60,18 @@ class Interruptible:
                 self._before[number] = signal.signal(number, self._on_signal)
             except ValueError:  # not the main thread, where signals are somebody else's
                 return
-        heard, written = os.pipe()
-        os.set_blocking(written, False)
-        self._descriptors = heard, written, signal.set_wakeup_fd(written, warn_on_full_buffer=False)
-        threading.Thread(target=self._watch, args=(heard,), name="signals", daemon=True).start()
+        import threading
+
+        reading, writing = os.pipe()
+        os.set_blocking(writing, False)
+        self._descriptors = reading, writing, signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+        threading.Thread(target=self._watch, args=(reading,), name="signals", daemon=True).start()
         self._hook, sys.unraisablehook = sys.unraisablehook, self._on_unraisable
 
     def tell(self) -> None:
         """Say once how to go on."""
-        if not self._told:
-            self._told = True
+        if not self._has_reported:
+            self._has_reported = True
             sys.stderr.write(MESSAGE)
 
     def __enter__(self) -> Interruptible:
@@ -80,9 +84,9 @@ class Interruptible:
         for number, before in self._before.items():
             signal.signal(number, before)  # type: ignore[arg-type]
         if self._descriptors is not None:
-            _, written, before = self._descriptors
+            _, writing, before = self._descriptors
             signal.set_wakeup_fd(before)
-            os.close(written)  # which ends the thread
+            os.close(writing)  # which ends the thread
             sys.unraisablehook = self._hook
         if self._timer is not None:
             self._timer.cancel()
@@ -98,18 +102,20 @@ class Interruptible:
             end_now()
         self._hook(unraisable)
 
-    def _watch(self, heard: int) -> None:
+    def _watch(self, reading: int) -> None:
         """In a thread: end the process some time after the first signal, and at the second."""
+        from threading import Timer
+
         count = 0
-        while written := os.read(heard, 64):
-            count += sum(number in self._before for number in written)
+        while received_bytes := os.read(reading, 64):
+            count += sum(number in self._before for number in received_bytes)
             if count > 1:
                 end_now()
             if count and self._timer is None:
-                self._timer = threading.Timer(_PATIENCE_S, end_now)
+                self._timer = Timer(_PATIENCE_S, end_now)
                 self._timer.daemon = True
                 self._timer.start()
-        os.close(heard)
+        os.close(reading)
 
 
 def end_now() -> None:
@@ -117,6 +123,8 @@ def end_now() -> None:
     try:
         is_terminal = os.isatty(2)
         os.write(2, ((_SHOW_CURSOR if is_terminal else "") + MESSAGE).encode())
+        import threading
+
         flushing = threading.Thread(target=_flush, daemon=True)
         flushing.start()
         flushing.join(_FLUSH_S)
@@ -125,8 +133,10 @@ def end_now() -> None:
 
 
 def _flush() -> None:
-    with suppress(OSError, ValueError, AttributeError):  # nobody reads it, it is closed, or there is none
+    try:
         sys.stdout.flush()
+    except (OSError, ValueError, AttributeError):  # nobody reads it, it is closed, or there is none
+        pass
 
 
 def _imports(frame: FrameType | None) -> bool:

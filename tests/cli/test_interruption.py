@@ -102,6 +102,17 @@ def test_what_is_done_when_it_comes_is_done(root):
     assert _end(HAS_DONE, signal.SIGTERM, root) == (0, "")
 
 
+def test_next_to_nothing_is_imported_before_they_are_heard(root):
+    code = "import sys, estexp_jax.cli.main; print({'inspect', 'threading', 'tyro', 'typing'} & set(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", f"import sys; sys.path.insert(0, {str(root)!r}); {code}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == "set()\n"
+
+
 def test_while_a_module_is_loaded(root, tmp_path):
     (tmp_path / "a_slow_module.py").write_text("import time\nprint('running', flush=True)\ntime.sleep(60)\n")
     code, told = _end(LOADS, signal.SIGINT, root, first=f"import sys; sys.path.insert(0, {str(tmp_path)!r})")

@@ -117,5 +117,5 @@ def _check_number(where: str, value: Any, whole: bool, ranges: list[Range]) -> N
     number = value if isinstance(value, int) else float(value)  # a whole number may be too large for a float
     for each in ranges:
         if number not in each:
-            told = value if abs(number) < _LONG else abbreviated(value)
-            raise InputError(f"{told} is not possible", where=where, right=str(each))
+            text = value if abs(number) < _LONG else abbreviated(value)
+            raise InputError(f"{text} is not possible", where=where, right=str(each))
