@@ -59,7 +59,7 @@ def follower_faults(robot: Robot, recording: Recording, follower: Follower, valu
         yield from _scale_fault(name, follower, ratio)
         joint = robot.joint_of_actuator(follower.actuator)
         if joint is not None and _SAME[0] < ratio < _SAME[1]:
-            yield from offset_faults(robot, follower.actuator, joint, name, command, reading)
+            yield from offset_faults(robot, follower.actuator, joint, name, (time, command, reading))
         # A single swing of another amplitude looks like a delay; only several swings determine one.
         if signals.turns(command, 0.1 * float(np.ptp(command))) < 2:
             delay = 0.0

@@ -56,26 +56,29 @@ def limit_faults(robot: Robot, joint: int, name: str, values: np.ndarray) -> Ite
 
 
 def offset_faults(
-    robot: Robot, actuator: int, joint: int, name: str, command: np.ndarray, reading: np.ndarray
+    robot: Robot, actuator: int, joint: int, name: str, motion: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> Iterator[Fault]:
     """A reading that lies beside its position servo's command all the time, by more than gravity can explain.
+
+    What is proportional to the command's speed is the servo's lag, and no offset.
 
     Args:
         robot: the nominal one; of one that is not bolted down nothing is said, since its own weight moves its servos.
         actuator: the servo.
         joint: that it drives.
         name: our column of the reading.
-        command: (n,) target positions, rad or m.
-        reading: (n,) positions.
+        motion: time, s, target positions and measured ones, rad or m, each (n,).
     """
     model = robot.model
     stiffness = -float(model.actuator_biasprm[actuator, 1]) * gear_of(model, actuator) ** 2
     if stiffness <= 0.0 or np.any(model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)):
         return
-    beside = reading - command
-    offset = float(np.median(beside))
+    time, command, reading = motion
+    lagging = np.stack([np.ones(len(time)), np.gradient(command, time)], axis=1)
+    parts = np.linalg.lstsq(lagging, reading - command, rcond=None)[0]
+    offset, spread = float(parts[0]), float(np.std(reading - command - lagging @ parts))
     smallest = _OFFSET * _unit(model, joint) + _SAGS * gravity_torque(robot, joint) / stiffness
-    if abs(offset) <= smallest or float(np.std(beside)) > _STEADY * abs(offset):
+    if abs(offset) <= smallest or spread > _STEADY * abs(offset):
         return
     turns = round(offset / _TURN) if _is_hinge(model, joint) else 0
     is_turn = turns and abs(offset - turns * _TURN) < max(_ROUND, smallest)

@@ -85,7 +85,7 @@ def interrupted(command: str, name: str, at: float, inputs: Path, reference: Pat
         out: its folder; emptied.
     """
     shutil.rmtree(out, ignore_errors=True)
-    ending = _signalled(line(command, inputs, out), name, at)
+    ending = signalled(line(command, inputs, out), name, at)
     found = {"command": command, "signal": name, "at_cpu_s": at, **asdict(ending), "right": ending.is_right(name)}
     if reference is None:
         return {**found, "again": None, "differs": []}
@@ -95,7 +95,8 @@ def interrupted(command: str, name: str, at: float, inputs: Path, reference: Pat
     return {**found, "again": again.returncode, "again_stderr": told, "differs": differs}
 
 
-def _signalled(arguments: list[str], name: str, at: float) -> Ending:
+def signalled(arguments: list[str], name: str, at: float) -> Ending:
+    """Start a program, send it a signal at a processor time, s, and see how it ends."""
     number = getattr(signal, name)
     process = subprocess.Popen(
         arguments,
