@@ -5,9 +5,11 @@ The front doors are loaded when first used, so that importing the package costs 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+TYPE_CHECKING = False  # as checkers understand it: importing `typing` would take longer than all else here
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from estexp_jax.api.check import check
     from estexp_jax.api.controller import load_controller
     from estexp_jax.api.effects import effects, register

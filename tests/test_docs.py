@@ -1,5 +1,6 @@
 """The documentation: its examples run, what it names is there, and Sphinx builds it without a warning."""
 
+import importlib
 import importlib.util
 import re
 import shutil
@@ -50,6 +51,15 @@ def test_files_and_units_that_pages_name_exist(page):
         assert (ROOT / "tests" / "physics" / path).exists(), path
     if page == "recordings.md":
         assert all(f"`{unit}`" in text for unit in UNITS)
+
+
+def test_bounds_are_those_of_the_code():
+    text = (DOCS / "trust.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| .* \| ([\d,]+) \| `estexp_jax/([\w/]+)\.py`, `(\w+)` \|$", text, re.M)
+    assert len(rows) >= 30
+    for told, path, name in rows:
+        bound = getattr(importlib.import_module(f"estexp_jax.{path.replace('/', '.')}"), name)
+        assert f"{bound:,}" == told, (path, name)
 
 
 @pytest.mark.parametrize(("page", "fewest"), [("architecture.md", 200), ("deciding.md", 5)])

@@ -12,7 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import pytest
 
 import estexp_jax as ee
-from estexp_jax.cli.main import COMMANDS
+from estexp_jax.cli.commands import COMMANDS
 from estexp_jax.errors import InputError
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[1] / "experiments" / "notebooks").glob("*.ipynb"))

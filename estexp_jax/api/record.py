@@ -65,6 +65,7 @@ def record_to_folder(options: RecordOptions, say: Callable[[str], object]) -> Re
         InputError: the model or an effect is wrong, or the folder cannot be used.
     """
     config = RecordConfig(options.duration, options.rate, options.bits, options.noise, options.seed)
+    config.rows  # noqa: B018 (refuses what is impossible before anything is read)
     robot = Robot.from_xml(options.model, options.root)
     changes = tuple(parse_change(text, robot) for text in options.effect)
     marker = {"command": "record", "config": {"model": str(options.model), "effect": options.effect, **vars(config)}}

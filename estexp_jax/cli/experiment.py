@@ -15,12 +15,15 @@ from estexp_jax.runs.cluster import check_installed
 EXPERIMENTS = Path("experiments")
 """Where experiments are looked for, from the current folder."""
 
+_HEARD_S = 2.0
+"""Time for an experiment to end by itself where a signal has reached it, too."""
+
 
 def experiment_command(options: ExperimentOptions) -> int:
     """Run the experiment's `run.py` and wait for it.
 
     Returns:
-        Its exit code; 3 where it was ended by Ctrl-C, 1 where another signal killed it.
+        Its exit code; 3 where it was interrupted, 1 where another signal killed it.
 
     Raises:
         InputError: there is no such experiment; lists those that exist. There are several addresses, or Ray is not
@@ -84,18 +87,21 @@ def _check_ray(addresses: tuple[str, ...]) -> None:
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int:
-    """The process's return code. Ctrl-C reaches it as well as us, so we only wait for it to come to its end."""
-    while True:
+    """The process's return code. Ctrl-C reaches it as well as us; of a signal for us alone it is told."""
+    try:
+        return process.wait()
+    except KeyboardInterrupt:
         try:
+            return process.wait(_HEARD_S)
+        except subprocess.TimeoutExpired:
+            process.terminate()
             return process.wait()
-        except KeyboardInterrupt:
-            continue
 
 
 def _exit_code(code: int) -> int:
     if code >= 0:
         return code
-    if code == -signal.SIGINT:
+    if code in (-signal.SIGINT, -signal.SIGTERM, -signal.SIGHUP):
         return INTERRUPTED
     print(f"estexp: the experiment was killed by {signal.Signals(-code).name}", file=sys.stderr)
     return 1

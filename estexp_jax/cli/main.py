@@ -1,37 +1,20 @@
-"""The command `estexp`: finds the subcommand, and turns its end into an exit code."""
+"""The program `estexp`, from its first instruction to its last: a signal interrupts it, its end is an exit code.
+
+What parses arguments is imported when signals are heard already.
+"""
 
 from __future__ import annotations
 
-import importlib
 import os
+import signal
 import sys
-from collections.abc import Callable, Sequence
-from inspect import cleandoc
-from typing import Annotated, Any, Union
 
-import estexp_jax
-from estexp_jax.cli.interruption import INTERRUPTED, MESSAGE, Interruptible
-from estexp_jax.errors import InputError, name_too_long
+from estexp_jax.cli.interruption import INTERRUPTED, SIGNALS, Interruptible
 
-COMMANDS = (
-    "bench",
-    "check",
-    "demo",
-    "explain",
-    "experiment",
-    "propose",
-    "record",
-    "recover",
-)
-"""The subcommands, in the help's order. For each, `api/options/<name>.py` has `<Name>Options`, a frozen dataclass whose
-docstrings are the help (its own ends with an example); `cli/<name>.py` has `<name>_command(options) -> int`, the exit
-code. Help needs only the options, so what computes is imported when a command runs."""
+TYPE_CHECKING = False
 
-_SUMMARY = (
-    "Finds what broke on a robot, or what physics its simulator lacks, by searching simulations until they "
-    "reproduce its sensors. `estexp COMMAND --help` explains a command; `estexp --version` prints the version."
-)
-DONE, DEFECT, WRONG_INPUT = 0, 1, 2
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -43,23 +26,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 0 done, 2 the input is wrong, 3 interrupted. A defect of ours is an exception, so 1.
     """
-    arguments = list(sys.argv[1:] if argv is None else argv)
-    if arguments[:1] == ["--version"]:
-        return _print_version()
-    if arguments[:1] == ["experiment"]:  # it waits for a process of its own, which signals reach as well
-        return _ended(arguments)
     with Interruptible() as interruptible:
-        try:
-            return _ended(arguments)
-        except BaseException:
-            if interruptible.received:  # whatever became of the interruption on its way
-                return _interrupted()
-            raise
+        return _ended(sys.argv[1:] if argv is None else argv, interruptible)
 
 
 def program() -> None:
     """The program `estexp`: the command of this process, and its end."""
-    code = main()
+    interruptible = Interruptible()
+    interruptible.begin()
+    code = _ended(sys.argv[1:], interruptible, is_last=True)
     if code == INTERRUPTED:  # threads of others may be in the middle of something, and fail when the interpreter ends
         sys.stdout.flush()
         sys.stderr.flush()
@@ -67,74 +42,25 @@ def program() -> None:
     sys.exit(code)
 
 
-def _ended(arguments: list[str]) -> int:
-    """Run what the arguments say; gives the exit code."""
+def _ended(argv: Sequence[str], interruptible: Interruptible, *, is_last: bool = False) -> int:
+    """Run a command; its exit code, whatever became of an interruption on its way."""
     try:
-        options = _parsed(arguments)
-        from estexp_jax.api.session import command_session
+        from estexp_jax.cli.commands import run_command
 
-        with command_session():
-            return _run_of(options)(options)
-    except SystemExit as end:  # after --help, or after a message about wrong usage
-        return end.code if isinstance(end.code, int) else DONE
-    except InputError as error:
-        return _refused(error)
-    except OSError as error:
-        refusal = name_too_long(error)
-        if refusal is None:
+        code = run_command(argv)
+        if is_last:  # the work is done; while the interpreter ends, no signal can be handled any more
+            _ignore_signals()
+        return code
+    except BaseException as error:
+        if not (interruptible.received or isinstance(error, KeyboardInterrupt)):
             raise
-        return _refused(refusal)
-    except KeyboardInterrupt:
-        return _interrupted()
+        interruptible.tell()
+        return INTERRUPTED
 
 
-def _interrupted() -> int:
-    print(MESSAGE, file=sys.stderr)
-    return INTERRUPTED
-
-
-def _refused(error: InputError) -> int:
-    print(f"estexp: error: {error}", file=sys.stderr)
-    return WRONG_INPUT
-
-
-def _print_version() -> int:
-    print(f"estexp {estexp_jax.__version__}")
-    return DONE
-
-
-def _parsed(arguments: list[str]) -> Any:
-    """The options of the command that the arguments name. Ends the program after `--help` or a wrong usage."""
-    import tyro
-
-    settings = (tyro.conf.FlagCreatePairsOff,)
-    if arguments and arguments[0] in COMMANDS:
-        options = _options_of(arguments[0])
-        # The whole docstring: left to itself, tyro would drop the example as a section of its own.
-        texts: dict[str, Any] = {"prog": f"estexp {arguments[0]}", "description": cleandoc(options.__doc__ or "")}
-        return tyro.cli(options, **texts, args=arguments[1:], config=settings)
-    choices: Any = Union[tuple(_choice(name) for name in COMMANDS)]  # noqa: UP007
-    texts = {"prog": "estexp", "description": _SUMMARY}
-    return tyro.cli(choices, **texts, args=arguments, config=settings)
-
-
-def _choice(name: str) -> Any:
-    import tyro
-
-    options = _options_of(name)
-    texts: dict[str, Any] = {"description": cleandoc(options.__doc__ or "").partition("\n")[0]}
-    return Annotated[options, tyro.conf.subcommand(name, **texts)]
-
-
-def _options_of(name: str) -> Any:
-    """The options class of a command."""
-    return getattr(importlib.import_module(f"estexp_jax.api.options.{name}"), f"{name.capitalize()}Options")
-
-
-def _run_of(options: Any) -> Callable[[Any], int]:
-    """The function that runs a command with such options."""
-    name = type(options).__module__.rpartition(".")[2]
-    return getattr(importlib.import_module(f"estexp_jax.cli.{name}"), f"{name}_command")
+def _ignore_signals() -> None:
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 if __name__ == "__main__":

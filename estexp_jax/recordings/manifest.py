@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -16,7 +17,9 @@ from estexp_jax.recordings.columns import Source, parse_number, parse_source
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.recordings.table import CLOCKS, Selection
 
-_MOST_BYTES = 16 * 2**20
+_MOST_BYTES, _MOST_DEPTH = 4 * 2**20, 16
+_TEXTS = re.compile(r'''"""(?:\\.|[^\\])*?"""|\'\'\'.*?\'\'\'|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*''', re.DOTALL)
+"""Texts and comments of TOML, in which dots and brackets mean nothing."""
 
 
 @final
@@ -69,13 +72,27 @@ def read_manifest(path: str | Path, *, mend: bool = False, root: str | Path | No
     return Manifest(path, model, robot, columns, recordings)
 
 
+def _refuse_deep(text: str, where: str) -> None:
+    """See that keys and lists are not nested without end: the parser's time and memory grow with the square of it."""
+    bare, depth = _TEXTS.sub("x", text), 0
+    for number, line in enumerate(bare.splitlines(), 1):
+        dots = max(part.count(".") for part in re.split(r"[=,{}\[\]]", line))
+        for bracket in re.findall(r"[\[{]|[\]}]", line):
+            depth = depth + 1 if bracket in "[{" else max(depth - 1, 0)
+            dots = max(dots, depth)
+        if dots > _MOST_DEPTH:
+            raise InputError(f"line {number} is nested more than {_MOST_DEPTH} deep", where=where, right="plain tables")
+
+
 def _document(path: Path) -> dict[str, Any]:
     if not _exists(path, file=True):
         raise InputError("no such manifest", where=str(path), right="give the path of a recordings.toml")
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise InputError(f"is {path.stat().st_size:,} bytes long", where=str(path), right="a short description")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        _refuse_deep(text, str(path))
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"is not valid TOML: {error}", where=str(path)) from None
     except RecursionError:

@@ -29,6 +29,8 @@ from estexp_jax.replay.explained_simulator import ExplainedSimulator, Traces
 from estexp_jax.runs import RunFolder, write_json, write_text
 from estexp_jax.runs.model_files import write_model
 
+_FEWEST_ROWS, _MOST_ROWS = 10, 10_000_000
+"""Of a recording; the second is 14 hours at 200 rows a second."""
 _FINER = 5
 """The robot is simulated at this fraction of its model's step: a real one has none."""
 _SHARES = (1.0, 0.7, 0.5, 0.35, 0.25)
@@ -53,6 +55,21 @@ class RecordConfig:
     bits: int = 14
     noise: float = 2e-4
     seed: int = 0
+
+    @property
+    def rows(self) -> int:
+        """Of each recording.
+
+        Raises:
+            InputError: far too few, or more than a log may have.
+        """
+        rows = int(round(self.duration * self.rate))
+        if not _FEWEST_ROWS <= rows <= _MOST_ROWS:
+            right = f"{_FEWEST_ROWS} to {_MOST_ROWS:,} rows"
+            raise InputError(
+                f"{self.duration:g} s at {self.rate:g} rows a second: {rows:,} rows", where="--duration", right=right
+            )
+        return rows
 
 
 @final
@@ -98,8 +115,8 @@ def write_recordings(
         on_stage: called with the name of what is simulated next.
 
     Raises:
-        InputError: an effect acts in the controller, where a replay of commands does not see it; or the simulation
-            diverges.
+        InputError: an effect acts in the controller, where a replay of commands does not see it; there would be far too
+            few or many rows; or the simulation diverges.
     """
     for change in changes:
         if _in_controller_only(effect(change.effect)):
@@ -108,7 +125,7 @@ def write_recordings(
     write_model(folder, "nominal.xml", portable(explained_spec(robot, ())))
     logging = [change for change in changes if isinstance(effect(change.effect), LoggingFault)]
     real = ExplainedSimulator(robot, tuple(c for c in changes if c not in logging), _FINER)
-    time = np.arange(int(round(config.duration * config.rate))) / config.rate
+    time = np.arange(config.rows) / config.rate
     motors = torque_motors(robot)
     motions = _motions(robot, motors, time, config)
     for i, (name, planned) in enumerate(motions):

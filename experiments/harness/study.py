@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+from estexp_jax.cli.interruption import INTERRUPTED, Interruptible
 from estexp_jax.errors import InputError, unwritable
 
 ROOT = Path(__file__).resolve().parents[2]
 _PUBLISHED = (".parquet", ".json", ".md", ".png", ".npz", ".jpg", ".mp4")
-_INPUT_IS_WRONG, _INTERRUPTED = 2, 3
+_INPUT_IS_WRONG = 2
 
 
 @final
@@ -98,14 +99,21 @@ _RAY = "runs as Ray tasks, --out on a folder that all machines share; without an
 
 def exit_code(main: Callable[[], int]) -> int:
     """Run a study's `main`; gives the exit code, as of a command: 2 for a wrong input, 3 for an interruption."""
+    with Interruptible() as interruptible:
+        return _ended(main, interruptible)
+
+
+def _ended(main: Callable[[], int], interruptible: Interruptible) -> int:
     try:
         return main()
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return _INPUT_IS_WRONG
-    except KeyboardInterrupt:
-        print("\ninterrupted; --resume goes on", file=sys.stderr)
-        return _INTERRUPTED
+    except BaseException as error:
+        if not (interruptible.received or isinstance(error, KeyboardInterrupt)):
+            raise
+        interruptible.tell()
+        return INTERRUPTED
 
 
 def words(arguments: Sequence[str] | None) -> list[str]:

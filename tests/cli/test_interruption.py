@@ -9,19 +9,19 @@ import pytest
 
 HEAD = """
 import signal, sys, time
-from estexp_jax.cli import interruption, main as cli
+from estexp_jax.cli import commands, interruption, main as cli
 
 def run(options):
 {body}
 
-cli._run_of = lambda options: run
-cli._options_of = lambda name: type(name, (), {{"__doc__": ""}})
-cli._parsed = lambda arguments: None
+commands._run_of = lambda options: run
+commands._options_of = lambda name: type(name, (), {{"__doc__": ""}})
+commands._parsed = lambda arguments: None
 sys.argv[1:] = ["record"]
 cli.program()
 """
 WAITS = "    print('running', flush=True)\n    time.sleep(60)"
-SWALLOWS = """    interruption._PATIENCE = 0.5
+SWALLOWS = """    interruption._PATIENCE_S = 0.5
     while True:
         try:
             print('running', flush=True)
@@ -33,6 +33,19 @@ FAILS = """    try:
         time.sleep(60)
     except KeyboardInterrupt:
         raise ImportError("lost on the way")"""
+COMPUTES = """    import hashlib
+    interruption._PATIENCE_S = 0.5
+    print('running', flush=True)
+    hashlib.pbkdf2_hmac('sha256', b'', b'', 2**30)  # some minutes in which no Python code runs"""
+DESTROYS = """    class Slow:
+        def __del__(self):
+            print('running', flush=True)
+            time.sleep(60)
+    Slow()
+    time.sleep(60)"""
+HAS_DONE = """    import atexit
+    atexit.register(lambda: print('running', flush=True) or time.sleep(1))
+    return 0"""
 LOADS = "    import a_slow_module"
 HEARD = "import signal\nfor s in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP): signal.signal(s, signal.SIG_DFL)\n"
 """Signals as at a terminal, whatever the tests themselves run under."""
@@ -75,6 +88,29 @@ def test_an_error_that_it_leads_to_is_no_defect(root):
     code, told = _end(FAILS, signal.SIGTERM, root)
     assert code == 3
     assert "--resume" in told and "Traceback" not in told
+
+
+@pytest.mark.parametrize("body", [COMPUTES, DESTROYS], ids=["compiled code", "a destructor"])
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_where_no_exception_comes_through(body, name, root):
+    code, told = _end(body, getattr(signal, name), root)
+    assert code == 3
+    assert "--resume" in told and "Traceback" not in told
+
+
+def test_what_is_done_when_it_comes_is_done(root):
+    assert _end(HAS_DONE, signal.SIGTERM, root) == (0, "")
+
+
+def test_next_to_nothing_is_imported_before_they_are_heard(root):
+    code = "import sys, estexp_jax.cli.main; print({'inspect', 'threading', 'tyro', 'typing'} & set(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", f"import sys; sys.path.insert(0, {str(root)!r}); {code}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == "set()\n"
 
 
 def test_while_a_module_is_loaded(root, tmp_path):

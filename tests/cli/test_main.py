@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from estexp_jax.cli import main as cli
-from estexp_jax.cli.main import COMMANDS, main
+from estexp_jax.cli import commands as cli
+from estexp_jax.cli.commands import COMMANDS
+from estexp_jax.cli.main import main
 from estexp_jax.errors import InputError
 from tests.pendulum import EFFECT, SMALL, run
 
@@ -115,13 +116,13 @@ def test_version(capsys):
 
 INTERRUPTED = """
 import signal, sys
-from estexp_jax.cli import main as cli
+from estexp_jax.cli import commands, main as cli
 
 def run(options):
     print("running", flush=True)
     signal.pause()
 
-cli._run_of = lambda options: run
+commands._run_of = lambda options: run
 sys.exit(cli.main(["experiment", "a"]))
 """
 

@@ -130,6 +130,30 @@ def test_wrong_manifests_name_the_place(folder, old, new, message):
         read_manifest(_replaced(folder, old, new))
 
 
+@pytest.mark.parametrize(
+    "more",
+    [
+        ".".join("a" * 18) + " = 1",
+        "[" + ".".join("a" * 18) + "]",
+        "x = " + "[" * 17 + "]" * 17,
+        "x = " + "[\n" * 17 + "]\n" * 17,
+        "x = { a = { " + ".".join("a" * 18) + " = 1 } }",
+    ],
+)
+def test_nesting_without_end_is_refused_before_it_is_parsed(folder, more):
+    (folder / "recordings.toml").write_text(f"{more}\n{MANIFEST}")
+    with pytest.raises(InputError, match="recordings.toml: line [0-9]+ is nested more than 16 deep"):
+        read_manifest(folder / "recordings.toml")
+
+
+def test_dots_and_brackets_in_texts_do_not_count(folder):
+    dots = "a." * 20 + "[[[{{{" * 5
+    note = f'# {dots}\nx = "{dots}\\"{dots}"\ny = \'{dots}\'\nz = """\n{dots}\n"""\n'
+    (folder / "recordings.toml").write_text(f"{note}{MANIFEST}")
+    with pytest.raises(InputError, match="'x'"):  # parsed: an unknown key
+        read_manifest(folder / "recordings.toml")
+
+
 def test_manifest_without_recordings_and_no_manifest(folder):
     with pytest.raises(InputError, match=r"recordings\.toml: lists no recordings"):
         read_manifest(_replaced(folder, MANIFEST, 'model = "pendulum.xml"'))

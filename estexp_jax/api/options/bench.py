@@ -8,7 +8,7 @@ from typing import Annotated, final
 
 import tyro
 
-from estexp_jax.api.options.ranges import CheckedOptions, Range
+from estexp_jax.api.options.ranges import SEEDS, CheckedOptions, Range
 
 
 @final
@@ -31,15 +31,15 @@ class BenchOptions(CheckedOptions):
     """The quadruped with its four feet as only contacts."""
     sweep: bool = False
     """Go through populations from 1 to 6400 as well."""
-    population: Annotated[int, Range(1)] = 200
+    population: Annotated[int, Range(1, 1_000_000)] = 200
     """Robots."""
-    steps: Annotated[int, Range(1)] = 1000
+    steps: Annotated[int, Range(1, 1_000_000)] = 1000
     """Control steps."""
-    substeps: Annotated[tuple[int, ...], Range(1)] = ()
+    substeps: Annotated[tuple[int, ...], Range(1, 10_000)] = ()
     """Physics steps a control step; one race for each. Default: as shipped (the quadruped: 4), and 1."""
-    repeats: Annotated[int, Range(1)] = 5
+    repeats: Annotated[int, Range(1, 1000)] = 5
     """How often each engine is timed; medians count."""
-    seed: Annotated[int, Range(0)] = 0
+    seed: Annotated[int, SEEDS] = 0
     """Of controllers and of what differs from robot to robot."""
     quick: bool = False
     """Few robots, few steps: shows that everything works, measures little."""

@@ -8,7 +8,7 @@ from typing import Annotated, final
 
 import tyro
 
-from estexp_jax.api.options.ranges import CheckedOptions, Range
+from estexp_jax.api.options.ranges import SEEDS, CheckedOptions
 
 
 @final
@@ -24,7 +24,7 @@ class DemoOptions(CheckedOptions):
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("out/demo")
     """Where the results go: recover/, recorded/ and explain/."""
-    seed: Annotated[int, Range(0)] = 0
+    seed: Annotated[int, SEEDS] = 0
     """Of all random numbers."""
     force: bool = False
     """Replace the results in DIR."""

@@ -30,7 +30,7 @@ class ExperimentOptions(CheckedOptions):
     """Few and short runs: shows that everything works, proves nothing."""
     resume: bool = False
     """Go on with an interrupted experiment."""
-    workers: Annotated[int | None, Range(1)] = None
+    workers: Annotated[int | None, Range(1, 10_000)] = None
     """How many runs at a time; the experiment chooses where this is not given."""
     ray: Annotated[tuple[str, ...] | None, tyro.conf.arg(metavar="[ADDRESS]")] = None
     """The runs as tasks of a Ray cluster, one GPU each where there are some; without an address, a Ray of its own."""

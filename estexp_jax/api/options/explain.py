@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal, final
 
 import tyro
 
-from estexp_jax.api.options.ranges import CheckedOptions, Range
+from estexp_jax.api.options.ranges import SEEDS, CheckedOptions, Range
 
 
 @final
@@ -39,15 +40,15 @@ class ExplainOptions(CheckedOptions):
     root: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """The folder under which the model finds its files. Default: the repository or package around it, else three
     folders up."""
-    window: Annotated[float | str, Range(0.0, open=True, words=("full",)), tyro.conf.arg(metavar="S|full")] = 2.0
+    window: Annotated[float | str, Range(1e-3, math.inf, words=("full",)), tyro.conf.arg(metavar="S|full")] = 2.0
     """Length of the windows that are compared and written, s; or `full`, whole recordings."""
-    most: Annotated[int, Range(1)] = 5
+    most: Annotated[int, Range(1, 100)] = 5
     """Largest number of effects in an explanation; more than three only where these explain most of the mismatch."""
     effects: tuple[str, ...] = ()
     """Names of the effects to consider; without any, all."""
     engine: Literal["auto", "lanes", "c", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else c, MuJoCo itself (mjx on a GPU)."""
-    seed: Annotated[int, Range(0)] = 0
+    seed: Annotated[int, SEEDS] = 0
     """Of the resampling behind probabilities and intervals."""
     pictures: bool = True
     """Show the robots, as recorded and as predicted, in one scene in the report, where a GL is."""

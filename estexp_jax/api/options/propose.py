@@ -8,7 +8,7 @@ from typing import Annotated, Literal, final
 
 import tyro
 
-from estexp_jax.api.options.ranges import CheckedOptions, Range
+from estexp_jax.api.options.ranges import SEEDS, CheckedOptions, Range
 
 
 @final
@@ -35,7 +35,7 @@ class ProposeOptions(CheckedOptions):
     """How many times as fast as in the recordings joints may move."""
     engine: Literal["auto", "lanes", "c", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else c, MuJoCo itself (mjx on a GPU)."""
-    seed: Annotated[int, Range(0)] = 0
+    seed: Annotated[int, SEEDS] = 0
     """Of the search."""
     force: bool = False
     """Replace the results in DIR."""

@@ -5,6 +5,7 @@ duration: Annotated[float, Range(1.0, 600.0)] = 8.0
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, SupportsFloat, SupportsIndex, final, get_args, get_origin, get_type_hints
@@ -36,11 +37,22 @@ class Range:
         return enough and (self.high is None or value <= self.high)
 
     def __str__(self) -> str:
-        if self.low is not None and self.high is not None:
-            return f"{'more than ' if self.open else ''}{self.low:g} to {self.high:g}"
-        if self.low is not None:
-            return f"more than {self.low:g}" if self.open else f"at least {self.low:g}"
-        return "any number" if self.high is None else f"at most {self.high:g}"
+        low, high = (None if end is None or abs(end) == math.inf else _in_words(end) for end in (self.low, self.high))
+        if low is not None and high is not None:
+            return f"{'more than ' if self.open else ''}{low} to {high}"
+        if low is not None:
+            return f"more than {low}" if self.open else f"at least {low}"
+        return "any number" if high is None else f"at most {high}"
+
+
+def _in_words(number: float) -> str:
+    return f"{number:g}" if abs(number) < 1e6 else f"{number:,.0f}"
+
+
+_LONG = 1e40
+"""A message shows the beginning of numbers beyond this."""
+SEEDS = Range(0, 2**32 - 1)
+"""Of random numbers: what every generator takes."""
 
 
 class CheckedOptions:
@@ -102,6 +114,8 @@ def _check_number(where: str, value: Any, whole: bool, ranges: list[Range]) -> N
     if isinstance(value, bool) or not isinstance(value, SupportsIndex if whole else SupportsFloat):
         right = " or ".join(["a whole number" if whole else "a number", *map(repr, words)])
         raise InputError(f"{abbreviated(value)} is not possible", where=where, right=right)
+    number = value if isinstance(value, int) else float(value)  # a whole number may be too large for a float
     for each in ranges:
-        if float(value) not in each:
-            raise InputError(f"{value} is not possible", where=where, right=str(each))
+        if number not in each:
+            text = value if abs(number) < _LONG else abbreviated(value)
+            raise InputError(f"{text} is not possible", where=where, right=str(each))

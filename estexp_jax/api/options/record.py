@@ -8,7 +8,7 @@ from typing import Annotated, final
 
 import tyro
 
-from estexp_jax.api.options.ranges import CheckedOptions, Range
+from estexp_jax.api.options.ranges import SEEDS, CheckedOptions, Range
 
 
 @final
@@ -39,7 +39,7 @@ class RecordOptions(CheckedOptions):
     """Resolution of the encoders."""
     noise: Annotated[float, Range(0.0, 1e3)] = 2e-4
     """Deviation of the noise on positions, rad or m."""
-    seed: Annotated[int, Range(0)] = 0
+    seed: Annotated[int, SEEDS] = 0
     """Of motions and noise."""
     force: bool = False
     """Replace the recordings in DIR."""

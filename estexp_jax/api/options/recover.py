@@ -8,7 +8,7 @@ from typing import Annotated, Literal, final
 
 import tyro
 
-from estexp_jax.api.options.ranges import CheckedOptions, Range
+from estexp_jax.api.options.ranges import SEEDS, CheckedOptions, Range
 
 
 @final
@@ -35,7 +35,7 @@ class RecoverOptions(CheckedOptions):
     """What happens to the robot: 1 to 13 as in the paper's Table 1, at places drawn with the seed. Default: 3."""
     damage: Annotated[tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="EFFECT@NAME VALUE")] = ()
     """What happens instead of a situation, such as "motor_weakness@knee_f loss=0.5"; may be repeated."""
-    seed: Annotated[int, Range(0)] = 0
+    seed: Annotated[int, SEEDS] = 0
     """Of all random numbers; same seed, same run."""
     quick: bool = False
     """A small setting: minutes on two cores."""
@@ -53,33 +53,33 @@ class RecoverOptions(CheckedOptions):
     healthy: bool = False
     """With --hardware: the robot is not damaged yet; healthy_0.csv, its recording under controller_0.npz, is waited for
     before trial_0.csv, and diagnoses are better for it."""
-    passes: Annotated[int | None, Range(1)] = None
+    passes: Annotated[int | None, Range(1, 1000)] = None
     """Estimations, and hardware trials after them; exploration runs once more. Default: 4."""
-    population: Annotated[int | None, Range(4)] = None
+    population: Annotated[int | None, Range(4, 100_000)] = None
     """Genomes in a generation. Default: 200."""
-    generations: Annotated[int | None, Range(1)] = None
+    generations: Annotated[int | None, Range(1, 100_000)] = None
     """Generations of a phase. Default: 40."""
-    steps: Annotated[int | None, Range(1)] = None
+    steps: Annotated[int | None, Range(1, 100_000)] = None
     """Control steps of a trial. Default: 1000."""
-    control_step: Annotated[float | None, Range(0.0, open=True)] = None
+    control_step: Annotated[float | None, Range(1e-5, 10.0)] = None
     """Time between two commands, s. Default: 0.01."""
-    settle_steps: Annotated[int | None, Range(1)] = None
+    settle_steps: Annotated[int | None, Range(1, 100_000)] = None
     """Control steps with all motors at home before every trial. Default: 50."""
     axis: Literal["x", "-x", "y", "-y"] = "x"
     """Direction in which distance counts."""
-    header: Annotated[int | None, Range(1)] = None
+    header: Annotated[int | None, Range(1, 100_000)] = None
     """Control steps of a trial that the rolling mean compares. Default: 20."""
-    window: Annotated[int | None, Range(2)] = None
+    window: Annotated[int | None, Range(2, 100_000)] = None
     """Width of the rolling mean, control steps; even. Default: 10."""
     mutation: Annotated[float | None, Range(0.0, 1.0)] = None
     """Chance of each value of a copied genome to be drawn anew. Default: 0.01."""
-    gain: Annotated[float | None, Range(0.0, open=True)] = None
+    gain: Annotated[float | None, Range(0.0, 1000.0, open=True)] = None
     """Of the neurons' tanh. Default: 3."""
     catalogue: Literal["full", "paper"] = "full"
     """What the set search chooses from: the paper's six modifications, or more of what may break."""
     model_error: Annotated[float | None, Range(0.0, 0.3)] = None
     """Relative error expected in the simulator; 0: it is exact. Default: 0 for --robot same, else 0.03."""
-    ensemble: Annotated[int | None, Range(1)] = None
+    ensemble: Annotated[int | None, Range(1, 100)] = None
     """Simulators, as far off as --model-error and with noisy sensors, on which each controller is tried. Default: 1 if
     that is 0 and with --paper, else 4."""
     next_trial: Literal["farthest", "informative"] = "farthest"

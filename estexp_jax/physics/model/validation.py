@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,7 +19,10 @@ BLOWN_UP = [
     for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 ]
 """Warnings with which MuJoCo gives a simulation up."""
-_MOST_READINGS = 100_000
+_MOST_READINGS, _MOST_KEPT, _MOST_ACTIVATIONS, _MOST_ITERATIONS = 100_000, 1_000_000, 10_000, 10_000
+_VALUES_A_SLOT, _VALUES_A_RAY = 17, 12
+"""Of a contact sensor and of a rangefinder at a camera, with all that they can tell of a contact or a pixel."""
+_ITERATIONS = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations", "sdf_initpoints")
 _FIELDS = (
     *("body_mass", "body_inertia", "body_pos", "body_quat", "body_ipos", "jnt_axis", "jnt_pos", "jnt_range"),
     *("jnt_stiffness", "dof_armature", "dof_damping", "dof_frictionloss", "geom_size", "geom_pos"),
@@ -63,15 +67,44 @@ def _refuse_massless(model: mujoco.MjModel, source: str) -> None:
 
 
 def refuse_unbounded(spec: mujoco.MjSpec, source: str) -> None:
-    """See that a description claims no more readings than a robot has, before memory is taken for them.
+    """See that a description claims no more than a robot has, in sum, before memory and time are taken for it.
 
     Raises:
         InputError: it does.
     """
-    claimed = sum(int(sensor.dim) for sensor in spec.sensors if sensor.type == mujoco.mjtSensor.mjSENS_USER)
-    if claimed > _MOST_READINGS:
-        right = f"at most {_MOST_READINGS:,}"
-        raise InputError(f"its user sensors claim {claimed:,} values", where=source, right=right)
+    claims = {
+        "values of sensors": (sum(map(_values_of(spec), spec.sensors)), _MOST_READINGS),
+        "kept values of sensors and actuators": (_kept(spec), _MOST_KEPT),
+        "activations of actuators": (sum(max(int(a.actdim), 0) for a in spec.actuators), _MOST_ACTIVATIONS),
+        "custom numbers": (sum(max(int(n.size), 0) for n in spec.numerics), _MOST_KEPT),
+        "iterations of a solver": (max(int(getattr(spec.option, name)) for name in _ITERATIONS), _MOST_ITERATIONS),
+    }
+    for what, (claimed, most) in claims.items():
+        if claimed > most:
+            raise InputError(f"claims {claimed:,} {what}", where=source, right=f"at most {most:,}")
+
+
+def _values_of(spec: mujoco.MjSpec) -> Callable[[Any], int]:
+    """Gives the most values that a sensor may have, where its XML decides."""
+    pixels = {camera.name: int(np.prod(np.maximum(camera.resolution, 1), dtype=float)) for camera in spec.cameras}
+
+    def most(sensor: Any) -> int:
+        if sensor.type == mujoco.mjtSensor.mjSENS_USER:
+            return int(sensor.dim)
+        if sensor.type == mujoco.mjtSensor.mjSENS_CONTACT:
+            return _VALUES_A_SLOT * max(int(sensor.intprm[2]), 1)
+        if sensor.type == mujoco.mjtSensor.mjSENS_RANGEFINDER:
+            return _VALUES_A_RAY * pixels.get(sensor.objname, 1)
+        return 1
+
+    return most
+
+
+def _kept(spec: mujoco.MjSpec) -> int:
+    """How many earlier values delayed sensors and actuators keep."""
+    of_sensor = _values_of(spec)
+    sensors = sum(max(int(s.nsample), 0) * (1 + of_sensor(s)) for s in spec.sensors)
+    return sensors + sum(2 * max(int(a.nsample), 0) for a in spec.actuators)
 
 
 @contextmanager

@@ -14,6 +14,8 @@ from estexp_jax.errors import InputError, abbreviated
 
 MOST_ELEMENTS = 20_000
 """Elements of a model, replicated ones counted each: from there on MuJoCo takes many seconds to compile it."""
+MOST_NUMBERS = 1_000_000
+"""Of one element's own data."""
 _MOST_CELLS, _MOST_SIZE = 2**26, 10_000
 _MOST_ROOM = {"nstack": 2**26, "njmax": 100_000, "nconmax": 100_000}
 """Of memory that older models ask for: eight bytes each of `nstack`, constraints and contacts at once."""
@@ -90,6 +92,8 @@ class _Reader:
             raise InputError(what, where=place, right="a robot, without the crowd")
         if tag in _CELLS and _product(attributes, _CELLS[tag]) > _MOST_CELLS:
             raise InputError(f"claims more than {_MOST_CELLS:,} cells", where=place, right="fewer of them")
+        if tag == "numeric" and _product(attributes, ("size",)) > MOST_NUMBERS:
+            raise InputError(f"claims more than {MOST_NUMBERS:,} numbers", where=place, right="fewer of them")
         if tag == "size":
             for name, value in attributes.items():
                 most = _MOST_ROOM.get(name, _MOST_SIZE)

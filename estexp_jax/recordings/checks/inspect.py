@@ -13,6 +13,7 @@ from estexp_jax.physics.model.actuators import actuator_of_input
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks import clock_agreement, excitation, faults, model_faults, servo_faults, signals
+from estexp_jax.recordings.checks.zero_faults import limit_faults
 
 GAP = 3.0
 """A clock step longer than this many median periods is a gap."""
@@ -208,8 +209,11 @@ def _faults(
         kinds |= columns
         hinge = robot.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
         for column, kind in columns.items():
+            samples = readings[column][np.isfinite(readings[column])]
             if hinge and kind == "angle":
-                yield from faults.unit_faults(column, readings[column][np.isfinite(readings[column])])
+                yield from faults.unit_faults(column, samples)
+            if joint in robot.scalar_joints and kind != "speed":
+                yield from limit_faults(robot, joint, column, samples)
         yield from faults.speed_faults(recording.time, columns, readings)
     for column, values in readings.items():
         rows = np.flatnonzero(np.isfinite(values))

@@ -14,12 +14,14 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks import signals
 from estexp_jax.recordings.checks.faults import FULL_TURNS, Fault
+from estexp_jax.recordings.checks.zero_faults import offset_faults
 
 SATURATED = 0.05
 """Share of rows with the command at its limit above which saturation is reported."""
 SLOW_RESPONSE = 0.1
 """Delay of a servo above which it is reported, s."""
 _DEGREES, _PER_DEGREE = (30.0, 110.0), (1 / 110.0, 1 / 30.0)
+_SAME = (0.5, 2.0)
 _TICKS = (125.0, 20_000.0)  # from 10 bits a turn to 16
 
 
@@ -53,7 +55,11 @@ def follower_faults(robot: Robot, recording: Recording, follower: Follower, valu
         return
     delay, correlation, correlation_without = signals.lag(time, command, reading)
     if correlation > 0.8:
-        yield from _scale_fault(name, follower, float(np.std(reading) / np.std(command)))
+        ratio = float(np.std(reading) / np.std(command))
+        yield from _scale_fault(name, follower, ratio)
+        joint = robot.joint_of_actuator(follower.actuator)
+        if joint is not None and _SAME[0] < ratio < _SAME[1]:
+            yield from offset_faults(robot, follower.actuator, joint, name, (time, command, reading))
         # A single swing of another amplitude looks like a delay; only several swings determine one.
         if signals.turns(command, 0.1 * float(np.ptp(command))) < 2:
             delay = 0.0

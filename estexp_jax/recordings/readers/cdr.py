@@ -28,6 +28,8 @@ CODES: Mapping[str, str] = {
     "uint64": "Q",
 }
 """Types of numbers in message definitions, each with its letter in `struct`."""
+MOST_PARTS = 200_000
+"""Limit of texts and messages in one message; numbers in a list count as one part."""
 _MARK_BYTES = 4
 
 
@@ -88,7 +90,8 @@ def locate(data: bytes, definition: Any, definitions: Mapping[str, Any]) -> Loca
         definitions: of the kinds in it, by `package/name`.
 
     Raises:
-        ValueError: the message is shorter than its definition says, or the definition has a type that is not known.
+        ValueError: the message is shorter than its definition says, has more than `MOST_PARTS` parts, or the
+            definition has a type that is not known.
         KeyError: a definition is missing.
     """
     cursor = _Cursor(data, "<" if data[1] & 1 else ">")
@@ -103,6 +106,7 @@ class _Cursor:
     order: str
     at: int = _MARK_BYTES
     fixed: list[tuple[int, int]] = field(default_factory=lambda: [(0, _MARK_BYTES)])
+    n_parts: int = 0
 
     def take(self, code: str, count: int = 1) -> int:
         """Go over numbers; where the first one lies."""
@@ -113,6 +117,12 @@ class _Cursor:
             raise ValueError("the message ends early")
         return first
 
+    def count_part(self) -> None:
+        """One more text or message in the message."""
+        self.n_parts += 1
+        if self.n_parts > MOST_PARTS:
+            raise ValueError(f"a message has more than {MOST_PARTS:,} parts")
+
     def length(self) -> int:
         """Read a length."""
         first = self.take("I")
@@ -121,6 +131,7 @@ class _Cursor:
 
     def text(self) -> str:
         """Read a text."""
+        self.count_part()
         length = self.length()
         first = self.take("B", length)
         self._fix(first)
@@ -135,6 +146,7 @@ class _Cursor:
 
 
 def _struct(cursor: _Cursor, definition: Any, definitions: Mapping[str, Any]) -> dict[str, Any]:
+    cursor.count_part()
     if not definition.fields:
         cursor.take("B")  # of which an empty message consists
     return {each.name: _field(cursor, each.type, definitions) for each in definition.fields}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from functools import cached_property
+from io import StringIO
 from typing import Any, final
 
 from estexp_jax.recordings.readers.cdr import Located, locate
@@ -13,6 +15,14 @@ from estexp_jax.recordings.readers.cdr import Located, locate
 MOST_MESSAGE_BYTES = 2**26
 """Size limit of an unpacked message; those of joints have some hundred bytes, pictures a few MB."""
 
+MOST_DEFINITION_BYTES = 2**20
+"""Size limit of what defines the messages of a topic; the largest of ROS has some ten thousand bytes."""
+MOST_FIELDS = 1000
+"""Limit of fields and constants in one kind of message: the time to parse them grows with their square."""
+
+_MOST_JSON_BYTES = 2**24
+_LARGE = 2**20
+"""Messages of more bytes are walked through before they are decoded, since they may consist of tiny parts."""
 _MOST_WINDOW = 2**27
 _ZSTD, _LZ4 = b"\x28\xb5\x2f\xfd", b"\x04\x22\x4d\x18"
 _JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -75,11 +85,15 @@ class CdrDecoder:
         self._name, self._text = schema.name, _ros2_definition(schema)
         from mcap_ros2._dynamic import generate_dynamic
 
-        self._decode = generate_dynamic(self._name, self._text)[self._name]
+        with _silence():
+            self._decode = generate_dynamic(self._name, self._text)[self._name]
 
     def __call__(self, data: bytes) -> Any:
         """A decoded message."""
-        return self._decode(plain_cdr(unpacked(data)))
+        data = plain_cdr(unpacked(data))
+        if len(data) > _LARGE:
+            self.locate(data)
+        return self._decode(data)
 
     def locate(self, data: bytes) -> Located:
         """Where the numbers of a message lie in its bytes.
@@ -101,7 +115,8 @@ class CdrDecoder:
         def keep(name: str, short_name: str, definition: Any) -> None:
             found[name] = found[short_name] = definition
 
-        _for_each_msgdef(self._name, self._text, keep)
+        with _silence():
+            _for_each_msgdef(self._name, self._text, keep)
         return found
 
 
@@ -141,8 +156,31 @@ def plain_cdr(data: bytes) -> bytes:
     raise ValueError(f"{what}; plain CDR (XCDR1) is read: record with another middleware setting, or convert the bag")
 
 
+def check_definition(text: str) -> None:
+    """See that a definition of messages can be parsed in no time.
+
+    Raises:
+        ValueError: it is far longer than any, or one of its kinds of message has far more fields.
+    """
+    if len(text) > MOST_DEFINITION_BYTES:
+        raise ValueError(f"their definition has {len(text):,} characters; at most {MOST_DEFINITION_BYTES:,} are read")
+    for kind in re.split(r"^={3,}", text, flags=re.MULTILINE):
+        if sum(line.strip()[:1] not in ("", "#") for line in kind.splitlines()) > MOST_FIELDS:
+            raise ValueError(f"their definition has more than {MOST_FIELDS:,} fields in one kind of message")
+
+
 def _decode_json(data: bytes) -> Any:
-    return json.loads(unpacked(data))
+    data = unpacked(data)
+    if len(data) > _MOST_JSON_BYTES:
+        raise ValueError(f"a message has {len(data):,} bytes; at most {_MOST_JSON_BYTES:,} are read")
+    return json.loads(data)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep a parser's own messages from the terminal: they quote the definition as it is, with its escapes."""
+    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+        yield
 
 
 def _ros2_definition(schema: Any) -> str:
@@ -152,6 +190,7 @@ def _ros2_definition(schema: Any) -> str:
         ValueError: it is of a kind that is not read.
     """
     text = schema.data.decode("utf-8", "replace")
+    check_definition(text)
     if schema.name == _JOINT_STATE and (schema.encoding != "ros2msg" or not text.strip()):
         text = _JOINT_STATE_TEXT
     elif schema.encoding != "ros2msg":
@@ -163,6 +202,8 @@ def _ros2_definition(schema: Any) -> str:
 
 
 def _protobuf_decoder(schema: Any) -> Callable[[bytes], Any]:
+    if len(schema.data) > MOST_DEFINITION_BYTES:
+        raise ValueError(f"their definition has {len(schema.data):,} bytes; at most {MOST_DEFINITION_BYTES:,} are read")
     if schema.encoding != "protobuf":
         raise ValueError(f"their definition is in '{schema.encoding}'; protobuf is read")
     try:

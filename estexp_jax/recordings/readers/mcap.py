@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
 from estexp_jax.errors import InputError
 from estexp_jax.recordings.readers import mcap_chunks
-from estexp_jax.recordings.readers.decoding import decoder_of
+from estexp_jax.recordings.readers.decoding import MOST_DEFINITION_BYTES, decoder_of
 from estexp_jax.recordings.readers.topics import TopicMerger
 from estexp_jax.recordings.table import Selection, Table
 
+_MOST_DEFINITIONS = 4
+"""So many times the longest definition all definitions together may be."""
 _ENDED = "the file ends in the middle, as if its logger had died; read as far as it goes"
 
 
@@ -54,10 +56,19 @@ def read_mcaps(paths: Sequence[Path], source: str, selection: Selection) -> Tabl
                         continue
                     wanted.add(channel.id)
                     definitions.setdefault(channel.topic, set()).add(schema.data if schema else b"")
+                    _check_sum(definitions, source)
                 merger.add((number, channel.id), message.data, message.log_time, message.publish_time)
     for topic in sorted(topic for topic, texts in definitions.items() if len(texts) > 1):
         notes.append(f"topic {topic} has channels with different definitions; each is read by its own")
     return merger.table(notes)
+
+
+def _check_sum(definitions: Mapping[str, Collection[bytes]], source: str) -> None:
+    """See that not each of very many topics has a long definition of its own."""
+    length = sum(map(len, {text for texts in definitions.values() for text in texts}))
+    if length > _MOST_DEFINITIONS * MOST_DEFINITION_BYTES:
+        right = f"at most {_MOST_DEFINITIONS * MOST_DEFINITION_BYTES:,}; name the columns in a manifest"
+        raise InputError(f"the definitions of its messages have {length:,} bytes", where=source, right=right)
 
 
 def _messages(

@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from estexp_jax.errors import InputError
-from estexp_jax.recordings.readers.decoding import plain_cdr, unpacked
+from estexp_jax.recordings.readers.decoding import MOST_DEFINITION_BYTES, check_definition, plain_cdr, unpacked
 from estexp_jax.recordings.readers.mcap import read_mcaps
 from estexp_jax.recordings.readers.topics import TopicMerger
 from estexp_jax.recordings.table import Selection, Table
 
 _METADATA = "metadata.yaml"
 _MCAP, _DATABASE = (".mcap", ".mcap.zstd"), ".db3"
-_MOST_BYTES = 2**24
+_MOST_BYTES = 2**20
+"""Size limit of a bag's description, whose parser takes its time."""
 
 
 def is_bag_folder(path: Path) -> bool:
@@ -60,8 +61,11 @@ def read_rosbag(path: Path, selection: Selection) -> Table:
         right = "pip install 'estexp_jax[ros]'"
         raise InputError("is a ROS bag, which needs the extra `ros`", where=str(path), right=right) from None
     merger = TopicMerger(str(path), selection)
+    _refuse_long(path / _METADATA)
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
+        reader = AnyReader([path], default_typestore=get_typestore(Stores.LATEST))
+        _check_definitions(reader)
+        with reader:
             for connection in reader.connections:
                 merger.open(_key(connection), connection.topic, partial(_decoder, reader, connection))
             wanted = [c for c in reader.connections if merger.open(_key(c), c.topic, _unknown)]
@@ -74,6 +78,32 @@ def read_rosbag(path: Path, selection: Selection) -> Table:
         reason = " ".join(f"{error or type(error).__name__}".split())[:200]
         raise InputError(f"is not a ROS bag, or is damaged: {reason}", where=str(path)) from None
     return merger.table([])
+
+
+def _refuse_long(metadata: Path) -> None:
+    if metadata.is_file() and metadata.stat().st_size > _MOST_BYTES:
+        raise InputError(
+            f"is {metadata.stat().st_size:,} bytes long", where=str(metadata), right=f"at most {_MOST_BYTES:,}"
+        )
+
+
+def _check_definitions(reader: Any) -> None:
+    """See that the definitions of all topics can be parsed in no time, since the reader parses them when it is opened.
+
+    Raises:
+        ValueError: one cannot, or all together cannot.
+    """
+    lengths: dict[str, int] = {}
+    for bag in reader.readers:
+        bag.open()
+        try:
+            for connection in bag.connections:
+                check_definition(connection.msgdef.data)
+                lengths[connection.msgtype] = len(connection.msgdef.data)
+        finally:
+            bag.close()
+    if sum(lengths.values()) > MOST_DEFINITION_BYTES:
+        raise ValueError(f"the definitions of its messages have more than {MOST_DEFINITION_BYTES:,} characters")
 
 
 def _key(connection: Any) -> tuple[int, int]:

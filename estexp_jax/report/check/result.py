@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple, final
 
+from estexp_jax.recordings.checks.copied_recordings import copied_recordings
 from estexp_jax.recordings.checks.excitation import missing
 from estexp_jax.recordings.checks.inspect import judge
 from estexp_jax.recordings.inputs import Inputs
@@ -79,6 +80,9 @@ class CheckResult:
 def check_inputs(inputs: Inputs) -> CheckResult:
     """Judge each recording, with what is known to differ in it."""
     judged = [judge(apply_settings(inputs.robot, r.settings, where=r.name), r) for r in inputs.recordings]
+    for index, fault in copied_recordings(inputs.recordings):
+        judged[index]["faults"].append(asdict(fault))
+        judged[index]["suspicions"].append(f"{fault.name}: {fault.sentence}")
     return CheckResult(inputs, judged)
 
 

@@ -25,7 +25,7 @@ def whole(command: str, inputs: Path, out: Path) -> dict[str, Any]:
     process, begin = _start(command, inputs, out), time.monotonic()
     spent = 0.0
     while process.poll() is None:
-        spent = max(spent, _spent(process.pid))
+        spent = max(spent, spent(process.pid))
         time.sleep(0.05)
     return {"code": process.returncode, "cpu_s": spent, "wall_s": time.monotonic() - begin}
 
@@ -74,7 +74,7 @@ def _start(command: str, inputs: Path, out: Path) -> subprocess.Popen[bytes]:
 
 def _kill_at(process: subprocess.Popen[bytes], out: Path, at: float, write: bool, left: set[str]) -> bool:
     """Kill the group at a processor time, or at the first new draft seen after it; False where it ended before."""
-    while process.poll() is None and _spent(process.pid) < at:
+    while process.poll() is None and spent(process.pid) < at:
         time.sleep(_CLOCK)
     while process.poll() is None and write and not set(drafts(out)) - left:
         time.sleep(_LOOK)
@@ -85,11 +85,11 @@ def _kill_at(process: subprocess.Popen[bytes], out: Path, at: float, write: bool
     return came
 
 
-def _spent(process: int) -> float:
+def spent(process: int) -> float:
     """Processor time of a process and its children so far, s: it goes on however busy the machine is."""
     try:
         fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
         children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
     except OSError:  # it has ended
         return 0.0
-    return sum(map(int, fields[11:15])) / _TICK + sum(_spent(int(child)) for child in children)
+    return sum(map(int, fields[11:15])) / _TICK + sum(spent(int(child)) for child in children)

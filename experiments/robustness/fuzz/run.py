@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 _FORK = multiprocessing.get_context("fork")
 MEMORY = 2 * 2**30
 """Address space, bytes, that an input may take beyond what the program has when it has just begun."""
-_PATIENCE_S = 25.0
+_PATIENCE_S = 100.0
 """After which a process that says nothing is ended: what hangs in C does not hear the clock of `trial`."""
 _ARM_S = 900.0
 """The same for its first word, since it imports and compiles first."""

@@ -62,7 +62,7 @@ def attempt(make: Maker, source: random.Random) -> Outcome:
         (folder / "canary").write_text("alive")
         argv = make(source, inner)
         digest = _digest(inner, argv)
-        result, message = _run(argv, inner, short=isinstance(make, folders.RunFolders))
+        result, message = judged(*run(argv, inner, short=isinstance(make, folders.RunFolders)))
         if (folder / "canary").read_text() != "alive":
             result, message = "defect", "a file outside was changed"
         return Outcome(digest, result, message.replace(str(folder), ""))
@@ -93,7 +93,17 @@ def _digest(folder: Path, argv: list[str]) -> str:
     return state.hexdigest()
 
 
-def _run(argv: list[str], cwd: Path, *, short: bool) -> tuple[str, str]:
+def run(argv: list[str], cwd: Path, *, short: bool) -> tuple[int, str]:
+    """Run a command in a folder, in this process.
+
+    Args:
+        argv: its arguments.
+        cwd: the folder.
+        short: whether it ends where the long work would begin.
+
+    Returns:
+        Its exit code and its messages; 1 and what was raised for a defect.
+    """
     before = os.getcwd()
     os.chdir(cwd)  # MuJoCo's log goes there, and what is relative
     try:
@@ -103,13 +113,13 @@ def _run(argv: list[str], cwd: Path, *, short: bool) -> tuple[str, str]:
             except Accepted:
                 code = 0
             except Hang:
-                return "defect", f"hang: longer than {LONGEST_S} s"
+                return 1, f"hang: longer than {LONGEST_S} s"
             except BaseException as error:
                 place = traceback.extract_tb(error.__traceback__)[-1]
-                return "defect", f"{type(error).__name__}: {error} ({place.filename}:{place.lineno})"
+                return 1, f"{type(error).__name__}: {error} ({place.filename}:{place.lineno})"
     finally:
         os.chdir(before)
-    return _judged(code, caught())
+    return code, caught()
 
 
 def _command(argv: list[str]) -> int:
@@ -128,7 +138,8 @@ def _command(argv: list[str]) -> int:
     return 0
 
 
-def _judged(code: int, message: str) -> tuple[str, str]:
+def judged(code: int, message: str) -> tuple[str, str]:
+    """Whether an input was refused with one message or accepted, and what was told."""
     lines = message.strip().splitlines()
     if code == 0:
         return "accepted", ""
@@ -167,18 +178,18 @@ def _caught() -> Any:
 
 @contextmanager
 def _limited() -> Any:
-    """A clock that ends what takes too long."""
+    """A clock of processor time, as the machine may be busy, that ends what takes too long."""
 
     def ring(*_: Any) -> None:
         raise Hang
 
-    previous = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, LONGEST_S)
+    previous = signal.signal(signal.SIGPROF, ring)
+    signal.setitimer(signal.ITIMER_PROF, LONGEST_S)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, previous)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, previous)
 
 
 @contextmanager
@@ -195,6 +206,10 @@ def _short() -> Any:
             "estexp_jax.api.propose.run_proposal",
             "estexp_jax.api.explain.run_explanation",
             "estexp_jax.recovery.cycle.run_cycle",
+            "estexp_jax.api.record.write_recordings",
+            "estexp_jax.api.bench.measure",
+            "estexp_jax.cli.demo.recover_command",
+            "estexp_jax.cli.experiment.subprocess.Popen",
         ):
             stack.enter_context(patch(place, stop))
         stack.enter_context(patch("estexp_jax.recovery.cycle.job_of", _job(cycle.job_of)))

@@ -26,7 +26,7 @@ def arm(option: str = "", size: str = ".1", kp: str = "1", sensor: str = "") -> 
         (arm(size="1e200"), "holds what is no number|does not compile"),
         (arm(kp="inf"), "actuator_gainprm"),
         (arm(kp="1e300"), "actuator_gainprm"),
-        (arm(sensor='<user dim="2000000000"/>'), "claim 2,000,000,000 values; at most 100,000"),
+        (arm(sensor='<user dim="2000000000"/>'), "claims 2,000,000,001 values of sensors; at most 100,000"),
     ],
 )
 def test_what_is_no_number_is_told_once(xml, told, capfd):
@@ -34,6 +34,45 @@ def test_what_is_no_number_is_told_once(xml, told, capfd):
         Robot.from_string(xml, "arm.xml")
     assert "arm.xml" in str(caught.value) and "\n" not in str(caught.value)
     assert capfd.readouterr() == ("", "")
+
+
+SLOTS = '<contact geom1="g" num="2000"/>'
+DELAYED = '<jointpos joint="elbow" delay="0.01" nsample="100000"/>'
+CLAIMS = {
+    "values of sensors": (3, '<user dim="40000"/>'),
+    "values of sensors, by slots of contacts": (3, SLOTS),
+    "values of sensors, by rays of a camera": (1, '<rangefinder camera="eye"/>'),
+    "kept values of sensors and actuators": (6, DELAYED),
+}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_what_a_model_claims_counts_in_sum(name):
+    times, sensor = CLAIMS[name]
+    eye = '<camera name="eye" resolution="100 100"/>'
+    seeing = arm(sensor=times * sensor).replace("<worldbody>", f"<worldbody>{eye}").replace("<geom ", '<geom name="g" ')
+    with pytest.raises(InputError, match=f"claims [0-9,]+ {name.partition(',')[0]}; at most [0-9,]+"):
+        Robot.from_string(seeing)
+    assert Robot.from_string(seeing.replace(sensor, "", times - 1).replace("100 100", "60 60"))
+
+
+@pytest.mark.parametrize(
+    ("option", "told"),
+    [
+        ('<option ls_iterations="10001"/>', "claims 10,001 iterations"),
+        ('<custom><numeric name="n" size="600000"/><numeric name="m" size="600000"/></custom>', "custom numbers"),
+    ],
+)
+def test_what_a_model_claims_is_bounded(option, told):
+    with pytest.raises(InputError, match=told):
+        Robot.from_string(arm(option))
+
+
+def test_activations_count_in_sum():
+    many = '<general joint="elbow" dyntype="user" actdim="6000"/>'
+    with pytest.raises(InputError, match="claims 12,000 activations"):
+        Robot.from_string(arm().replace("</actuator>", f"{many}{many}</actuator>"))
+    assert Robot.from_string(arm().replace("</actuator>", f"{many}</actuator>"))
 
 
 def test_sound_ones_pass_and_warnings_are_heard_again():

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from estexp_jax.recordings.readers import decoding
+from estexp_jax.recordings.readers import cdr, decoding
 from estexp_jax.recordings.readers.decoding import decoder_of, plain_cdr, unpacked
 
 
@@ -50,3 +50,48 @@ def test_compressed_messages_are_unpacked_up_to_a_bound(kind, monkeypatch):
     monkeypatch.setattr(decoding, "MOST_MESSAGE_BYTES", 4000)
     with pytest.raises(ValueError, match="unpacks to more than 4,000 bytes"):
         unpacked(pack(data))
+
+
+def ros2(text: str) -> SimpleNamespace:
+    return SimpleNamespace(name="a/msg/A", encoding="ros2msg", data=text.encode())
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("".join(f"float64 f{k}\n" for k in range(decoding.MOST_FIELDS + 1)), "more than 1,000 fields"),
+        ("float64 x\n===\nMSG: a/B\n" + "int32 C=1\n" * (decoding.MOST_FIELDS + 1), "more than 1,000 fields"),
+        ("# " + "x" * decoding.MOST_DEFINITION_BYTES + "\nfloat64 x", "at most 1,048,576 are read"),
+    ],
+)
+def test_definitions_without_end_are_refused(text, told):
+    with pytest.raises(ValueError, match=told):
+        decoder_of("cdr", ros2(text))
+
+
+def test_comments_do_not_count():
+    assert decoder_of("cdr", ros2("# said\n" * 5000 + "float64 x"))
+
+
+def test_a_small_message_may_not_unpack_to_parts_without_end(monkeypatch):
+    monkeypatch.setattr(cdr, "MOST_PARTS", 200)
+    zstandard = pytest.importorskip("zstandard")
+    decode = decoder_of("cdr", ros2("a/B[] x\n===\nMSG: a/B\nuint8 y\n"))
+    bomb = b"\x00\x01\x00\x00" + (2**21).to_bytes(4, "little") + bytes(2**21)
+    with pytest.raises(ValueError, match="more than 200 parts"):
+        decode(zstandard.ZstdCompressor().compress(bomb))
+    picture = decoder_of("cdr", ros2("uint8[] x"))
+    assert len(picture(bomb).x) == 2**21
+
+
+def test_long_texts_in_json_are_refused(monkeypatch):
+    monkeypatch.setattr(decoding, "_MOST_JSON_BYTES", 20)
+    with pytest.raises(ValueError, match="at most 20 are read"):
+        decoder_of("json", None)(b'{"x": "' + b"a" * 20 + b'"}')
+
+
+@pytest.mark.parametrize("text", ["float64 \x1b[31mx", "float64"])
+def test_a_parser_quotes_nothing_on_the_terminal(text, capfd):
+    with pytest.raises(Exception):  # noqa: B017 (whatever it raises is told as one message)
+        decoder_of("cdr", ros2(text))
+    assert capfd.readouterr() == ("", "")

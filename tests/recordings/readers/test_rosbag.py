@@ -119,3 +119,16 @@ def test_without_the_extra_it_is_told_what_to_install(tmp_path, monkeypatch):
     (tmp_path / "a.bag").write_bytes(b"")
     with pytest.raises(InputError, match=r"needs the extra `ros`; pip install 'estexp_jax\[ros\]'"):
         read_table(tmp_path / "a.bag")
+
+
+def test_definitions_and_descriptions_without_end_are_refused(rosbags, tmp_path, monkeypatch):
+    from estexp_jax.recordings.readers import decoding, rosbag
+
+    _write_bag2(tmp_path / "bag")
+    monkeypatch.setattr(decoding, "MOST_FIELDS", 2)
+    with pytest.raises(InputError, match="more than 2 fields"):
+        read_table(tmp_path / "bag", Selection(wanted=frozenset({STATE})))
+    monkeypatch.undo()
+    monkeypatch.setattr(rosbag, "_MOST_BYTES", 20)
+    with pytest.raises(InputError, match=r"metadata.yaml: is [0-9]+ bytes long; at most 20"):
+        read_table(tmp_path / "bag", Selection(wanted=frozenset({STATE})))
