@@ -73,7 +73,7 @@ def planned() -> dict[str, Plan]:
     found = [Plan(effect, robot) for effect in _ANYWHERE for robot in ("servo", "torque")]
     found += [Plan(effect, robot, robot == "torque") for effect in _OF_TORQUES for robot in ("servo", "torque")]
     found += [Plan("ground_friction mu=0.8", robot) for robot in ("servo_block", "torque_block")]
-    found += [Plan("mount_compliance@post k=60 d=0.5", robot) for robot in ("servo_gyro", "torque_gyro")]
+    found += [Plan("mount_compliance@post k=60 d=3", robot) for robot in ("servo_gyro", "torque_gyro")]
     found += [Plan(effect, robot, False) for effect in _NEVER_NATIVE for robot in ("servo", "torque")]
     found += [Plan("dead_band@lower_motor half_width=0.1", "servo", False)]
     found += [Plan("dead_band@lower_motor half_width=0.2", "torque", False)]
