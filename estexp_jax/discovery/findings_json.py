@@ -124,17 +124,9 @@ def _native(
     beside = [] if judged == "parameters" else [c for c in changes if c not in found.claimed]
     told = [c for c in changes if c not in beside]
     refitted = _at_work(found.fits["sayable"])
-    return native_model(
-        case,
-        found.shown,
-        told,
-        beside,
-        refitted,
-        finer=finer,
-        fine_only=fine_only,
-        seed=config.seed,
-        refusal=mjx_refusal if config.for_mjx else mjcf_refusal,
-    )
+    how: dict[str, Any] = {"finer": finer, "fine_only": fine_only, "seed": config.seed}
+    how["refusal"] = mjx_refusal if config.for_mjx else mjcf_refusal
+    return native_model(case, found.shown, told, beside, refitted, **how)
 
 
 def _shown(found: Found) -> Shown:

@@ -121,7 +121,7 @@ class Stepped:
             own = [w for w in missing if robots[cut[w].recording] is robot]
             step = float(robot.model.opt.timestep) / finer
             segments = [cut[w] if finer == 1 else cut[w].stepped(step) for w in own]
-            replay = PlainReplay(robot, stepped_model(robot, changes, segments))
+            replay = PlainReplay(robot, stepped_model(robot, changes, segments), changes=changes)
             for w, readings in zip(own, problem.channels.simulated(replay.replay(segments)), strict=True):
                 self._readings[name, finer, w] = readings
             problem.counted[0] += sum(s.steps.n_steps for s in segments)

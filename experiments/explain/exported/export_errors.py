@@ -100,7 +100,9 @@ def _by_script(
             script.install(model, data)
             return script.step
 
-        readings.append(problem.channels.simulated(PlainReplay(robot, model, begin).replay([cut[w]]))[0])
+        readings.append(
+            problem.channels.simulated(PlainReplay(robot, model, begin, [c for c, _ in marked]).replay([cut[w]]))[0]
+        )
     rows = max(len(r) for r in readings)
     table = np.full((len(test), rows, readings[0].shape[1]), np.nan)
     for i, one in enumerate(readings):

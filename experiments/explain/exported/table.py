@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,8 @@ def write_table(path: Path, rows: Sequence[Row]) -> Path:
     """Write all rows, and what is counted of them, as Markdown; gives the path."""
     lines = [*_counted(rows), "", f"| {' | '.join(_COLUMNS)} |", f"|{'---|' * len(_COLUMNS)}"]
     for row in sorted(rows, key=lambda r: (effect_of(r), r["robot"])):
-        errors = [f"{row[name]:.5f}" for name in ("nominal", "found", "found_at_step", "file")]
+        kinds = ("nominal", "found", "found_at_step", "file")
+        errors = ["diverges" if row[name] is None else f"{row[name]:.5f}" for name in kinds]
         ratios = [f"{_ratio(row, *pair):.2f}" for pair in _RATIOS]
         claimed = ", ".join(row["claimed"]) if row["by"] == "explain" else "(given)"
         case = f"{row['effect']}, {row['robot']}"
@@ -40,7 +42,9 @@ def effect_of(row: Row) -> str:
 
 
 def _ratio(errors: Row, name: str, of: str) -> float:
-    return errors[name] / max(errors[of], 1e-12)
+    """How many times an error is another one; one that is no number is endless."""
+    one, other = (math.inf if errors[each] is None else errors[each] for each in (name, of))
+    return one / max(other, 1e-12) if one < math.inf else math.inf
 
 
 def _counted(rows: Sequence[Row]) -> list[str]:

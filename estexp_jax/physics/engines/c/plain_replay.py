@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Any, final
 
 import mujoco
 import numpy as np
 
 from estexp_jax.physics.command_schedule import physics_steps
+from estexp_jax.physics.effects.changes import Change, encode, stack
+from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.effects.written import carried_over, joint_addresses, same_joints
 from estexp_jax.physics.engines.c.motor_scales import with_switched_motors
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout
+from estexp_jax.physics.engines.open_loop_inputs import initial_states
 from estexp_jax.physics.engines.open_loop_states import shows_forces
 from estexp_jax.physics.model.actuators import inputs_of
 from estexp_jax.physics.model.robot import Robot
@@ -39,6 +43,7 @@ class PlainReplay:
         robot: the nominal robot, whose commands, states and sensors windows have.
         model: what is stepped; elements that both have go by the same names.
         begin: gives what takes steps, of the model and a state; None: MuJoCo does.
+        changes: what is in the model: windows start where its faulty sensors say that the robot was.
     """
 
     def __init__(
@@ -46,7 +51,9 @@ class PlainReplay:
         robot: Robot,
         model: mujoco.MjModel,
         begin: Callable[[mujoco.MjModel, mujoco.MjData], Stepper] | None = None,
+        changes: Sequence[Change] = (),
     ) -> None:
+        self._changes = tuple(changes)
         self._robot, self._model, self._begin = robot, copy(model), begin or (lambda *_: self._step)
         motors = [model.actuator(name).id for name in robot.names("actuator") if _has(model, "actuator", name)]
         own = [robot.index("actuator", model.actuator(a).name) for a in motors]
@@ -67,7 +74,7 @@ class PlainReplay:
         """Readings and states (windows, rows, ...) of the robot's own sensors and joints; NaN once it blew up."""
         paused = shows_forces(self._robot)
         with mujoco_warnings_suppressed():
-            found = [self._one(w.with_pauses if paused else w) for w in windows]
+            found = [self._one(w.with_pauses if paused else w) for w in self._started(windows)]
         rows = max(w.rows for w in windows)
         tables = []
         for part in range(3):
@@ -76,6 +83,16 @@ class PlainReplay:
                 table[i, : len(one[part])] = one[part]
             tables.append(table)
         return OpenLoopRollout(*tables)
+
+    def _started(self, windows: Sequence[Window]) -> Sequence[Window]:
+        """Windows with the initial states that go with the changes."""
+        if not self._changes:
+            return windows
+        effects = catalogue(dict.fromkeys(c.effect for c in self._changes))
+        values = stack([encode(self._robot, effects, self._changes)] * len(windows))
+        starts = initial_states(self._robot, effects, values, list(windows), np.float64)
+        pairs = zip(windows, *starts, strict=True)
+        return [replace(w, start=w.start._replace(qpos=qpos, qvel=qvel)) for w, qpos, qvel in pairs]
 
     def _one(self, window: Window) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         robot, steps = self._robot, window.steps
