@@ -49,6 +49,7 @@ def explain(
     most: int = 5,
     effects: Sequence[str] | None = (),
     engine: Literal["auto", "lanes", "c", "mjx"] = "auto",
+    for_: Literal["mujoco", "mjx"] = "mujoco",
     seed: int = 0,
     progress: Callable[[Step], None] | None = None,
 ) -> ExplainResult:
@@ -67,6 +68,7 @@ def explain(
         most: largest number of effects in an explanation.
         effects: names of the effects to consider; empty or None: all that it can, and those that were registered.
         engine: auto, lanes, c or mjx.
+        for_: what simulates the corrected model later: for mjx, it keeps to the elements that MJX has.
         seed: of the resampling behind probabilities and intervals.
         progress: called with each step of the work.
 
@@ -76,7 +78,7 @@ def explain(
     files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
     well = logs_of(healthy, "healthy_frame")
     inputs = read_inputs(files, test=tests, healthy=well, maps=list(map), root=root)
-    config = explain_config_of(window, most, effects, seed, engine)
+    config = explain_config_of(window, most, effects, seed, engine, for_)
     return run_explanation(inputs, config, {}, progress or (lambda _: None))
 
 
@@ -94,7 +96,9 @@ def explain_to_folder(options: ExplainOptions) -> WrittenExplanation:
     Raises:
         InputError: an input or option is wrong, or the folder cannot be used.
     """
-    config = explain_config_of(options.window, options.most, options.effects, options.seed, options.engine)
+    config = explain_config_of(
+        options.window, options.most, options.effects, options.seed, options.engine, options.for_
+    )
     tests = [path for group in options.test for path in group]
     healthy = [path for group in options.healthy for path in group]
     inputs = read_inputs(options.files, test=tests, healthy=healthy, maps=options.map, root=options.root)
@@ -102,7 +106,8 @@ def explain_to_folder(options: ExplainOptions) -> WrittenExplanation:
     files = {"files": options.files, "test": tests, "map": options.map, "window": window}
     files |= {"healthy": healthy} if healthy else {}
     chosen = {"most": config.most, "effects": config.effects, "seed": config.seed, "engine": config.engine}
-    marker = {"command": "explain", "config": {**files, **chosen}}
+    meant = {"for": options.for_} if config.for_mjx else {}  # runs begun before there was such an option go on
+    marker = {"command": "explain", "config": {**files, **chosen, **meant}}
     folder = open_run(options.out, force=options.force, resume=options.resume, marker=marker)
     result = _explain_with_progress(inputs, config, folder)
     report, missing = write_explanation(folder, result.diagnosis, result.findings, pictures=options.pictures)
@@ -110,7 +115,12 @@ def explain_to_folder(options: ExplainOptions) -> WrittenExplanation:
 
 
 def explain_config_of(
-    window: float | str, most: int, effects: Sequence[str] | None, seed: int, engine: str = "auto"
+    window: float | str,
+    most: int,
+    effects: Sequence[str] | None,
+    seed: int,
+    engine: str = "auto",
+    for_: str = "mujoco",
 ) -> ExplainConfig:
     """The configuration of these choices.
 
@@ -123,7 +133,7 @@ def explain_config_of(
         if name not in every:
             raise InputError(f"'{name}' is not an effect to explain with", where="--effects", right=known(every))
     length = float("inf") if window == "full" else float(window)
-    return ExplainConfig(window=length, most=most, effects=chosen, seed=seed, engine=engine)
+    return ExplainConfig(window=length, most=most, effects=chosen, seed=seed, engine=engine, for_mjx=for_ == "mjx")
 
 
 def cases_of(inputs: Inputs) -> tuple[Case, Case | None]:

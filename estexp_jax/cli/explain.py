@@ -22,7 +22,7 @@ def explain_command(options: ExplainOptions) -> int:
     print(written.result.summary())
     native = written.result.diagnosis.native
     for change, why in native.left_out:
-        print(f"model_explained.xml is without {change.place}: {why}; load_explained has it.")
+        print(f"model_explained.xml is without {change.place}: {why}; explained.py has it.")
     print(_model_line(written.result.diagnosis.findings["fit"]))
     if native.fine:
         print("model_explained_fine.xml predicts better: it takes a finer step.")

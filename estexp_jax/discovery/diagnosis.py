@@ -58,6 +58,7 @@ class ExplainConfig:
         effects: names of the effects to consider.
         seed: of the resampling behind probabilities and intervals.
         engine: auto, lanes, c or mjx.
+        for_mjx: whether the corrected model is meant for MJX, so that it keeps to what that simulates.
     """
 
     window: float = 2.0
@@ -65,6 +66,7 @@ class ExplainConfig:
     effects: tuple[str, ...] = field(default_factory=explaining)
     seed: int = 0
     engine: str = "auto"
+    for_mjx: bool = False
 
 
 @final

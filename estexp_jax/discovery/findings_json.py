@@ -32,6 +32,8 @@ from estexp_jax.discovery.time_step_check import Step, step_of, to_blame
 from estexp_jax.discovery.verdict import bent_values, verdict
 from estexp_jax.discovery.when import never, when
 from estexp_jax.physics.effects.changes import Change
+from estexp_jax.physics.effects.written import mjcf_refusal
+from estexp_jax.physics.engines.mjx.native import mjx_refusal
 
 
 @final
@@ -123,7 +125,9 @@ def _native(
     beside = [] if judged == "parameters" else [c for c in changes if c not in found.claimed]
     told = [*case.standing, *(c for c in changes if c not in beside)]
     refitted = (*case.standing, *_at_work(found.fits["sayable"]))
-    return native_model(case, found.shown, told, beside, refitted, finer=finer, fine_only=fine_only, seed=config.seed)
+    how: dict[str, Any] = {"finer": finer, "fine_only": fine_only, "seed": config.seed}
+    how["refusal"] = mjx_refusal if config.for_mjx else mjcf_refusal
+    return native_model(case, found.shown, told, beside, refitted, **how)
 
 
 def _shown(found: Found) -> Shown:

@@ -6,14 +6,14 @@ test recordings only say how far the file is off.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import final
 
 import mujoco
 import numpy as np
 
 from estexp_jax.discovery.diagnosis import Case, NativeModel
-from estexp_jax.discovery.export import explained_spec, expressible
+from estexp_jax.discovery.export import explained_spec
 from estexp_jax.discovery.findings import told_change
 from estexp_jax.discovery.intervals import ratio_interval
 from estexp_jax.discovery.problem import Problem
@@ -24,15 +24,17 @@ from estexp_jax.physics.engines.c.plain_replay import PlainReplay
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.window import Window
 
+Refusal = Callable[[Robot, Change], str]
+"""Why a file has no place for a change of a robot; empty where it has one."""
 _MOST_WINDOWS = 16
 """Windows of training recordings on which files are compared: they are stepped one by one."""
 _PLAINLY = 2.0
 """Convention: squared error by which a second file has to be better to be written."""
 
 
-def as_found(robot: Robot, change: Change) -> Change | None:
+def as_found(robot: Robot, change: Change, refusal: Refusal = mjcf_refusal) -> Change | None:
     """A change as MJCF holds it: itself, or as it is reported; None where there is no place for either."""
-    return next((c for c in (change, told_change(change)) if expressible(robot, c)), None)
+    return next((c for c in (change, told_change(change)) if not refusal(robot, c)), None)
 
 
 def native_model(
@@ -45,6 +47,7 @@ def native_model(
     finer: int,
     fine_only: bool,
     seed: int,
+    refusal: Refusal = mjcf_refusal,
 ) -> NativeModel:
     """What the file of an explanation holds.
 
@@ -57,11 +60,12 @@ def native_model(
         finer: part of the model's own step that the explained simulator takes.
         fine_only: whether the user's step is what is wrong.
         seed: of the resampling.
+        refusal: why the file has no place for a change.
     """
     robot, stepped, own = case.robot, Stepped(case, shown), finer if fine_only else 1
-    held = [c for c in (as_found(robot, c) for c in claimed) if c is not None]
+    held = [c for c in (as_found(robot, c, refusal) for c in claimed) if c is not None]
     kept, failed = _compiling(robot, held)
-    refused = [(c, mjcf_refusal(robot, c)) for c in claimed if as_found(robot, c) is None]
+    refused = [(c, refusal(robot, c)) for c in claimed if as_found(robot, c, refusal) is None]
     left_out = (*refused, *((c, "it does not go with the others") for c in failed))
     train = stepped.some_of("train")
     changes = kept
@@ -74,7 +78,7 @@ def native_model(
         costs = stepped.costs(changes, own, train)
         fine = finer > own and ratio_interval(costs, stepped.costs(changes, finer, train), seed)[0] > _PLAINLY
         if left_out:
-            other = _compiling(robot, [c for c in refitted if expressible(robot, c)])[0]
+            other = _compiling(robot, [c for c in refitted if not refusal(robot, c)])[0]
             better = ratio_interval(costs, stepped.costs(other, own, train), seed)[0] > _PLAINLY
             stand_in = other if better else None
     test = shown.windows_of(case.indices("test"))
@@ -117,7 +121,7 @@ class Stepped:
             own = [w for w in missing if robots[cut[w].recording] is robot]
             step = float(robot.model.opt.timestep) / finer
             segments = [cut[w] if finer == 1 else cut[w].stepped(step) for w in own]
-            replay = PlainReplay(robot, stepped_model(robot, changes, segments))
+            replay = PlainReplay(robot, stepped_model(robot, changes, segments), changes=changes)
             for w, readings in zip(own, problem.channels.simulated(replay.replay(segments)), strict=True):
                 self._readings[name, finer, w] = readings
             problem.counted[0] += sum(s.steps.n_steps for s in segments)

@@ -8,6 +8,7 @@ from estexp_jax.discovery.native_model import Stepped, native_model, stepped_mod
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.engines.c.plain_replay import PlainReplay
+from estexp_jax.physics.engines.mjx.native import mjx_refusal
 from estexp_jax.physics.model.robot import Robot
 from tests.discovery.planted import Plant, case_of, problem_of
 from tests.physics.exported import motion, ours, robot_of
@@ -31,6 +32,11 @@ def test_the_file_of_a_late_command_predicts_what_the_findings_do(late):
     model, nothing = _model(late, [DELAY]), _model(late, [])
     assert model.changes == (DELAY,) and model.left_out == () and model.finer == 1
     assert model.errors["test"] < 0.15 * nothing.errors["test"]
+
+
+def test_a_file_for_mjx_has_none_of_what_that_ignores(late):
+    model = native_model(*late, [DELAY, HEAVIER], [], [], finer=1, fine_only=False, seed=0, refusal=mjx_refusal)
+    assert model.changes == (HEAVIER,) and [why for _, why in model.left_out] == ["MJX ignores delays"]
 
 
 def test_values_that_were_fitted_beside_stay_unless_that_costs(late):

@@ -70,13 +70,21 @@ def _stepped_alone(posterior: Randomisation, fields: dict[str, np.ndarray]) -> n
             getattr(model, name)[...] = values
 
 
-def test_draws_step_in_mjx_where_it_has_their_elements():
+def test_a_hundred_draws_step_in_mjx_where_it_has_their_elements():
     found, intervals = FOUND[1:3], {k: v for k, v in INTERVALS.items() if "delay" not in k[0]}
     posterior = randomisation_of(robot_of("servos"), found, intervals, draws=20, seed=0)
     nominal = mjx.put_model(posterior.model)
-    fields = {k: v for k, v in posterior.fields(4, seed=1).items() if hasattr(nominal, k)}
+    drawn = posterior.fields(100, seed=1)
+    fields = {k: v for k, v in drawn.items() if hasattr(nominal, k)}
     models = nominal.replace(**{k: jax.numpy.asarray(v) for k, v in fields.items()})
     axes = jax.tree.map(lambda _: None, nominal).replace(**dict.fromkeys(fields, 0))
-    data = mjx.make_data(posterior.model).replace(ctrl=jax.numpy.array([0.6, -0.4]))
+    data = mjx.make_data(posterior.model).replace(ctrl=jax.numpy.array([0.1, -0.1]))  # MJX brakes motors at limits
     after = jax.vmap(mjx.step, in_axes=(axes, None))(models, data)
-    assert np.isfinite(after.qvel).all() and np.asarray(after.qvel).std(axis=0).max() > 1e-5
+    assert after.qvel.shape == (100, 2) and np.asarray(after.qvel).std(axis=0).max() > 1e-5
+    batch = mujoco.batch.Batch(posterior.model, 100, nthread=1)
+    for name, values in drawn.items():
+        batch.expand(name)[...] = values
+    batch.bind("ctrl")[:] = [0.1, -0.1]
+    moved = batch.bind("qvel")
+    batch.step()
+    np.testing.assert_allclose(after.qvel, moved, atol=2e-4)

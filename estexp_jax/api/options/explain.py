@@ -48,6 +48,8 @@ class ExplainOptions(CheckedOptions):
     """Names of the effects to consider; without any, all."""
     engine: Literal["auto", "lanes", "c", "mjx"] = "auto"
     """What simulates: lanes, the fast one, where it can simulate the robot; else c, MuJoCo itself (mjx on a GPU)."""
+    for_: Annotated[Literal["mujoco", "mjx"], tyro.conf.arg(name="for")] = "mujoco"
+    """What simulates model_explained.xml later: for mjx, it keeps to the elements that MJX has."""
     seed: Annotated[int, SEEDS] = 0
     """Of the resampling behind probabilities and intervals."""
     pictures: bool = True

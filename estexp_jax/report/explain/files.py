@@ -17,6 +17,8 @@ from estexp_jax.discovery.export import (
     explained_model,
     explained_spec,
 )
+from estexp_jax.discovery.native_model import as_found
+from estexp_jax.physics.engines.standalone.script import explained_script
 from estexp_jax.physics.model.portable import portable
 from estexp_jax.recordings.write import write_csv
 from estexp_jax.report.drawing.gl import NoGlError
@@ -28,6 +30,8 @@ from estexp_jax.runs.model_files import write_model, write_model_files
 
 EFFECTS_SCHEMA = "estexp.effects/1"
 """Format of `effects.json`."""
+SCRIPT = "explained.py"
+"""What was found, over plain MuJoCo."""
 COMPETING_SCHEMA = "estexp.rivals/1"
 """Format of `rivals.json`."""
 
@@ -62,6 +66,9 @@ def write_explanation(
         # Files that a model includes are written once, for the first: the others are of one piece.
         own = folder.path if name == EXPLAINED_FILE else None
         write_model_files(folder, name, explained_model(robot, held, native.left_out, finer, own))
+    file = explained_spec(robot, native.changes, native.finer).compile()
+    marked_changes = [(c, as_found(robot, c) in native.changes) for c in diagnosis.changes]
+    write_text(folder.file(SCRIPT), explained_script(robot, marked_changes, diagnosis.finer, file))
     write_model(folder, NOMINAL_FILE, portable(explained_spec(robot, ())))
     changes = [change.to_json() for change in diagnosis.changes]
     effects = {"schema": EFFECTS_SCHEMA, "nominal": "nominal.xml", "finer": diagnosis.finer, "changes": changes}

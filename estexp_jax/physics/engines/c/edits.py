@@ -12,11 +12,11 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.effects.base import Edit
+from estexp_jax.physics.effects.base import NEVER, Edit
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
 from estexp_jax.physics.engines.c.instances import at_work
-from estexp_jax.physics.engines.c.lane_models import LaneModels, c_field_of
+from estexp_jax.physics.engines.c.lane_models import ARMED, LaneModels, c_field_of
 from estexp_jax.physics.model.robot import Robot
 
 _PROGRAMS = 512
@@ -84,6 +84,34 @@ def _edit(robot: Robot, e: Edit, models: LaneModels, values: np.ndarray, lanes: 
             models.own(name)[lanes[index]] = x
         written |= set(found)
     return written
+
+
+def fields_after_edit(
+    robot: Robot, e: Edit, values: np.ndarray, field: Callable[[str], np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The fields that an edit writes into one model; limits that it asks for only where they have an effect.
+
+    Args:
+        robot: the nominal robot.
+        e: the edit.
+        values: (n_sites, n_parameters).
+        field: gives a field of the model.
+    """
+    armed = dict[str, np.ndarray]()
+    if e.arms:
+        models = LaneModels(robot, {}, [0])
+        models.arm(set(e.arms), np.array([0]))
+        names = (name for pair in ARMED for name in pair if models.batch.expanded(name) is not None)
+        armed = {name: np.array(models.read(name)[0]) for name in names}
+    reads, program = _program(robot, e)
+    given = {name: np.asarray(armed.get(name, field(name)), float)[None] for name in reads}
+    with _ONE_AT_A_TIME, jax.enable_x64(True):
+        found = armed | {name: np.array(x)[0] for name, x in program(given, values[None]).items()}
+    for switch, limits in ARMED:
+        if limits in armed:
+            without = (found[limits] == (-NEVER, NEVER)).all(axis=1)
+            found[switch][without], found[limits][without] = field(switch)[without], field(limits)[without]
+    return found
 
 
 @lru_cache(maxsize=_PROGRAMS)

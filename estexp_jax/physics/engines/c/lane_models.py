@@ -68,6 +68,10 @@ def _lane_model(robot: Robot, *, simple: bool, finer: bool) -> mujoco.MjModel:
     return spec.compile()
 
 
+ARMED = ("jnt_limited", "jnt_range"), ("actuator_forcelimited", "actuator_forcerange")
+"""Switches and limits that `LaneModels.arm` may give a model without effect."""
+
+
 @final
 class LaneModels:
     """The models of some lanes.

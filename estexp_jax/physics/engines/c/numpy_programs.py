@@ -25,7 +25,7 @@ from estexp_jax.physics.engines.c.numpy_operations import (
 
 _NAMES = {name: getattr(np, name) for name in dir(np) if not name.startswith("_")}
 _WORD = re.compile(r"\b[av]\d+\b")
-_CALLS = ("jit", "pjit", "closed_call", "core_call", "custom_jvp_call", "custom_vjp_call", "remat")
+NESTED = ("jit", "pjit", "closed_call", "core_call", "custom_jvp_call", "custom_vjp_call", "remat")
 """Operations that are functions of their own."""
 
 
@@ -112,7 +112,7 @@ class _Lines:
 
     def _take(self, equation: Any, values: dict[Any, Operand]) -> None:
         name, operands = equation.primitive.name, [self._operand(var, values) for var in equation.invars]
-        if name in _CALLS:
+        if name in NESTED:
             self._call(equation, operands, values)
             return
         if name == "split":

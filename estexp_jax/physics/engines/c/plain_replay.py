@@ -6,16 +6,21 @@ activations, bristles, rotors) is made by rolling it along the recorded path bef
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import final
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import replace
+from typing import Any, final
 
 import mujoco
 import numpy as np
 
 from estexp_jax.physics.command_schedule import physics_steps
+from estexp_jax.physics.effects.changes import Change, encode, stack
+from estexp_jax.physics.effects.registry import catalogue
 from estexp_jax.physics.effects.written import carried_over, joint_addresses, same_joints
 from estexp_jax.physics.engines.c.motor_scales import with_switched_motors
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout
+from estexp_jax.physics.engines.open_loop_inputs import initial_states
 from estexp_jax.physics.engines.open_loop_states import shows_forces
 from estexp_jax.physics.model.actuators import inputs_of
 from estexp_jax.physics.model.robot import Robot
@@ -24,6 +29,8 @@ from estexp_jax.physics.window import Window
 
 _ROLLED = 2.0
 """Time before a window along which the model is rolled at most, s."""
+Stepper = Callable[[mujoco.MjModel, mujoco.MjData, np.ndarray], Any]
+"""Takes one step of a model's length, given which motors (nactuator,) are on."""
 _TOO_FAST = 1e6
 """Speed of a simulation that blew up."""
 
@@ -35,10 +42,19 @@ class PlainReplay:
     Args:
         robot: the nominal robot, whose commands, states and sensors windows have.
         model: what is stepped; elements that both have go by the same names.
+        begin: gives what takes steps, of the model and a state; None: MuJoCo does.
+        changes: what is in the model: windows start where its faulty sensors say that the robot was.
     """
 
-    def __init__(self, robot: Robot, model: mujoco.MjModel) -> None:
-        self._robot, self._model = robot, model
+    def __init__(
+        self,
+        robot: Robot,
+        model: mujoco.MjModel,
+        begin: Callable[[mujoco.MjModel, mujoco.MjData], Stepper] | None = None,
+        changes: Sequence[Change] = (),
+    ) -> None:
+        self._changes = tuple(changes)
+        self._robot, self._model, self._begin = robot, copy(model), begin or (lambda *_: self._step)
         motors = [model.actuator(name).id for name in robot.names("actuator") if _has(model, "actuator", name)]
         own = [robot.index("actuator", model.actuator(a).name) for a in motors]
         self._motors, self._own_motors = np.array(motors, int), np.array(own, int)
@@ -52,12 +68,13 @@ class PlainReplay:
             if model.joint(j).name in robot.names("joint")
         ]
         self._switched: dict[bytes, mujoco.MjModel] = {}
+        self._timestep = float(model.opt.timestep)
 
     def replay(self, windows: Sequence[Window]) -> OpenLoopRollout:
         """Readings and states (windows, rows, ...) of the robot's own sensors and joints; NaN once it blew up."""
         paused = shows_forces(self._robot)
         with mujoco_warnings_suppressed():
-            found = [self._one(w.with_pauses if paused else w) for w in windows]
+            found = [self._one(w.with_pauses if paused else w) for w in self._started(windows)]
         rows = max(w.rows for w in windows)
         tables = []
         for part in range(3):
@@ -67,9 +84,19 @@ class PlainReplay:
             tables.append(table)
         return OpenLoopRollout(*tables)
 
+    def _started(self, windows: Sequence[Window]) -> Sequence[Window]:
+        """Windows with the initial states that go with the changes."""
+        if not self._changes:
+            return windows
+        effects = catalogue(dict.fromkeys(c.effect for c in self._changes))
+        values = stack([encode(self._robot, effects, self._changes)] * len(windows))
+        starts = initial_states(self._robot, effects, values, list(windows), np.float64)
+        pairs = zip(windows, *starts, strict=True)
+        return [replace(w, start=w.start._replace(qpos=qpos, qvel=qvel)) for w, qpos, qvel in pairs]
+
     def _one(self, window: Window) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         robot, steps = self._robot, window.steps
-        data = self._remembering(window)
+        data, step = self._remembering(window)
         widths = robot.model.nsensordata, robot.model.nq, robot.model.nv
         sensors, qpos, qvel = (np.full((window.rows, n), np.nan) for n in widths)
         rows = {int(k): row for row, k in enumerate(steps.sample)}
@@ -77,44 +104,56 @@ class PlainReplay:
         last = np.flatnonzero(steps.length)[-1]
         for k in range(steps.n_steps + 1):
             now = min(k, steps.n_steps - 1)
-            own = self._with_motors(on[now])
             data.ctrl[self._ctrl] = commands[now][self._own_ctrl]
             row = rows.get(k)
             if row is not None:
                 for q, v, own_q, own_v in self._joints:
                     qpos[row, own_q], qvel[row, own_v] = data.qpos[q], data.qvel[v]
             if k < steps.n_steps and steps.length[k] == 0.0:
-                mujoco.mj_forward(own, data)
+                mujoco.mj_forward(self._with_motors(self._switches(on[now])), data)
             else:
-                own.opt.timestep = steps.length[k] if k < steps.n_steps else steps.length[last]
-                mujoco.mj_step(own, data)
+                self._model.opt.timestep = steps.length[k] if k < steps.n_steps else steps.length[last]
+                step(self._model, data, self._switches(on[now]))
             if row is not None:
                 sensors[row, self._columns[0]] = data.sensordata[self._columns[1]]
             if not np.all(np.abs(data.qvel) < _TOO_FAST):
                 break
         return sensors, qpos, qvel
 
-    def _remembering(self, window: Window) -> mujoco.MjData:
-        """The state at a window's start, and all that the model remembers there."""
+    def _remembering(self, window: Window) -> tuple[mujoco.MjData, Stepper]:
+        """The state at a window's start, with all that the model remembers there, and what steps it."""
         path, start, first = window.path, window.start, window.first
         time = window.history.time
         since = first if path is None else int(np.searchsorted(time, time[first] - _ROLLED))
         qpos, qvel = (start.qpos, start.qvel) if path is None else (path.qpos[since], path.qvel[since])
+        self._model.opt.timestep = self._timestep
         data = self._resting(window, since, qpos, qvel)
+        step = self._begin(self._model, data)
         if path is not None and first > since:
-            steps = physics_steps(time[since : first + 1], float(self._model.opt.timestep))
+            steps = physics_steps(time[since : first + 1], self._timestep)
             commands = window.history.mean(steps.start, steps.length, *_as_logged(self._robot))
             for k in range(steps.n_steps):
                 fraction = (steps.start[k] - time[since + steps.row[k]]) / np.diff(time)[since + steps.row[k]]
                 row = since + steps.row[k]
                 self._place(data, path.qpos[row] + fraction * (path.qpos[row + 1] - path.qpos[row]), path.qvel[row])
-                own = self._with_motors(window.enable[row])
-                own.opt.timestep = steps.length[k]
+                self._model.opt.timestep = steps.length[k]
                 data.ctrl[self._ctrl] = commands[k][self._own_ctrl]
-                mujoco.mj_step(own, data)
+                step(self._model, data, self._switches(window.enable[row]))
         self._place(data, start.qpos, start.qvel)
         data.time = window.steps.start[0]
-        return data
+        return data, step
+
+    def _step(self, model: mujoco.MjModel, data: mujoco.MjData, switches: np.ndarray) -> None:
+        """One step of MuJoCo's own."""
+        own = self._with_motors(switches)
+        own.opt.timestep = model.opt.timestep
+        mujoco.mj_step(own, data)
+
+    def _switches(self, on: np.ndarray) -> np.ndarray:
+        """Which motors of the model are on, of the robot's."""
+        switches = np.ones(self._model.nactuator)
+        switches[self._motors] = on[self._own_motors]
+        return switches
 
     def _resting(self, window: Window, row: int, qpos: np.ndarray, qvel: np.ndarray) -> mujoco.MjData:
         """A robot that has been in a state, under its command, for long."""
@@ -159,12 +198,10 @@ class PlainReplay:
         for q, v, own_q, own_v in self._joints:
             data.qpos[q], data.qvel[v] = qpos[own_q], qvel[own_v]
 
-    def _with_motors(self, on: np.ndarray) -> mujoco.MjModel:
-        """The model with the robot's motors on or off."""
-        key = on.tobytes()
+    def _with_motors(self, switches: np.ndarray) -> mujoco.MjModel:
+        """The model with motors on or off."""
+        key = switches.tobytes()
         if key not in self._switched:
-            switches = np.ones(self._model.nactuator)
-            switches[self._motors] = on[self._own_motors]
             self._switched[key] = with_switched_motors(self._model, switches)
         return self._switched[key]
 
