@@ -43,7 +43,7 @@ def drawn_onto(ax: Any) -> Iterator[None]:
         _CANVAS.reset(token)
 
 
-def drawn(draw: Callable[[], Any], ax: Any = None) -> Picture:
+def picture_of(draw: Callable[[], Any], ax: Any = None) -> Picture:
     """A figure as a picture; with `ax` the caller's whole figure, in which it stands where those axes were.
 
     Raises:

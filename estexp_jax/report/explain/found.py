@@ -101,8 +101,8 @@ def claimed_effects(findings: Mapping[str, Any]) -> tuple[ClaimedEffect, ...]:
     """The entries of `what`."""
     found = []
     for entry in findings["what"]:
-        numbers = {name: ClaimedNumber(**number) for name, number in entry["parameters"].items()}
-        found.append(ClaimedEffect(**{**entry, "parameters": numbers}))
+        parameters = {name: ClaimedNumber(**number) for name, number in entry["parameters"].items()}
+        found.append(ClaimedEffect(**{**entry, "parameters": parameters}))
     return tuple(found)
 
 

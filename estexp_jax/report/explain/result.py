@@ -11,7 +11,7 @@ from estexp_jax.discovery.clock_doubt import clock_lines
 from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.law_findings import joint_unit
 from estexp_jax.replay.explained_simulator import ExplainedSimulator
-from estexp_jax.report.drawing.onto import drawn
+from estexp_jax.report.drawing.onto import picture_of
 from estexp_jax.report.drawing.picture import Picture
 from estexp_jax.report.explain.competing_models import figure_competing_models
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where
@@ -87,19 +87,19 @@ class ExplainResult:
         Args:
             ax: axes of the caller's, made by matplotlib's `subplots`, in whose place it is drawn; so in all of these.
         """
-        return drawn(lambda: figure_where(self.diagnosis), ax)
+        return picture_of(lambda: figure_where(self.diagnosis), ax)
 
     def plot_fit(self, ax: Any = None) -> Picture:
         """A test recording, before and after."""
-        return drawn(lambda: figure_fit(self.diagnosis), ax)
+        return picture_of(lambda: figure_fit(self.diagnosis), ax)
 
     def plot_rivals(self, ax: Any = None) -> Picture:
         """Test and training errors of the nominal simulator, the competing models and the explanation."""
-        return drawn(lambda: figure_competing_models(self.findings), ax)
+        return picture_of(lambda: figure_competing_models(self.findings), ax)
 
     def plot_ranking(self, ax: Any = None) -> Picture:
         """All explanations tried, by how they predict held-out windows."""
-        return drawn(lambda: figure_ranking(self.diagnosis), ax)
+        return picture_of(lambda: figure_ranking(self.diagnosis), ax)
 
     def plot_laws(self) -> list[Picture]:
         """Each unknown law's force over position and speed, beside what its joint lacks; [] where none was found."""

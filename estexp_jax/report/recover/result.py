@@ -13,7 +13,7 @@ from estexp_jax.recovery.cycle import Job, job_of, run_cycle
 from estexp_jax.recovery.reality_gap_target import RealityGapTarget
 from estexp_jax.recovery.state import Pass, RunState
 from estexp_jax.recovery.target import SameTarget
-from estexp_jax.report.drawing.onto import drawn
+from estexp_jax.report.drawing.onto import picture_of
 from estexp_jax.report.drawing.picture import Picture
 from estexp_jax.report.recover.figure import path_figure, progress_figure
 from estexp_jax.report.recover.files import write_recovery
@@ -94,12 +94,12 @@ class RecoverRun:
             ax: axes of the caller's, made by matplotlib's `subplots`, in whose place it is drawn.
         """
         axis, stands_in = self.job.settings.axis, self.job.stands_in
-        return drawn(lambda: progress_figure(self.state, axis, stands_in=stands_in), ax)
+        return picture_of(lambda: progress_figure(self.state, axis, stands_in=stands_in), ax)
 
     def plot_paths(self, ax: Any = None) -> Picture:
         """The paths of the robot: before the damage, after it, and in the last trial."""
         axis, stands_in = self.job.settings.axis, self.job.stands_in
-        return drawn(lambda: path_figure(self.state, axis, stands_in=stands_in), ax)
+        return picture_of(lambda: path_figure(self.state, axis, stands_in=stands_in), ax)
 
     def write(self, out: str | Path, *, force: bool = False, pictures: bool = True) -> Path:
         """Write results and report into a folder, as the command does; gives the report's path.
