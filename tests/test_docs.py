@@ -9,7 +9,10 @@ import sys
 
 import pytest
 
+from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects import registry
+from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.columns import UNITS
 from tests.conftest import ROOT
 
@@ -17,6 +20,8 @@ DOCS = ROOT / "docs"
 PAGES = sorted(path.name for path in DOCS.glob("*.md"))
 OF_EACH_COMMAND = ("files.py", "page.py", "result.py", "run.py", "text.py")
 """Names that files have in several folders: a table may tell them without one."""
+RUN_ELSEWHERE = ["recovering.md"]
+"""Its program drives a robot in `tests/api/test_recover.py`."""
 WITH_EXAMPLES = ["effects.md", "engines.md", "recordings.md", "report.md"]
 
 
@@ -25,7 +30,7 @@ def blocks(page: str) -> list[str]:
 
 
 def test_every_page_with_examples_is_run():
-    assert [page for page in PAGES if blocks(page)] == WITH_EXAMPLES
+    assert [page for page in PAGES if blocks(page)] == sorted(WITH_EXAMPLES + RUN_ELSEWHERE)
 
 
 @pytest.mark.parametrize("page", WITH_EXAMPLES)
@@ -72,6 +77,21 @@ def test_files_that_pages_name_by_room_and_what_stands_in_them_exist(page, fewes
         assert file is not None or path in OF_EACH_COMMAND, path
         for name in re.findall(r"\w+", names):
             assert file is not None and re.search(rf"\b{name}\b", file.read_text(encoding="utf-8")), (path, name)
+
+
+def test_the_page_of_effects_is_that_of_the_registry_and_its_examples_can_be_planted(monkeypatch):
+    monkeypatch.setattr(registry, "_EFFECTS", {n: e for n, e in registry._EFFECTS.items() if e not in registry.own()})
+    spec = importlib.util.spec_from_file_location("generate_effects", DOCS / "generate_effects.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    page = (DOCS / "effects_reference.md").read_text(encoding="utf-8")
+    assert module.reference() == page, "run: python docs/generate_effects.py"
+    planted = re.findall(r'models/(\w+)\.xml --effect "(.*)"', page)
+    robots = {name: Robot.from_xml(model_path(name)) for name in ("leg", "quadruped")}
+    assert len(planted) >= 40
+    for robot, text in planted:
+        parse_change(text, robots[robot])
 
 
 @pytest.mark.slow

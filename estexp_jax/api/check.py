@@ -8,6 +8,7 @@ from pathlib import Path
 from estexp_jax.api.options.check import CheckOptions
 from estexp_jax.api.options.keywords import front_door
 from estexp_jax.errors import InputError
+from estexp_jax.physics.model.given import ModelLike, path_or_robot
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.frames import Logs, logs_of
 from estexp_jax.recordings.inputs import Inputs, is_manifest, read_inputs
@@ -20,7 +21,7 @@ from estexp_jax.runs import open_run
 
 @front_door(CheckOptions)
 def check(
-    model: str | Path,
+    model: ModelLike,
     recordings: Logs = (),
     *,
     test: Logs = (),
@@ -30,7 +31,8 @@ def check(
     """Read and judge recordings: clock, units, sensors, saturation, lags, which joints move enough to tell what.
 
     Args:
-        model: the nominal MJCF; or a `recordings.toml` that names model, recordings and columns.
+        model: the nominal robot: a path, MJCF text, an MjSpec, an MjModel or a Robot; or a `recordings.toml` that names
+            model, recordings and columns.
         recordings: a log or several: paths, a glob, data frames, dictionaries of arrays.
         test: logs that are kept for the test; as recordings.
         map: `ours=theirs` for logs with other column names.
@@ -39,7 +41,7 @@ def check(
     Raises:
         InputError: a keyword is wrong, or a file cannot be read.
     """
-    files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
+    files, tests = [path_or_robot(model), *logs_of(recordings)], logs_of(test, "test_frame")
     return check_inputs(read_inputs(files, test=tests, maps=list(map), mend=True, root=root))
 
 

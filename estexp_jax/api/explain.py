@@ -15,6 +15,7 @@ from estexp_jax.discovery.explain import explain as explain_case
 from estexp_jax.discovery.fitting import Progress as Step
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.engines.choice import left_out_by
+from estexp_jax.physics.model.given import ModelLike, path_or_robot
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.frames import Logs, logs_of
@@ -38,7 +39,7 @@ from estexp_jax.runs import (
 
 @front_door(ExplainOptions)
 def explain(
-    model: str | Path,
+    model: ModelLike,
     recordings: Logs = (),
     *,
     test: Logs = (),
@@ -56,7 +57,8 @@ def explain(
     """Find the physics that a simulator lacks, from recordings of the robot.
 
     Args:
-        model: the nominal MJCF; or a `recordings.toml` that names model, recordings and columns.
+        model: the nominal robot: a path, MJCF text, an MjSpec, an MjModel or a Robot; or a `recordings.toml` that names
+            model, recordings and columns.
         recordings: a log to learn from or several: paths, a glob, data frames, dictionaries of arrays.
         test: logs to prove it on; as recordings. Without any, the last recording is kept back; of a single one, its
             last 30 %.
@@ -75,7 +77,7 @@ def explain(
     Raises:
         InputError: a keyword, a value or a file is wrong, or the model cannot be simulated.
     """
-    files, tests = [str(model), *logs_of(recordings)], logs_of(test, "test_frame")
+    files, tests = [path_or_robot(model), *logs_of(recordings)], logs_of(test, "test_frame")
     well = logs_of(healthy, "healthy_frame")
     inputs = read_inputs(files, test=tests, healthy=well, maps=list(map), root=root)
     config = explain_config_of(window, most, effects, seed, engine, for_)

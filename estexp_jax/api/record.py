@@ -9,6 +9,7 @@ from estexp_jax.api.options.keywords import front_door
 from estexp_jax.api.options.record import RecordOptions
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.engines.choice import left_out_by
+from estexp_jax.physics.model.given import ModelLike, robot_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.replay.synthetic_recordings import RecordConfig, RecordResult, write_recordings
 from estexp_jax.runs import ProgressDisplay, open_run
@@ -16,7 +17,7 @@ from estexp_jax.runs import ProgressDisplay, open_run
 
 @front_door(RecordOptions)
 def record(
-    model: str | Path,
+    model: ModelLike,
     out: str | Path,
     *,
     effect: Sequence[str] = (),
@@ -32,7 +33,7 @@ def record(
     """Simulate a robot with chosen effects, and write what it would have logged.
 
     Args:
-        model: the nominal MJCF.
+        model: the nominal robot: a path, MJCF text, an MjSpec, an MjModel or a Robot.
         out: the folder that the recordings go to.
         effect: effects that the robot has and its model lacks, each as "coulomb_friction@knee T=0.5".
         root: folder under which the model finds its files; None: the repository or package around it, else three up.
@@ -50,23 +51,25 @@ def record(
     chosen = (effect,) if isinstance(effect, str) else tuple(effect)
     config = {"duration": duration, "rate": rate, "bits": bits, "noise": noise, "seed": seed}
     folder = None if root is None else Path(root)
-    options = RecordOptions(Path(model), Path(out), chosen, folder, **config, force=force, resume=resume)
-    return record_to_folder(options, lambda _: None)
+    robot = robot_of(model, root)
+    options = RecordOptions(Path(robot.source), Path(out), chosen, folder, **config, force=force, resume=resume)
+    return record_to_folder(options, lambda _: None, robot)
 
 
-def record_to_folder(options: RecordOptions, say: Callable[[str], object]) -> RecordResult:
+def record_to_folder(options: RecordOptions, say: Callable[[str], object], robot: Robot | None = None) -> RecordResult:
     """Record as the command does, with progress.
 
     Args:
         options: of the command.
         say: called with what the simulation leaves out.
+        robot: the model where it is in memory; None: that of the options.
 
     Raises:
         InputError: the model or an effect is wrong, or the folder cannot be used.
     """
     config = RecordConfig(options.duration, options.rate, options.bits, options.noise, options.seed)
     config.rows  # noqa: B018 (refuses what is impossible before anything is read)
-    robot = Robot.from_xml(options.model, options.root)
+    robot = robot or Robot.from_xml(options.model, options.root)
     changes = tuple(parse_change(text, robot) for text in options.effect)
     marker = {"command": "record", "config": {"model": str(options.model), "effect": options.effect, **vars(config)}}
     for part in left_out_by("auto", robot):

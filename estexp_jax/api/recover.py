@@ -13,6 +13,7 @@ from estexp_jax.api.options.recover import RecoverOptions
 from estexp_jax.errors import InputError
 from estexp_jax.hardware.exchange import HardwareTarget, check_exchange_folder, lock_exchange_folder
 from estexp_jax.package_data import model_path
+from estexp_jax.physics.model.given import ModelLike, robot_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recovery.config import Settings, quick_settings
 from estexp_jax.recovery.cycle import Job, job_of, run_cycle
@@ -38,7 +39,7 @@ _NUMBERS = (*_SMALLER, "header", "window", "mutation", "gain")
 
 @front_door(RecoverOptions)
 def recover(
-    model: Robot,
+    model: ModelLike,
     /,
     *,
     target: Target | None = None,
@@ -69,7 +70,7 @@ def recover(
     """Recover a robot from damage: iterating over the result runs the algorithm pass by pass.
 
     Args:
-        model: the nominal robot.
+        model: the nominal robot: a path, MJCF text, an MjSpec, an MjModel or a Robot.
         target: the damaged robot in the world, any callable: controller -> `ee.Trial`, or a dict with
             `readings` (steps, inputs) or `sensor.<name>` of each input; None: a simulated one.
         situation: 1 to 13 as in the paper's Table 1; None: 3, or none where `damage` is given.
@@ -125,7 +126,7 @@ def recover(
         next_trial=next_trial,
         engine=engine,
     )
-    return RecoverRun(job_of(model, recover_settings_of(options), target))
+    return RecoverRun(job_of(robot_of(model), recover_settings_of(options), target))
 
 
 def recover_settings_of(options: RecoverOptions) -> Settings:

@@ -8,14 +8,14 @@ import numpy as np
 
 from estexp_jax.api.options.keywords import front_door
 from estexp_jax.physics.engines.closed_loop import Rollout
-from estexp_jax.physics.model.robot import Robot
+from estexp_jax.physics.model.given import ModelLike, robot_of
 from estexp_jax.recovery.population_rollout import Edit, population_rollout
 from estexp_jax.runs import enable_compilation_cache
 
 
 @front_door()
 def rollout(
-    robot: Robot,
+    robot: ModelLike,
     edits: Sequence[Sequence[Edit]],
     controllers: np.ndarray,
     steps: int = 1000,
@@ -27,7 +27,7 @@ def rollout(
     """Simulate many robots, each with its own damage and controller, in one batch.
 
     Args:
-        robot: the nominal robot.
+        robot: the nominal robot: a path, MJCF text, an MjSpec, an MjModel or a Robot.
         edits: the changes of each robot; empty for a healthy one.
         controllers: (robots, n_weights), weights in [-1, 1].
         steps: control steps.
@@ -44,5 +44,5 @@ def rollout(
     """
     enable_compilation_cache()
     return population_rollout(
-        robot, edits, controllers, steps, control_step=control_step, settle_steps=settle_steps, gain=gain
+        robot_of(robot), edits, controllers, steps, control_step=control_step, settle_steps=settle_steps, gain=gain
     )

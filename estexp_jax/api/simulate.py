@@ -9,6 +9,7 @@ import numpy as np
 
 from estexp_jax.api.options.keywords import front_door
 from estexp_jax.errors import InputError
+from estexp_jax.physics.model.given import ModelLike, robot_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import bind_columns, read_recording
 from estexp_jax.recordings.frames import Frame, Logs, frame_table, logs_of
@@ -17,7 +18,7 @@ from estexp_jax.replay.commanded_simulation import GivenState, simulate_commands
 
 @front_door()
 def simulate(
-    model: str | Path | mujoco.MjSpec | mujoco.MjModel | Robot,
+    model: ModelLike,
     commands: Logs,
     *,
     start: GivenState | None = None,
@@ -53,14 +54,10 @@ def simulate(
     return simulate_commands(robot, recording, start, engine)
 
 
-def _robot(model: str | Path | mujoco.MjSpec | mujoco.MjModel | Robot, root: str | Path | None, engine: str) -> Robot:
-    if isinstance(model, Robot):
-        return model
-    if isinstance(model, mujoco.MjSpec):
-        return Robot.from_spec(model.copy())
+def _robot(model: ModelLike, root: str | Path | None, engine: str) -> Robot:
     if isinstance(model, mujoco.MjModel):
         if engine in ("lanes", "mjx"):
             right = "engine c; or its MJCF"
             raise InputError(f"a compiled model cannot be taken to {engine}", where="simulate()", right=right)
         return Robot(mujoco.MjSpec(), model, "MjModel")
-    return Robot.from_xml(model, root)
+    return robot_of(model, root)

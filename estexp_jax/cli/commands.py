@@ -5,11 +5,13 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from inspect import cleandoc
+from pathlib import Path
 from typing import Annotated, Any, Union
 
 import estexp_jax
-from estexp_jax.errors import InputError, name_too_long
+from estexp_jax.errors import InputError, known, name_too_long
 
 COMMANDS = (
     "bench",
@@ -29,6 +31,16 @@ _SUMMARY = (
     "Finds what broke on a robot, or what physics its simulator lacks, by searching simulations until they "
     "reproduce its sensors. `estexp COMMAND --help` explains a command; `estexp --version` prints the version."
 )
+_FILES = (".xml", ".urdf", ".toml", ".csv")
+_ASKED = {
+    "help": "--help",
+    "version": "--version",
+    "fit": "explain",
+    "diagnose": "explain",
+    "identify": "explain",
+    "simulate": "record",
+}
+"""What is asked for by other words."""
 DONE, DEFECT, WRONG_INPUT = 0, 1, 2
 
 
@@ -81,9 +93,23 @@ def _parsed(arguments: list[str]) -> Any:
         # The whole docstring: left to itself, tyro would drop the example as a section of its own.
         texts: dict[str, Any] = {"prog": f"estexp {arguments[0]}", "description": cleandoc(options.__doc__ or "")}
         return tyro.cli(options, **texts, args=arguments[1:], config=settings)
+    if arguments and not arguments[0].startswith("-"):
+        raise _unknown_command(arguments)
     choices: Any = Union[tuple(_choice(name) for name in COMMANDS)]  # noqa: UP007
     texts = {"prog": "estexp", "description": _SUMMARY}
     return tyro.cli(choices, **texts, args=arguments, config=settings)
+
+
+def _unknown_command(arguments: Sequence[str]) -> InputError:
+    """The message about a first word that is no command: the nearest one, or what a file or a question asks for."""
+    word = arguments[0]
+    near = get_close_matches(word.lower(), COMMANDS, n=1, cutoff=0.5)
+    if Path(word).suffix.lower() in _FILES:
+        suggested = " ".join(("explain", *arguments))
+    else:
+        suggested = near[0] if near else _ASKED.get(word.lower(), "")
+    meant = f"did you mean `estexp {suggested}`? " if suggested else ""
+    return InputError(f"there is no command '{word}'", right=f"{meant}{known(COMMANDS)}")
 
 
 def _choice(name: str) -> Any:

@@ -35,13 +35,13 @@ class Inputs:
     recordings: tuple[Recording, ...]
 
 
-def is_manifest(files: Sequence[Log]) -> bool:
+def is_manifest(files: Sequence[Log | Robot]) -> bool:
     """Whether the files named begin with a manifest."""
     return bool(files) and isinstance(files[0], str) and Path(files[0]).suffix.lower() == ".toml"
 
 
 def read_inputs(
-    files: Sequence[Log],
+    files: Sequence[Log | Robot],
     *,
     test: Sequence[Log] = (),
     healthy: Sequence[Log] = (),
@@ -52,7 +52,7 @@ def read_inputs(
     """Read what a command line names, or a caller from Python gives.
 
     Args:
-        files: a `recordings.toml` alone, or an MJCF and logs.
+        files: a `recordings.toml` alone, or an MJCF or a robot, and logs.
         test: logs with the role `test`.
         healthy: logs of the same robot when it was well.
         maps: `ours=theirs`, for logs with other column names.
@@ -77,12 +77,13 @@ def read_inputs(
         return _inputs(read.model, read.robot, read.recordings, mend)
     if len(files) + len(test) < 2 or not files:
         raise InputError("no recordings given", right="a recordings.toml, or an MJCF model and at least one log")
-    model, mapping = str(files[0]), parse_maps(maps)
-    robot = Robot.from_xml(model, root)
-    roles = [(log, "train") for log in files[1:]] + [(log, "test") for log in test]
+    model, *logs = files
+    mapping = parse_maps(maps)
+    robot = model if isinstance(model, Robot) else Robot.from_xml(str(model), root)
+    roles = [(log, "train") for log in logs if not isinstance(log, Robot)] + [(log, "test") for log in test]
     roles += [(log, HEALTHY) for log in healthy]
     recordings = tuple(_recording(robot, log, role, mapping, mend) for log, role in roles)
-    return _inputs(Path(model), robot, recordings, mend)
+    return _inputs(Path(robot.source), robot, recordings, mend)
 
 
 def _recording(robot: Robot, log: Log, role: str, mapping: Mapping[str, Source], mend: bool) -> Recording:

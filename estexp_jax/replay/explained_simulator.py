@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, final
 
+import mujoco
 import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.changes import Change, Values, encode, stack
 from estexp_jax.physics.effects.registry import catalogue, named_effects
+from estexp_jax.physics.effects.written import written
 from estexp_jax.physics.engines.choice import open_loop_simulator
 from estexp_jax.physics.engines.open_loop import OpenLoopRollout, OpenLoopSimulator, RowController
 from estexp_jax.physics.model.clearance import ROWS, TOGETHER, without_collisions
@@ -43,6 +45,11 @@ class ExplainedSimulator:
     robot: Robot
     changes: tuple[Change, ...]
     finer: int = 1
+
+    @property
+    def spec(self) -> mujoco.MjSpec:
+        """A description, at the robot's own step, with the changes for which MuJoCo has an element."""
+        return written(self.robot, self.changes)
 
     def rollout(
         self,

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import mujoco
-import mujoco.batch
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.written import mjcf_refusal, written
+from estexp_jax.physics.engines.c.batches import lane_fields
 from estexp_jax.physics.model.robot import Robot
 
 _INTERVAL = 1.645
@@ -147,7 +147,7 @@ def _models(robot: Robot, sets: Sequence[Sequence[Change]]) -> list[mujoco.MjMod
 
 def _differing(model: mujoco.MjModel, others: Sequence[mujoco.MjModel]) -> dict[str, np.ndarray]:
     found = dict[str, np.ndarray]()
-    for name in mujoco.batch.MODEL_FIELDS:
+    for name in lane_fields():
         own = np.asarray(_field(model, name))
         if own.dtype.kind not in "fiub" or name.startswith("name"):
             continue

@@ -27,7 +27,7 @@ QUICK = ("--paper", "--model-error", "0")
 
 
 class Played:
-    """The quadruped in MuJoCo with a motor of half the strength, driven by the README's program.
+    """The quadruped in MuJoCo with a motor of half the strength, driven by the program of the page on recovering.
 
     Args:
         exchange: the folder.
@@ -38,7 +38,8 @@ class Played:
         self._exchange, self._measured = exchange, measured
         self._model = mujoco.MjModel.from_xml_path(str(model_path("quadruped")))
         self._data = mujoco.MjData(self._model)
-        [program] = re.findall(r"^```python\n(import os\n.*?)^```$", (ROOT / "README.md").read_text(), re.S | re.M)
+        page = (ROOT / "docs" / "recovering.md").read_text(encoding="utf-8")
+        [program] = re.findall(r"^```python\n(import os\n.*?)^```$", page, re.S | re.M)
         self._program = program.replace("exchange/", f"{exchange}/")
 
     def walk(self, number: int, recording: str = "trial") -> None:

@@ -234,3 +234,26 @@ def _whole(command: str, commands, request: pytest.FixtureRequest, tmp_path: Pat
         return request.getfixturevalue(done[command])
     assert run(*commands[command], "--out", tmp_path / "whole") == 0
     return tmp_path / "whole"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "suggested"),
+    [
+        (["explian", "a.xml", "b.csv"], "explain"),
+        (["Check"], "check"),
+        (["recovr"], "recover"),
+        (["arm.xml", "a.csv"], "explain arm.xml a.csv"),
+        (["help"], "--help"),
+        (["identify"], "explain"),
+    ],
+)
+def test_a_mistyped_command_is_told_with_the_one_that_was_meant(arguments, suggested, capsys):
+    assert main(arguments) == 2
+    told = capsys.readouterr().err
+    assert f"did you mean `estexp {suggested}`?" in told and told.count("\n") == 1
+
+
+def test_a_word_that_resembles_no_command_is_told_with_all(capsys):
+    assert main(["xyzzy"]) == 2
+    told = capsys.readouterr().err
+    assert "did you mean" not in told and "known are: bench, check" in told

@@ -2,7 +2,6 @@
 
 import jax
 import mujoco
-import mujoco.batch
 import numpy as np
 import pytest
 from mujoco import mjx
@@ -10,6 +9,8 @@ from mujoco import mjx
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.replay.randomisation import Randomisation, randomisation_of
 from tests.physics.exported import robot_of
+
+batches = pytest.importorskip("mujoco.batch")  # before MuJoCo 4 there is none
 
 FOUND = (
     Change("command_delay", "lift", {"delay": 0.02}),
@@ -42,7 +43,7 @@ def test_ranges_are_those_of_the_intervals(posterior):
 
 def test_a_hundred_draws_step_in_mujocos_batch(posterior):
     fields = posterior.fields(100, seed=1)
-    batch = mujoco.batch.Batch(posterior.model, 100, nthread=1)
+    batch = batches.Batch(posterior.model, 100, nthread=1)
     for name, values in fields.items():
         batch.expand(name)[...] = values
     batch.bind("ctrl")[:] = [0.6, -0.4]

@@ -13,6 +13,8 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
+from estexp_jax.physics.model.actuators import HAS_DECLARED_INPUTS, NO_INPUT
+
 CONSTANT = (0.0, float(np.pi / 2.0))
 """Poles and phase with which cogging is a constant torque."""
 _NO_LIMIT = mujoco.mjtLimited.mjLIMITED_FALSE
@@ -35,15 +37,20 @@ def add_passive_motor(
         cogging: A, n, phase of the torque A sin(n q + phase).
         lugre: stiffness s0 and damping s1 of bristles, levels Fc and Fs of sliding and at rest, speed vs between them.
 
+    Raises:
+        NotImplementedError: MuJoCo before 4, where every motor has a command.
+
     Source: MuJoCo documentation, XML reference, actuator/dcmotor.
     """
+    if not HAS_DECLARED_INPUTS:
+        raise NotImplementedError("MuJoCo has motors without a command since version 4")
     motor = spec.add_actuator(name=free_name([a.name for a in spec.actuators], name))
     motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_JOINT, joint
     motor.gear = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     motor.ctrllimited = motor.forcelimited = motor.actlimited = _NO_LIMIT
     motor.delay, motor.nsample, motor.damping, motor.armature = 0.0, 0, [0.0, 0.0, 0.0], 0.0
     motor.dyntype, motor.gaintype = mujoco.mjtDyn.mjDYN_DCMOTOR, mujoco.mjtGain.mjGAIN_DCMOTOR
-    motor.biastype, motor.ctrlspec = mujoco.mjtBias.mjBIAS_DCMOTOR, int(mujoco.mjtCtrlInput.mjINPUT_NONE)
+    motor.biastype, motor.ctrlspec = mujoco.mjtBias.mjBIAS_DCMOTOR, NO_INPUT
     motor.actdim, motor.actearly = int(bool(lugre)), True
     s0, s1, *levels = lugre or (0.0, 0.0, 0.0, 0.0, 0.0)
     motor.gainprm = _filled([1.0])

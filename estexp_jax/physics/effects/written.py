@@ -10,6 +10,7 @@ import numpy as np
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.new_elements import ROTOR
 from estexp_jax.physics.effects.registry import effect, every
+from estexp_jax.physics.model.actuators import HAS_DECLARED_INPUTS
 from estexp_jax.physics.model.robot import Robot
 
 _WIDTHS = {mujoco.mjtJoint.mjJNT_FREE: (7, 6), mujoco.mjtJoint.mjJNT_BALL: (4, 3)}
@@ -18,7 +19,14 @@ _WIDTHS = {mujoco.mjtJoint.mjJNT_FREE: (7, 6), mujoco.mjtJoint.mjJNT_BALL: (4, 3
 
 def mjcf_refusal(robot: Robot, change: Change) -> str:
     """Why MJCF has no place for a change of a robot; empty where it has one."""
-    return effect(change.effect).mjcf_refusal(robot, change.name or "", change.values)
+    name, own = change.name or "", effect(change.effect)
+    if (refusal := own.mjcf_refusal(robot, name, change.values)) or HAS_DECLARED_INPUTS:
+        return refusal
+    try:
+        own.write_mjcf(robot, robot.spec.copy(), name, change.values)
+    except NotImplementedError as error:
+        return str(error)
+    return ""
 
 
 def written(robot: Robot, changes: Iterable[Change]) -> mujoco.MjSpec:

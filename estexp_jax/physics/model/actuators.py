@@ -15,7 +15,11 @@ import numpy as np
 _GAINS = (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtGain.mjGAIN_AFFINE))
 _BIASES = (int(mujoco.mjtBias.mjBIAS_NONE), int(mujoco.mjtBias.mjBIAS_AFFINE))
 
-_DECLARING = (int(mujoco.mjtGain.mjGAIN_PID), int(mujoco.mjtGain.mjGAIN_DCMOTOR))
+HAS_DECLARED_INPUTS = hasattr(mujoco, "mjtCtrlInput")
+"""Whether this MuJoCo is 4 or newer: PID controllers, motors that say what their inputs are, passive ones, batches."""
+POSITION, VELOCITY, NO_INPUT = 1, 2, 16
+"""MuJoCo's bits of inputs, `mjtCtrlInput`: a target position, a target velocity, and of passive motors none."""
+_DECLARING = tuple(int(getattr(mujoco.mjtGain, f"mjGAIN_{name}")) for name in ("PID", "DCMOTOR") if HAS_DECLARED_INPUTS)
 """Gains of actuators that say what their inputs are."""
 
 
@@ -60,13 +64,12 @@ def unusual_actuator(model: mujoco.MjModel) -> tuple[int, str] | None:
     return int(odd[0]), "no input" if n == 0 else f"{n} inputs" if n > 1 else "several outputs"
 
 
-def declared_inputs(model: mujoco.MjModel, actuator: int) -> tuple[mujoco.mjtCtrlInput, ...]:
-    """What each input of a PID controller or a DC motor is, in their order; empty for other actuators."""
+def declared_inputs(model: mujoco.MjModel, actuator: int) -> tuple[int, ...]:
+    """The bit of each input of a PID controller or a DC motor, in their order; empty for other actuators."""
     if int(model.actuator_gaintype[actuator]) not in _DECLARING:
         return ()
     bits = int(model.actuator_ctrlspec[actuator])
-    kinds = sorted(mujoco.mjtCtrlInput.__members__.values(), key=int)
-    return tuple(kind for kind in kinds if bits & int(kind) and kind != mujoco.mjtCtrlInput.mjINPUT_NONE)
+    return tuple(1 << k for k in range(bits.bit_length()) if bits >> k & 1 and 1 << k != NO_INPUT)
 
 
 def position_input(model: mujoco.MjModel, actuator: int) -> int | None:
@@ -75,7 +78,6 @@ def position_input(model: mujoco.MjModel, actuator: int) -> int | None:
     if not inputs:
         return None
     if int(model.actuator_gaintype[actuator]) in _DECLARING:
-        declared = mujoco.mjtCtrlInput.mjINPUT_POS in declared_inputs(model, actuator)
-        return inputs[0] if declared else None
+        return inputs[0] if POSITION in declared_inputs(model, actuator) else None
     affine = int(model.actuator_biastype[actuator]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
     return inputs[0] if affine and model.actuator_biasprm[actuator, 1] != 0.0 else None

@@ -32,10 +32,16 @@ def portable(spec: mujoco.MjSpec) -> tuple[str, dict[str, Path]]:
         names[name] = path
         return f'{found[1]}{ASSETS}/{escape(name, {chr(34): "&quot;"})}"'
 
-    spec.compiler.savecompiled = False  # else values have six digits
-    text = spec.to_xml()
+    text = precise_xml(spec)
     rewritten = _FILE.sub(moved, text)
     return (_FOLDERS.sub("", rewritten) if names else text), names
+
+
+def precise_xml(spec: mujoco.MjSpec) -> str:
+    """A description as text with all digits, or with six before MuJoCo 4, which has no more."""
+    if hasattr(spec.compiler, "savecompiled"):
+        spec.compiler.savecompiled = False  # else values have six digits
+    return spec.to_xml()
 
 
 def free_file(path: Path, names: dict[str, Path]) -> str:

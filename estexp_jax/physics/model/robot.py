@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, final
@@ -14,6 +14,7 @@ import numpy as np
 from estexp_jax.errors import InputError, known
 from estexp_jax.physics.model.files import is_file, read_description
 from estexp_jax.physics.model.log_channels import LogChannel, log_channels
+from estexp_jax.physics.model.portable import precise_xml
 from estexp_jax.physics.model.spec import freeze, set_timestep, spec_elements, with_masses, with_names
 from estexp_jax.physics.model.validation import refuse_invalid, refuse_unbounded, warnings_suppressed
 
@@ -47,9 +48,13 @@ class Robot:
         source: where the MJCF came from, for messages.
     """
 
-    spec: mujoco.MjSpec
-    model: mujoco.MjModel
+    spec: mujoco.MjSpec = field(repr=False)
+    model: mujoco.MjModel = field(repr=False)
     source: str = "MJCF"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As text and compiled model: descriptions cannot be pickled."""
+        return unpickled_robot, (precise_xml(self.spec.copy()), self.model, self.source)
 
     @classmethod
     def from_xml(cls, path: str | Path, root: str | Path | None = None) -> Robot:
@@ -66,9 +71,8 @@ class Robot:
         """
         path = Path(path)
         if not is_file(path):
-            raise InputError(
-                "no such MJCF file", where=str(path), right="give the path of a MuJoCo XML model or a URDF"
-            )
+            right = "give the path of a MuJoCo XML model or a URDF"
+            raise InputError("no such MJCF file", where=str(path), right=right)
         try:
             with warnings_suppressed():
                 return cls.from_spec(read_description(path, None if root is None else Path(root)), str(path))
@@ -220,9 +224,12 @@ class Robot:
         """The configuration to start from, (nq,): keyframe `home`, else the first keyframe, else qpos0."""
         model = self.model
         key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-        if key < 0 and model.nkey == 0:
-            return model.qpos0.copy()
-        return model.key_qpos[max(key, 0)].copy()
+        return model.key_qpos[max(key, 0)].copy() if model.nkey else model.qpos0.copy()
+
+
+def unpickled_robot(xml: str, model: mujoco.MjModel, source: str) -> Robot:
+    """A robot that was pickled; files that it refers to are read anew where they were."""
+    return Robot(mujoco.MjSpec.from_string(xml), model, source)
 
 
 def _one_line(error: Exception) -> str:

@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Element
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.model.portable import ASSETS, free_file
+from estexp_jax.physics.model.portable import ASSETS, free_file, precise_xml
 from estexp_jax.physics.model.validation import mujoco_warnings_suppressed
 from estexp_jax.physics.model.xml_edits import Spelling, edit_source
 from estexp_jax.physics.model.xml_source import NotEditable, SourceElement, read_source
@@ -98,7 +98,7 @@ def _changed(
     old = before.copy()
     if frozen:
         _take_over_derived(old, after)
-    edit_source(source, _full_text(old), _full_text(after), spelled)
+    edit_source(source, precise_xml(old), precise_xml(after), spelled)
     assets = _assets(source, before, folder)
     names = [text.name for text in texts]
     if len(set(names)) < len(names):
@@ -108,11 +108,6 @@ def _changed(
 
 def _as_it_is(element: Element) -> Element:
     return element
-
-
-def _full_text(spec: mujoco.MjSpec) -> str:
-    spec.compiler.savecompiled = False  # else values have six digits
-    return spec.to_xml()
 
 
 def _take_over_derived(old: mujoco.MjSpec, new: mujoco.MjSpec) -> None:

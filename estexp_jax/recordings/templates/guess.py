@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
-from estexp_jax.physics.model.actuators import declared_inputs, inputs_of
+from estexp_jax.physics.model.actuators import POSITION, VELOCITY, declared_inputs, inputs_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.bind import column_names
 from estexp_jax.recordings.templates.matching import (
@@ -27,10 +27,7 @@ _READINGS: Mapping[mujoco.mjtSensor, Quantity] = {
     mujoco.mjtSensor.mjSENS_JOINTVEL: "velocity",
     mujoco.mjtSensor.mjSENS_JOINTACTFRC: "effort",
 }
-_INPUTS: Mapping[mujoco.mjtCtrlInput, Quantity] = {
-    mujoco.mjtCtrlInput.mjINPUT_POS: "position",
-    mujoco.mjtCtrlInput.mjINPUT_VEL: "velocity",
-}
+_INPUTS: Mapping[int, Quantity] = {POSITION: "position", VELOCITY: "velocity"}
 
 
 def guesses(robot: Robot, columns: Sequence[NamedColumn]) -> dict[str, Guess]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from estexp_jax.report.drawing.axes import EXPLAINED, NOMINAL, OTHER, WIDTH, draw_noise_floor, label_rows, log_axis
+from estexp_jax.report.drawing.onto import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,11 +32,9 @@ def figure_competing_models(findings: Mapping[str, Any]) -> Figure:
     Args:
         findings: as in `findings.json`.
     """
-    from matplotlib.figure import Figure
-
     fit = findings["fit"]
     keys = [key for key in NAMES if key != "noise_floor" and fit[key]]
-    figure = Figure(figsize=(WIDTH, 0.9 + 0.38 * len(keys)), layout="constrained")
+    figure = new_figure(WIDTH, 0.9 + 0.38 * len(keys))
     axes = figure.subplots()
     drawn = [error for row, key in enumerate(keys) for error in _draw_model(axes, row, key, fit[key])]
     bold = [row for row, key in enumerate(keys) if key == "explained"]

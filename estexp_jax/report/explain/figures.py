@@ -21,6 +21,7 @@ from estexp_jax.report.drawing.axes import (
     log_axis,
     short,
 )
+from estexp_jax.report.drawing.onto import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,12 +48,10 @@ class _Strip(NamedTuple):
 
 def figure_where(diagnosis: Diagnosis) -> Figure:
     """The nominal simulator's error in each window of the training recordings, and the ranked places."""
-    from matplotlib.figure import Figure
-
     strips = _strips(diagnosis)
     places = diagnosis.findings["where"][:_MAX_PLACES]
     heights = [0.5 + 0.3 * len(strips), 0.35 + 0.3 * len(places)] if places else [0.5 + 0.3 * len(strips)]
-    figure = Figure(figsize=(WIDTH, sum(heights) + 0.9 * len(heights)), layout="constrained")
+    figure = new_figure(WIDTH, sum(heights) + 0.9 * len(heights))
     panels = figure.subplots(len(heights), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
     _draw_strips(figure, panels[0], strips)
     if places:
@@ -67,14 +66,12 @@ def figure_fit(diagnosis: Diagnosis) -> Figure:
 
 def figure_prediction(prediction: Prediction, channel: int) -> Figure:
     """One channel of a test recording under both simulators, and their errors."""
-    from matplotlib.figure import Figure
-
     time, breaks = _with_breaks(prediction)
     recorded, nominal, explained = (
         np.insert(getattr(prediction, name)[:, channel].astype(float), breaks, np.nan)
         for name in ("recorded", "nominal", "explained")
     )
-    figure = Figure(figsize=(WIDTH, 5.6), layout="constrained")
+    figure = new_figure(WIDTH, 5.6)
     above, below = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 2]})
     above.plot(time, recorded, color=RECORDED, lw=2.4, alpha=0.35, label="recorded")
     above.plot(time, nominal, color=NOMINAL, lw=1.2, label="nominal simulator")
@@ -98,12 +95,10 @@ def figure_prediction(prediction: Prediction, channel: int) -> Figure:
 
 def figure_ranking(diagnosis: Diagnosis) -> Figure:
     """All explanations by their error on held-out windows of the training recordings."""
-    from matplotlib.figure import Figure
-
     candidates = ranked(diagnosis)
     labels = ["\n".join(wrap(label, _LABEL_LETTERS)) for label, _ in candidates]
     lines = np.array([label.count("\n") + 1 for label in labels])
-    figure = Figure(figsize=(WIDTH, 1.2 + 0.12 * len(candidates) + 0.16 * lines.sum()), layout="constrained")
+    figure = new_figure(WIDTH, 1.2 + 0.12 * len(candidates) + 0.16 * lines.sum())
     axes = figure.subplots()
     height = -np.cumsum([0.0, *(0.75 + 0.25 * (lines[:-1] + lines[1:]))])  # labels are centred at their rows
     chosen = diagnosis.selection.chosen

@@ -8,6 +8,7 @@ import numpy as np
 
 from estexp_jax.discovery.law_findings import COVERED
 from estexp_jax.report.drawing.axes import EXPLAINED, WIDTH
+from estexp_jax.report.drawing.onto import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,9 +27,7 @@ def figure_law(law: LawForces, unit: str = "rad") -> Figure:
         law: forces at the recorded states of the joint.
         unit: of the joint's position, rad or m.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+    figure = new_figure(WIDTH, 4.2)
     panels = figure.subplots(2, 2, sharex="col", sharey="row", gridspec_kw={"height_ratios": [4, 1]})
     fast = np.quantile(np.abs(law.w), COVERED[1])
     sides = (

@@ -8,12 +8,22 @@ from pathlib import Path
 from typing import Any, final
 
 from estexp_jax.discovery.clock_doubt import clock_lines
-from estexp_jax.discovery.diagnosis import Diagnosis
+from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 from estexp_jax.discovery.law_findings import joint_unit
+from estexp_jax.replay.explained_simulator import ExplainedSimulator
+from estexp_jax.report.drawing.onto import picture_of
 from estexp_jax.report.drawing.picture import Picture
 from estexp_jax.report.explain.competing_models import figure_competing_models
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where
 from estexp_jax.report.explain.files import write_explanation
+from estexp_jax.report.explain.found import (
+    ClaimedEffect,
+    ErrorPlace,
+    FitErrors,
+    claimed_effects,
+    error_places,
+    fit_errors,
+)
 from estexp_jax.report.explain.latex import latex
 from estexp_jax.report.explain.law_figure import figure_law
 from estexp_jax.report.explain.text import explain_rows, explain_summary, explain_table
@@ -42,21 +52,54 @@ class ExplainResult:
         """The claimed effects, one parameter a row: a DataFrame where pandas is present, else a list of dicts."""
         return data_frame(explain_rows(self.findings))
 
-    def plot_where(self) -> Picture:
-        """Where the error is."""
-        return Picture(figure_where(self.diagnosis))
+    @property
+    def verdict(self) -> str:
+        """`consistent`, `parameters`, `missing_physics` or `unexplained`."""
+        return self.findings["verdict"]
 
-    def plot_fit(self) -> Picture:
+    @property
+    def what(self) -> tuple[ClaimedEffect, ...]:
+        """What is missing or wrong; empty unless the verdict names something."""
+        return claimed_effects(self.findings)
+
+    @property
+    def where(self) -> tuple[ErrorPlace, ...]:
+        """Places of the mismatch, ranked."""
+        return error_places(self.findings)
+
+    @property
+    def fit(self) -> FitErrors:
+        """Errors before and after."""
+        return fit_errors(self.findings)
+
+    @property
+    def simulator(self) -> ExplainedSimulator:
+        """The corrected simulator; as `load_explained` gives it from a folder."""
+        return ExplainedSimulator(self.diagnosis.case.robot, self.diagnosis.changes, self.diagnosis.finer)
+
+    def predictions(self) -> tuple[Prediction, ...]:
+        """Each recording beside what the nominal and the explained simulator predict of it, in windows."""
+        return self.diagnosis.predictions
+
+    def plot_where(self, ax: Any = None) -> Picture:
+        """Where the error is.
+
+        Args:
+            ax: axes of the caller's, made by matplotlib's `subplots`, in whose place it is drawn; so in all of these.
+        """
+        return picture_of(lambda: figure_where(self.diagnosis), ax)
+
+    def plot_fit(self, ax: Any = None) -> Picture:
         """A test recording, before and after."""
-        return Picture(figure_fit(self.diagnosis))
+        return picture_of(lambda: figure_fit(self.diagnosis), ax)
 
-    def plot_rivals(self) -> Picture:
+    def plot_rivals(self, ax: Any = None) -> Picture:
         """Test and training errors of the nominal simulator, the competing models and the explanation."""
-        return Picture(figure_competing_models(self.findings))
+        return picture_of(lambda: figure_competing_models(self.findings), ax)
 
-    def plot_ranking(self) -> Picture:
+    def plot_ranking(self, ax: Any = None) -> Picture:
         """All explanations tried, by how they predict held-out windows."""
-        return Picture(figure_ranking(self.diagnosis))
+        return picture_of(lambda: figure_ranking(self.diagnosis), ax)
 
     def plot_laws(self) -> list[Picture]:
         """Each unknown law's force over position and speed, beside what its joint lacks; [] where none was found."""

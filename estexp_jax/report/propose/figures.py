@@ -9,6 +9,7 @@ import numpy as np
 from estexp_jax.experiment_design.propose import ProposedExperiment
 from estexp_jax.report.channels import unit_of
 from estexp_jax.report.drawing.axes import WIDTH, short
+from estexp_jax.report.drawing.onto import new_figure
 from estexp_jax.report.propose.text import propose_rows
 
 if TYPE_CHECKING:
@@ -21,11 +22,9 @@ _MOST_MOTORS, _MOST_SENSORS = 8, 3
 
 def figure_commands(proposed: ProposedExperiment) -> Figure:
     """The commands of the motors with the widest range, one panel each."""
-    from matplotlib.figure import Figure
-
     reach = np.ptp(proposed.commands, axis=0)
     chosen = sorted(np.argsort(-reach, kind="stable")[:_MOST_MOTORS])
-    figure = Figure(figsize=(WIDTH, 0.9 + 0.95 * len(chosen)), layout="constrained")
+    figure = new_figure(WIDTH, 0.9 + 0.95 * len(chosen))
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, motor in zip(panels, chosen, strict=True):
         axes.step(proposed.time, proposed.commands[:, motor], where="post", color=_COLOURS[0], lw=1.2)
@@ -42,10 +41,8 @@ def figure_predictions(proposed: ProposedExperiment) -> Figure:
 
     Grey lines mark the times at which a pair differs most.
     """
-    from matplotlib.figure import Figure
-
     chosen = informative_readings(proposed)
-    figure = Figure(figsize=(WIDTH, 1.1 + 2.0 * len(chosen)), layout="constrained")
+    figure = new_figure(WIDTH, 1.1 + 2.0 * len(chosen))
     panels = figure.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (channel, times) in zip(panels, chosen.items(), strict=True):
         index = proposed.competing_models.channels.index(channel)

@@ -11,6 +11,7 @@ import numpy as np
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.recovery.state import RunState
 from estexp_jax.report.drawing.axes import WIDTH
+from estexp_jax.report.drawing.onto import new_figure
 
 _LETTERS = 88
 """Total width of the captions above the axes, letters."""
@@ -33,9 +34,7 @@ def progress_figure(state: RunState, axis: str, *, stands_in: bool = False) -> A
 
     Source: Bongard and Lipson 2004, Figure 6.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
+    figure = new_figure(WIDTH, 4.4)
     axes = figure.add_subplot()
     ends = _draw_explorations(axes, state)
     _draw_trials(axes, state, axis, ends, _before(stands_in))
@@ -63,12 +62,10 @@ def path_figure(state: RunState, axis: str, *, stands_in: bool = False) -> Any:
         axis: of the distance, for the legend.
         stands_in: the values before the damage are the simulator's.
     """
-    from matplotlib.figure import Figure
-
     first, *later = state.trials
     paths = [(_before(stands_in), state.before, _BEFORE), ("damaged", first, _DAMAGED)]
     paths += [(f"trial {len(later)}", later[-1], _TRIAL)] if later else []
-    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
+    figure = new_figure(WIDTH, 3.4)
     axes = figure.add_subplot()
     for title, trial, colour in paths:
         if trial is not None:

@@ -15,6 +15,9 @@ from estexp_jax.physics.effects.written import written
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.model.source_model import ModelFiles, changed_source
 from tests.physics.meshes import write_box
+from tests.versions import needs_mujoco_4
+
+pytestmark = needs_mujoco_4
 
 MODEL = """<?xml version="1.0"?>
 <!-- Arm of the lab -- second version -->

@@ -4,8 +4,10 @@ import mujoco
 import pytest
 
 from estexp_jax.physics.model.robot import Robot
+from tests.versions import needs_mujoco_4
 
 
+@needs_mujoco_4
 def test_a_mass_at_the_origin_of_its_body_is_written() -> None:
     spec = mujoco.MjSpec()
     body = spec.worldbody.add_body(name="b", mass=7.0, inertia=[0.1] * 3, explicitinertial=True)

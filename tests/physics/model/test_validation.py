@@ -6,6 +6,7 @@ import pytest
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.model.robot import Robot
+from tests.versions import needs_mujoco_4
 
 ARM = """<mujoco>{}<worldbody><body><joint name="elbow" axis="0 1 0"/><geom size="{}"/></body></worldbody>
 <actuator><position joint="elbow" kp="{}"/></actuator><sensor><jointpos joint="elbow"/>{}</sensor></mujoco>"""
@@ -89,6 +90,7 @@ def test_sound_ones_pass_and_warnings_are_heard_again():
         mujoco.set_mju_user_warning(None)
 
 
+@needs_mujoco_4
 def test_a_warning_while_a_model_is_read_is_not_heard(tmp_path, recwarn):
     twice = '<mujoco><worldbody><body><joint/><joint/><geom size="0.1"/></body></worldbody></mujoco>'
     with pytest.warns(UserWarning, match="singular"):

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import final
 
 import mujoco
-import mujoco.batch
 import numpy as np
 
+from estexp_jax.physics.engines.c.batches import refusals
 from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.model.robot import Robot
 
@@ -45,7 +45,7 @@ class CarriedMomenta:
         whole = lanes[np.isfinite(qpos[lanes]).all(axis=1)]
         try:
             self._batch.forward(whole, stage=int(mujoco.mjtStage.mjSTAGE_POS))
-        except mujoco.batch.SimulationError:
+        except refusals():
             pass  # such a lane is found broken when it is stepped
         carried, motion = self._composite[lanes][:, self._model.dof_bodyid], self._motion[lanes]
         self.angular[lanes], self.linear[lanes] = _momentum(carried, motion[..., :3], motion[..., 3:])

@@ -9,12 +9,12 @@ from typing import Any, final
 
 import jax
 import jax.numpy as jnp
-import mujoco
 import numpy as np
 
 from estexp_jax.physics.effects.base import NEVER, Edit
 from estexp_jax.physics.effects.changes import Values
 from estexp_jax.physics.effects.registry import Catalogue
+from estexp_jax.physics.engines.c.batches import needs_constants
 from estexp_jax.physics.engines.c.instances import at_work
 from estexp_jax.physics.engines.c.lane_models import ARMED, LaneModels, c_field_of
 from estexp_jax.physics.model.robot import Robot
@@ -67,7 +67,7 @@ def _edit_all(robot: Robot, catalogue: Catalogue, models: LaneModels, values: Va
         if lanes.size:
             with _ONE_AT_A_TIME:
                 written = _edit(robot, e, models, np.asarray(values[e.name], float)[lanes], lanes)
-            stale[lanes] |= not written.isdisjoint(mujoco.MjModel._setconst_inputs)
+            stale[lanes] |= needs_constants(written)
     return models.derive(np.flatnonzero(stale)) if stale.any() else True
 
 

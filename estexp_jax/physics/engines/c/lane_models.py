@@ -8,16 +8,16 @@ from functools import lru_cache
 from typing import Any, final
 
 import mujoco
-import mujoco.batch
 import numpy as np
 
 from estexp_jax.errors import InputError
 from estexp_jax.physics.effects.base import NEVER
 from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.c.batches import lane_fields, new_batch, refusals
 from estexp_jax.physics.engines.c.histories import lengthen_histories
 from estexp_jax.physics.model.robot import Robot
 
-_KEPT_PER_SIMULATION = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
+_KEPT_PER_SIMULATION = int(mujoco.mjtEnableBit.mjENBL_SLEEP) | int(getattr(mujoco.mjtEnableBit, "mjENBL_IPC", 0))
 """Flags with which MuJoCo's batch needs an `MjData` for each simulation."""
 
 
@@ -42,7 +42,7 @@ def recorded_fields(robot: Robot, per_recording: Sequence[Robot]) -> dict[str, n
     """
     distinct = {id(r): r.model for r in per_recording if r is not robot}
     found: dict[str, np.ndarray] = {}
-    for name in mujoco.batch.MODEL_FIELDS if distinct else ():
+    for name in lane_fields() if distinct else ():
         own = np.asarray(c_field_of(robot.model, name))
         others = {key: np.asarray(c_field_of(model, name)) for key, model in distinct.items()}
         if own.dtype.kind not in "fiub" or name.startswith("name"):
@@ -102,9 +102,9 @@ class LaneModels:
         """
         model = copy.copy(_lane_model(robot, simple=simple, finer=finer))
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lane that blows up must not start again
-        persistent = bool(int(model.opt.enableflags) & int(_KEPT_PER_SIMULATION))
+        persistent = bool(int(model.opt.enableflags) & _KEPT_PER_SIMULATION)
         self._robot, self.lanes, self.failed = robot, len(recording), np.zeros(len(recording), bool)
-        self.batch = mujoco.batch.Batch(model, self.lanes, nthread=1, persistent=persistent)
+        self.batch = new_batch(model, self.lanes, persistent=persistent)
         for name, values in recorded.items():
             if not simple and name in _OF_SIMPLE:
                 continue
@@ -129,7 +129,7 @@ class LaneModels:
         """Derive lanes' constants anew; whether MuJoCo could, for all of them."""
         try:
             self.batch.set_const(lanes)
-        except mujoco.batch.SimulationError as error:
+        except refusals() as error:
             self.failed[error.ids] = True
         return not self.failed.any()
 

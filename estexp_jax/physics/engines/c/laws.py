@@ -134,7 +134,7 @@ def _asked_by(e: Term) -> frozenset[str]:
         calls = {name: lambda *_, name=name: answer(name, answers.get(name, x)) for name in JointState._fields[7:]}
         return jax.tree.leaves(e.act((x,) * len(e.parameters), JointState(**values, **calls), (x,) * e.n_states))
 
-    jax.eval_shape(probe, jax.ShapeDtypeStruct((1,), float))
+    jax.eval_shape(probe, jax.ShapeDtypeStruct((1,), jnp.result_type(float)))
     return frozenset(asked)
 
 

@@ -162,10 +162,12 @@ def shaping(name: str, params: Mapping[str, Any], operands: Sequence[Operand]) -
         return ONE_OPERAND[name](params, operands[0]), False
     if name == "concatenate":
         return f"concatenate(({', '.join(x.whole for x in operands)}, ), axis={params['dimension']})", False
+    if name == "stack":  # since JAX 0.11
+        return f"stack(({', '.join(x.whole for x in operands)}, ), axis={params['axis']})", False
     if name == "dot_general" and tuple(map(tuple, params["dimension_numbers"][0])) == ((1,), (0,)):
         if not any(params["dimension_numbers"][1]):
             return f"dot({operands[0].whole}, {operands[1].whole})", False
     raise UnknownOperation(name)
 
 
-SHAPING = frozenset((*ONE_OPERAND, "broadcast_in_dim", "concatenate", "dot_general"))
+SHAPING = frozenset((*ONE_OPERAND, "broadcast_in_dim", "concatenate", "stack", "dot_general"))

@@ -118,6 +118,9 @@ class _Lines:
         if name == "split":
             self._split(equation, operands[0], values)
             return
+        if name == "unstack":
+            self._unstack(equation, operands[0], values)
+            return
         if len(equation.outvars) != 1:
             raise UnknownOperation(name)
         [result] = equation.outvars
@@ -144,6 +147,12 @@ class _Lines:
             index = ", ".join([":"] * axis + [f"{start}:{start + size}"])
             values[result] = Operand(self._line(f"({x.whole})[{index}]", [x]), result.aval.shape, broadcasts=False)
             start += size
+
+    def _unstack(self, equation: Any, x: Operand, values: dict[Any, Operand]) -> None:
+        """An operation of JAX 0.11 and newer."""
+        for k, result in enumerate(equation.outvars):
+            index = ", ".join([":"] * equation.params["axis"] + [str(k)])
+            values[result] = Operand(self._line(f"({x.whole})[{index}]", [x]), result.aval.shape, broadcasts=False)
 
     def _operand(self, var: Any, values: dict[Any, Operand]) -> Operand:
         return self._value(np.asarray(var.val)) if isinstance(var, Literal) else values[var]

@@ -13,11 +13,11 @@ from functools import partial
 from typing import Any, final
 
 import mujoco
-import mujoco.batch
 import mujoco.rollout
 import numpy as np
 
 from estexp_jax.physics.engines.batching import cores
+from estexp_jax.physics.engines.c.batches import new_batch
 from estexp_jax.physics.engines.controller_interface import Interface
 from estexp_jax.physics.engines.policy import Policy
 
@@ -172,7 +172,7 @@ class PooledSimulator(CSimulator):
         course, start = self.course, self.course.start
         if robots not in self._batches:
             self._batches.clear()
-            self._batches[robots] = mujoco.batch.Batch(course.model, robots, nthread=cores())
+            self._batches[robots] = new_batch(course.model, robots, nthread=cores())
         batch = self._batches[robots]
         state = {name: batch.bind(name) for name in ("qpos", "qvel", "qacc_warmstart", "ctrl", "sensordata")}
         state["qpos"][:], state["qvel"][:], state["qacc_warmstart"][:] = start.qpos, start.qvel, start.warmstart

@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, final
 
 import mujoco
-import mujoco.batch
 import numpy as np
 
 from estexp_jax.physics.engines.c.acting import ActingEffects, LaneHidden
+from estexp_jax.physics.engines.c.batches import refusals
 from estexp_jax.physics.engines.c.lane_models import LaneModels
 from estexp_jax.physics.engines.c.motor_scales import MotorScales
 from estexp_jax.physics.engines.open_loop_inputs import CommandSteps
@@ -107,7 +107,7 @@ class LaneSteps:
         """Let MuJoCo do something for lanes; those in which it fails are left out from then on."""
         try:
             what(None if len(lanes) == self._models.lanes else lanes, **kwargs)
-        except mujoco.batch.SimulationError as error:
+        except refusals() as error:
             self._alive[error.ids] = False
 
     def _act(self, ctrl: np.ndarray, enable: np.ndarray, length: np.ndarray, hidden: LaneHidden) -> LaneHidden:

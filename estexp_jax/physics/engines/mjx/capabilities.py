@@ -111,7 +111,8 @@ def _passed_over(model: mujoco.MjModel) -> Iterator[str]:
     round_joints = ~np.isin(model.jnt_type, (int(_JOINT.mjJNT_HINGE), int(_JOINT.mjJNT_SLIDE)))
     if np.any(model.jnt_stiffnesspoly[round_joints]):
         yield "stiffness polynomials of ball and free joints"
-    if np.any(np.isfinite(model.jnt_springyield) & (model.jnt_springyield > 0)):
+    springy = getattr(model, "jnt_springyield", np.zeros(0))  # since MuJoCo 4
+    if np.any(np.isfinite(springy) & (springy > 0)):
         yield "springs that yield"
 
 

@@ -16,7 +16,8 @@ def _mixed(p: Any, x: Any) -> list[Any]:
     a, b = p
     q, w = x
     near = jnp.where(jnp.abs(q) < a, jnp.sin(b * q), jnp.sign(w) * jnp.exp(-jnp.square(w)))
-    both = jnp.stack([near, jnp.clip(q, -a, a)])
+    near, clipped = jnp.unstack(jnp.stack([near, jnp.clip(q, -a, a)]))
+    both = jnp.stack([near, clipped])
     return [jnp.sum(both * x, axis=0), jnp.zeros_like(q), (q > w) & (a > 0.5), jnp.full_like(q, 2.0) ** 3 - q**2]
 
 
@@ -34,6 +35,7 @@ def _looping(p: Any, x: Any) -> list[Any]:
 def test_a_program_gives_what_jax_gives(function: Callable[[Any, Any], list[Any]], n: int) -> None:
     one = instances_shape(ANY_LENGTH)
     program = NumpyProgram(function, (one, one), instances_shape(2, ANY_LENGTH))
+    assert (program._compiled is not None) == (function is _looping)
     rng = np.random.default_rng(n)
     p, x = tuple(rng.uniform(0.1, 1.0, (2, n))), rng.normal(size=(2, n))
     with jax.enable_x64(True):

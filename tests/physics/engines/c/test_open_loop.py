@@ -22,6 +22,7 @@ from estexp_jax.physics.window import InitialState, Window, window_of
 from estexp_jax.recordings.settings import apply_settings
 from estexp_jax.runs import count_compilations
 from tests.physics.mixed_actuators import MIXED
+from tests.versions import needs_mujoco_4
 
 # What lanes refuse, and some of what MJX passes over: a ball joint, tendons that yield, a mimic joint, a group that is
 # switched off, a joint's and a tendon's force range, delays, an integrator that derives forces by speed.
@@ -152,6 +153,7 @@ def test_a_robot_that_other_engines_refuse_moves_as_in_plain_mujoco() -> None:
     assert np.abs(places - places[0]).max() > 0.1 and simulator.left_out == ()
 
 
+@needs_mujoco_4
 def test_actuators_with_several_inputs_or_none_move_as_in_plain_mujoco_and_can_be_switched_off() -> None:
     robot = Robot.from_string(MIXED, "mixed.xml")
     log = recorded(robot)
