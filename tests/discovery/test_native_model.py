@@ -35,7 +35,9 @@ def test_the_file_of_a_late_command_predicts_what_the_findings_do(late):
 
 
 def test_a_file_for_mjx_has_none_of_what_that_ignores(late):
-    model = native_model(*late, [DELAY, HEAVIER], [], [], finer=1, fine_only=False, seed=0, refusal=mjx_refusal)
+    model = native_model(
+        late[0], late[1], [DELAY, HEAVIER], [], [], finer=1, fine_only=False, seed=0, refusal=mjx_refusal
+    )
     assert model.changes == (HEAVIER,) and [why for _, why in model.left_out] == ["MJX ignores delays"]
 
 

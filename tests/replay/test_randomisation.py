@@ -71,6 +71,7 @@ def _stepped_alone(posterior: Randomisation, fields: dict[str, np.ndarray]) -> n
             getattr(model, name)[...] = values
 
 
+@pytest.mark.slow
 def test_a_hundred_draws_step_in_mjx_where_it_has_their_elements():
     found, intervals = FOUND[1:3], {k: v for k, v in INTERVALS.items() if "delay" not in k[0]}
     posterior = randomisation_of(robot_of("servos"), found, intervals, draws=20, seed=0)
@@ -82,7 +83,7 @@ def test_a_hundred_draws_step_in_mjx_where_it_has_their_elements():
     data = mjx.make_data(posterior.model).replace(ctrl=jax.numpy.array([0.1, -0.1]))  # MJX brakes motors at limits
     after = jax.vmap(mjx.step, in_axes=(axes, None))(models, data)
     assert after.qvel.shape == (100, 2) and np.asarray(after.qvel).std(axis=0).max() > 1e-5
-    batch = mujoco.batch.Batch(posterior.model, 100, nthread=1)
+    batch = batches.Batch(posterior.model, 100, nthread=1)
     for name, values in drawn.items():
         batch.expand(name)[...] = values
     batch.bind("ctrl")[:] = [0.1, -0.1]

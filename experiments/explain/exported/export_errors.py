@@ -12,7 +12,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from estexp_jax.api.explain import case_of
+from estexp_jax.api.explain import cases_of
 from estexp_jax.discovery.diagnosis import Case
 from estexp_jax.discovery.export import explained_spec
 from estexp_jax.discovery.native_model import Stepped, as_found
@@ -49,7 +49,7 @@ def export_errors(
         `file_and_script` and `script`, with `explained.py` over the file and over the nominal model; `left_out`, what
         the file has not.
     """
-    case = _at_step(case_of(read_inputs([str(manifest)])), step)
+    case = _at_step(cases_of(read_inputs([str(manifest)]))[0], step)
     names = {c.effect for c in changes}
     effects = tuple(e for e in every() if e.name in names) or catalogue(["viscous_friction"])
     simulator = open_loop_simulator(case.robot, effects, list(case.robots), engine="c")

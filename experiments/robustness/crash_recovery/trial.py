@@ -23,11 +23,11 @@ def whole(command: str, inputs: Path, out: Path) -> dict[str, Any]:
     """A run that nobody kills: its exit code, and the processor time that it took, s."""
     shutil.rmtree(out, ignore_errors=True)
     process, begin = _start(command, inputs, out), time.monotonic()
-    spent = 0.0
+    took = 0.0
     while process.poll() is None:
-        spent = max(spent, spent(process.pid))
+        took = max(took, spent(process.pid))
         time.sleep(0.05)
-    return {"code": process.returncode, "cpu_s": spent, "wall_s": time.monotonic() - begin}
+    return {"code": process.returncode, "cpu_s": took, "wall_s": time.monotonic() - begin}
 
 
 def killed(

@@ -63,8 +63,8 @@ def line(command: str, inputs: Path, out: Path) -> list[str]:
 def whole(command: str, inputs: Path, out: Path) -> float:
     """A run without a signal: the processor time that it took, s."""
     shutil.rmtree(out, ignore_errors=True)
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    process, took = subprocess.Popen(line(command, inputs, out), **quiet), 0.0
+    nowhere, took = subprocess.DEVNULL, 0.0
+    process = subprocess.Popen(line(command, inputs, out), stdout=nowhere, stderr=nowhere)
     while process.poll() is None:
         took = max(took, spent(process.pid))
         time.sleep(_LOOK_S)

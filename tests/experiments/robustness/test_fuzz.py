@@ -64,10 +64,10 @@ def test_damaged_results_are_refused_with_one_message(tmp_path):
 
 
 def test_the_judge_tells_what_is_no_single_message():
-    assert trial._judged(2, "estexp: error: a.csv: no\n")[0] == "refused"
-    assert trial._judged(0, "")[0] == "accepted"
+    assert trial.judged(2, "estexp: error: a.csv: no\n")[0] == "refused"
+    assert trial.judged(0, "")[0] == "accepted"
     for code, message in ((1, "estexp: error: x"), (2, "Traceback\nestexp: error: x"), (2, ""), (3, "")):
-        assert trial._judged(code, message)[0] == "defect"
+        assert trial.judged(code, message)[0] == "defect"
 
 
 def test_a_defect_a_hang_and_a_change_outside_are_seen(monkeypatch):

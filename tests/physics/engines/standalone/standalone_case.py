@@ -51,9 +51,9 @@ def by_engine(
 ) -> OpenLoopRollout:
     """What this package's C engine says, a row a step."""
     model, rows = robot.model, len(ctrl)
-    nothing = [np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv)]
+    sensor, qpos, qvel = (np.full((rows, n), np.nan) for n in (model.nsensordata, model.nq, model.nv))
     step = float(model.opt.timestep)
-    recording = Recording("steps", step * np.arange(rows), ctrl, on, *nothing)
+    recording = Recording("steps", step * np.arange(rows), ctrl, on, sensor, qpos, qvel)
     start = InitialState(robot.home(), np.zeros(model.nv))
     window = window_of([recording], 0, (0, rows - 1), step / finer, start)
     wanted = {c.effect for c in changes}

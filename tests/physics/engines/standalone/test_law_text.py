@@ -29,6 +29,7 @@ def test_every_law_of_the_catalogue_has_a_text():
 @pytest.mark.parametrize("command", [-2.0, 0.3, 0.9])
 def test_a_text_gives_what_the_law_gives(command):
     law = effect("command_limit")
+    assert isinstance(law, CommandLaw)
     p, state = (1.5, 12.0), (0.2, 0.4)
     expected = law.act(p, command, 0.0, 0.01, state)
     found = _function(command_text(law, "law"), "law")(np, command, 0.0, 0.01, p, state)
@@ -36,4 +37,6 @@ def test_a_text_gives_what_the_law_gives(command):
 
 
 def test_names_of_parameters_that_python_keeps_for_itself_are_others():
-    assert "from_, g = p" in term_text(effect("crosstalk"), "crosstalk")
+    crosstalk = effect("crosstalk")
+    assert isinstance(crosstalk, Term)
+    assert "from_, g = p" in term_text(crosstalk, "crosstalk")
