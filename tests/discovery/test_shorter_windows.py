@@ -47,6 +47,7 @@ def teeth(_: float, q: np.ndarray, __: np.ndarray) -> list[float]:
     return [0.0, STRENGTH * np.sin(TEETH * q[1] + PHASE)]
 
 
+@pytest.mark.slow
 def test_shorter_windows_find_teeth_that_throw_the_joint_about():
     answers, found = asked(case_of("two", Plant(law=teeth), 661))
     assert answers == [True]

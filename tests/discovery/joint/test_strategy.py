@@ -46,6 +46,7 @@ def test_the_joints_are_located_and_the_test_recording_is_predicted(found: Diagn
     assert findings["fit"]["gain"]["low"] > 0.9
 
 
+@pytest.mark.slow
 def test_where_nothing_is_missing_the_stepwise_search_is_asked():
     assert _result(explain_jointly(case(planted=False), ExplainConfig(), {})) is None
 

@@ -20,6 +20,7 @@ def _result(steps: Generator[Any, None, Any]) -> Any:
         return end.value
 
 
+@pytest.mark.slow
 def test_a_counterbalance_is_a_spring_and_no_gravity_compensation_or_offset():
     _, problem = joint_problem_of(case(planted=True, balanced=True), ExplainConfig(), {})
     found = _result(JointSearch(problem).first())  # no more than torques and the first fit of readings

@@ -41,6 +41,7 @@ def copy(drawn, tmp_path):
     return shutil.copytree(drawn, tmp_path / "dev")
 
 
+@pytest.mark.slow
 def test_how_many_processes_draw_decides_nothing(drawn, tmp_path):
     sets.draw(tmp_path / "two", 5, 2, ["planar"], shorter=0.14, workers=2)
     assert sets.recordings_hash(tmp_path / "two" / "cases") == sets.recordings_hash(drawn / "cases")

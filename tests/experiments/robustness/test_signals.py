@@ -4,6 +4,8 @@ import signal
 import sys
 from dataclasses import replace
 
+import pytest
+
 from experiments.robustness.signals.trial import Ending, signalled
 
 WAITS = "import time; print('x', flush=True); time.sleep(60)"
@@ -17,6 +19,7 @@ def test_what_counts_as_right():
     assert replace(right, code=-signal.SIGKILL).is_right("SIGKILL")
 
 
+@pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # JAX of other tests
 def test_a_program_that_handles_nothing_is_found_out():
     ending = signalled([sys.executable, "-c", WAITS], "SIGTERM", 0.0)
     assert ending.came and ending.code == -signal.SIGTERM and not ending.is_right("SIGTERM")

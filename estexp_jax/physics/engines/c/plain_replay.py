@@ -90,8 +90,8 @@ class PlainReplay:
             return windows
         effects = catalogue(dict.fromkeys(c.effect for c in self._changes))
         values = stack([encode(self._robot, effects, self._changes)] * len(windows))
-        starts = initial_states(self._robot, effects, values, list(windows), np.float64)
-        pairs = zip(windows, *starts, strict=True)
+        initial = initial_states(self._robot, effects, values, list(windows), np.float64)
+        pairs = zip(windows, *initial, strict=True)
         return [replace(w, start=w.start._replace(qpos=qpos, qvel=qvel)) for w, qpos, qvel in pairs]
 
     def _one(self, window: Window) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -35,7 +35,7 @@ Marked = Sequence[tuple[Change, bool]]
 """Changes, each with whether model_explained.xml holds it."""
 
 
-def in_order(changes: Marked) -> list[tuple[Change, bool]]:
+def changes_in_order(changes: Marked) -> list[tuple[Change, bool]]:
     """Changes in the order in which they act: what changes commands first; faults of logging do not act."""
     order = {e.name: (not isinstance(e, CommandLaw), i) for i, e in enumerate(every())}
     kept = [(c, native) for c, native in changes if not isinstance(effect(c.effect), LoggingFault)]

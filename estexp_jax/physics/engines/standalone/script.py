@@ -29,10 +29,10 @@ from estexp_jax.physics.engines.standalone.assignments import assignments
 from estexp_jax.physics.engines.standalone.places import (
     Marked,
     by_effect,
+    changes_in_order,
     delayed_commands,
     displayed_variables,
     faulty_readings,
-    in_order,
     places_of,
 )
 from estexp_jax.physics.engines.standalone.runtime import LawPlace
@@ -54,7 +54,7 @@ def explained_script(robot: Robot, changes: Marked, finer: int, file: mujoco.MjM
 
     What does something that has no text, as a law of a user's own may, is left out, and named.
     """
-    ordered, functions, laws = in_order(changes), list[str](), list[str]()
+    ordered, functions, laws = changes_in_order(changes), list[str](), list[str]()
     lacking = [c for c, _ in ordered if not _has_text(robot, c)]
     ordered = [(c, native) for c, native in ordered if c not in lacking]
     where_of = dict[tuple[str, int], tuple[int, int]]()
