@@ -24,7 +24,7 @@ from estexp_jax.discovery.marginal import about
 from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import base_of, black_box_errors
-from estexp_jax.discovery.selection import NOISE, Selection, folds_of
+from estexp_jax.discovery.selection import NOISE, Selection, folds_of, worth
 from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import is_wrong_value
@@ -91,8 +91,22 @@ def explain_jointly(
     if not _suffices(case.robot, selection):
         return None
     rivals = yield from search.rivals(fit)
-    selection, fits, whole = _selected(whole, search, parameters, [fit, *rivals], bent)
-    return (yield from _told(case, config, whole, selection, fits, _intervals(space, fits["explained"], fit)))
+    selection, fits, compared = _selected(whole, search, parameters, [fit, *rivals], bent)
+    better = _better(selection, rivals)
+    if better is not None:  # what stands in for an effect may take several others; its replacement shows them needless
+        fit = search.settled(better)
+        rivals = yield from search.rivals(fit)
+        selection, fits, compared = _selected(whole, search, parameters, [fit, *rivals], bent)
+        if not _suffices(case.robot, selection) or _better(selection, rivals) is not None:
+            return None
+    return (yield from _told(case, config, compared, selection, fits, _intervals(space, fits["explained"], fit)))
+
+
+def _better(selection: Selection, rivals: Sequence[JointFit]) -> JointFit | None:
+    """The rival that held-out windows plainly prefer to the choice, None if there is none."""
+    by_places = {e.places: e for e in selection.tried}
+    found = [(by_places[r.places], r) for r in rivals if worth(by_places[r.places], selection.chosen)]
+    return min(found, key=lambda both: both[0].error)[1] if found else None
 
 
 def _claims(fit: JointFit, space: ParameterSpace) -> list[Change]:
