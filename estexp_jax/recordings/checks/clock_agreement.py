@@ -53,8 +53,11 @@ def moves_before_commands(time: np.ndarray, command: np.ndarray, reading: np.nda
             continue
         step = signals.encoder_step(reading)
         least = max(3.0 * step, 6.0 * float(np.std(calm)), 1e-3 * float(np.ptp(reading)))
+        if float(np.ptp(calm)) > least:  # not at rest yet
+            continue
         settled = reading[int(np.searchsorted(time, time[row] - 2.0 * _REST_S)) : before.stop]
-        if float(np.ptp(settled)) > least:  # not at rest yet: what creeps or swings goes on to do so
+        if float(np.ptp(settled)) > least:  # what creeps or swings goes on to do so: no sign of an early start
+            leads.append(0.0)
             continue
         away = np.sign(command[row] - command[row - 1]) * (near - np.median(calm)) > least
         still = np.flatnonzero(~away)
