@@ -127,7 +127,7 @@ def log_odds(
     for place in places:
         kind = [p for p in every if p[0] == place[0] and p[1] != ALL_ALIKE]
         others = sum(p[0] == place[0] and p != place for p in present) / max(len(kind), 1)
-        absent = (1.0 - alone) * (1.0 - min(others, 0.95))
+        absent = (1.0 - alone) * (1.0 - min(others, criteria.most_alike))
         found[place] = np.log((1.0 - absent) / absent)
     native = {p: criteria.native_odds * _is_left_out(robot, p) for p in places}
     return np.array([found[p] + native[p] - np.log(counts[p]) for p in names])

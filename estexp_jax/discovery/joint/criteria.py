@@ -27,6 +27,8 @@ class SelectionCriteria:
             such time. Measured: two of half-second windows on the machines' board.
         native_odds: prior odds of an effect that MJCF has a value for, which the model leaves at nothing, nats.
             Convention: most models leave friction and rotor inertia out, so it decides between equals.
+        most_alike: probability that an effect is missing at a joint where it is at all of the robot's others, at most.
+            Convention: so that recordings can still speak against it.
         chance: probability that a held-out gain is less than what has to exceed its price. Convention.
         kept_errors: an effect that all readings call for goes where its held-out gain is at most so many standard
             errors: stretches need not prove it once more, but they may not contradict it. Convention.
@@ -48,6 +50,7 @@ class SelectionCriteria:
     memory: float = 0.3
     correlation_time: float = 0.25
     native_odds: float = 3.0
+    most_alike: float = 0.95
     chance: float = 0.05
     kept_errors: float = 0.0
     wrong_value: float = 3.0

@@ -32,6 +32,8 @@ _FEWEST_LONG, _MOST_LONG = 12, 240
 """Longer windows are taken only where there are so many, for held-out stretches to differ; and at most so many."""
 _LENGTHS = (2.0, 1.0, 0.5, 0.25)
 """Lengths of the windows of the second stage, s: the first in which the simulator stays near the readings."""
+_SHORTER = 0.6
+"""Share of a window's length below which the next are where a step gained nothing: the next shorter of the lengths."""
 _ROUNDS = 4
 _GROWTHS = 6
 
@@ -95,7 +97,7 @@ class JointSearch:
                 data = self._windows(point, len(self._errors) + 3 * len(places), longest=longest_now)
                 fit = self._fitted(data, point, places)
                 if np.array_equal(fit.point, point):  # windows so long are not linear enough
-                    longest_now = 0.6 * float(np.median(data.durations))
+                    longest_now = _SHORTER * float(np.median(data.durations))
                 point, places = fit.point, fit.places
             assert fit is not None
             fits.append(fit)
