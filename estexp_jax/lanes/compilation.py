@@ -36,15 +36,25 @@ class OptionsIgnored(Exception):
     """The options did not reach XLA."""
 
 
-def lower(function: Callable[..., Any], *arguments: Any) -> Any:
+def lower(function: Callable[..., Any], *arguments: Any, label: str = "") -> Any:
     """`jax.jit(function).lower(*arguments)`, without Python's garbage collector.
 
     What tracing makes all stays; looking through it again and again takes the collector a third of the time.
+
+    Args:
+        function: what is traced.
+        *arguments: for it.
+        label: end of the program's name.
     """
+
+    def program(*given: Any) -> Any:
+        return function(*given)
+
+    program.__name__ = f"program_{label}" if label else getattr(function, "__name__", "program")
     collects = gc.isenabled()
     gc.disable()
     try:
-        return jax.jit(function).lower(*arguments)
+        return jax.jit(program).lower(*arguments)
     finally:
         if collects:
             gc.enable()

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import gc
-import hashlib
 import os
-import platform
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+
+from estexp_jax.lanes.processor import processor_name
 
 _COMPILED = "/jax/core/compile/backend_compile_duration"
 _FROM_CACHE = "/jax/compilation_cache/cache_hits"
@@ -52,7 +52,7 @@ def compilation_cache_folder() -> Path:
         OSError: if it cannot be made or written.
         RuntimeError: if the user has no home.
     """
-    folder = _user_cache() / "estexp_jax" / "xla" / _processor()
+    folder = _user_cache() / "estexp_jax" / "xla" / processor_name()
     folder.mkdir(parents=True, exist_ok=True)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise PermissionError(f"{folder} may not be written")
@@ -91,17 +91,6 @@ def _memory_maps() -> tuple[int, int] | None:
 def _user_cache() -> Path:
     given = os.environ.get("XDG_CACHE_HOME", "")
     return Path(given) if Path(given).is_absolute() else Path.home() / ".cache"
-
-
-def _processor() -> str:
-    """A name for the features of this machine's processor."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    features = [line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))]
-    text = "\n".join([platform.machine(), platform.processor(), *dict.fromkeys(features)])
-    return f"{platform.machine()}-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
 
 
 def quiet_xla() -> None:

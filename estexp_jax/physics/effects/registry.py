@@ -110,5 +110,10 @@ def catalogue(names: Iterable[str]) -> Catalogue:
     return tuple(effect(name) for name in names)
 
 
+def is_fixed(effect: Effect) -> bool:
+    """Whether its name says what it does: it is this package's, and nothing was given to it when it was made."""
+    return not (_is_own(effect) or vars(effect))
+
+
 def _is_own(effect: Effect) -> bool:
     return not type(effect).__module__.startswith(_PACKAGE)

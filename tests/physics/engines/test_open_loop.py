@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import jax
 import mujoco
 import numpy as np
 import pytest
@@ -240,6 +241,28 @@ def test_one_executable_serves_all():
         run([values(Change("viscous_friction", "elbow", {"c": 1.0}))] * 9, [whole(k) for k in range(3)], [0, 1, 2] * 3)
         run([values()], [window_of(RECORDINGS, 0, (3, 9), 0.001, START)], [0])
     assert compiled.count == 0
+
+
+def test_a_kept_program_is_another_robots_or_the_same(tmp_path, engine):
+    """Programs on disk: those of the same robot are found by another simulator; none is taken for another robot's."""
+    if engine != "lanes":
+        pytest.skip("only lanes keep programs")
+    before = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue] (made at run time)
+    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
+    try:
+        found = []
+        for mass in ("0.2", "0.2", "0.3"):
+            robot = Robot.from_string(XML.format(integrator="Euler").replace('mass="0.2"', f'mass="{mass}"'))
+            simulator = open_loop_simulator(robot, EFFECTS, [robot] * 3, width=6, block=64, engine=engine)
+            replay = simulator.replay(stack([values()]), [whole(0)], np.array([0]))
+            found.append((replay.qpos, {p.name for p in (tmp_path / "steps").glob("*.program")}))
+    finally:
+        jax.config.update("jax_compilation_cache_dir", before)
+    first, same, heavier = found
+    assert first[1] == same[1] < heavier[1]
+    assert np.array_equal(first[0], same[0])
+    assert not np.array_equal(first[0], heavier[0])
+    assert found[0][0][0] == pytest.approx(c_loop(robots("Euler")[0], whole(0))[1], abs=2e-4)
 
 
 def test_settings_that_change_the_models_structure_are_refused():

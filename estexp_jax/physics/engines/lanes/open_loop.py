@@ -10,6 +10,7 @@ from typing import Any, final
 
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 
 from estexp_jax.lanes.compilation import compile_lowered, lower
@@ -17,8 +18,10 @@ from estexp_jax.lanes.model_parameters import ModelParameters
 from estexp_jax.lanes.sensors import SensorReader
 from estexp_jax.lanes.states import from_lanes, to_lanes
 from estexp_jax.lanes.step import TOLERANCE, LaneState, Stepper
+from estexp_jax.lanes.stored_programs import stored
 from estexp_jax.physics.effects.base import Distortion
 from estexp_jax.physics.effects.changes import Values
+from estexp_jax.physics.effects.registry import is_fixed
 from estexp_jax.physics.engines.lanes.model import LanesModel, field_of, lanes_model
 from estexp_jax.physics.engines.lanes.terms import ActiveEffects
 from estexp_jax.physics.engines.mjx.edited_open_loop import EditedOpenLoop
@@ -48,26 +51,26 @@ class LanesOpenLoop(EditedOpenLoop):
     def _prepared(self, values: Values, windows: Sequence[Window]) -> Any:
         overrides = self.overrides([s.recording for s in windows])
 
-        def compile_it() -> Any:
-            return lower(jax.vmap(self._edited, out_axes=-1), values, overrides).compile()
+        def compile_it(label: str) -> Any:
+            return lower(jax.vmap(self._edited, out_axes=-1), values, overrides, label=label).compile()
 
-        return self._program("prepare", compile_it)(values, overrides)
+        return self._program("prepare", compile_it, values, overrides)(values, overrides)
 
     def _edited(self, values: Values, overrides: tuple) -> Any:
         model = self.model(values, overrides)
         return {name: field_of(model, name) for name in self.lanes.written}, values
 
     def _rested(self, prepared: Any, roll: RolledRows) -> Hidden:
-        def compile_it() -> Any:
-            return lower(self._resting, prepared, roll).compile()
+        def compile_it(label: str) -> Any:
+            return lower(self._resting, prepared, roll, label=label).compile()
 
-        return self._program("rest", compile_it)(prepared, roll)
+        return self._program("rest", compile_it, prepared, roll)(prepared, roll)
 
     def _rolled(self, prepared: Any, hidden: Hidden, roll: RolledRows) -> Hidden:
-        def compile_it() -> Any:
-            return compile_lowered(lower(self._rolling, prepared, hidden, roll), self.width)[0]
+        def compile_it(label: str) -> Any:
+            return compile_lowered(lower(self._rolling, prepared, hidden, roll, label=label), self.width)[0]
 
-        return self._program("roll", compile_it)(prepared, hidden, roll)
+        return self._program("roll", compile_it, prepared, hidden, roll)(prepared, hidden, roll)
 
     def _advanced(
         self, prepared: Any, state: LaneBatchState, drive: CommandSteps
@@ -75,10 +78,10 @@ class LanesOpenLoop(EditedOpenLoop):
         carried = LaneBatchState._make([*map(_lanes_last, state[:-1]), state.hidden])
         first = CommandSteps(*(x[: self.block] for x in drive))
 
-        def compile_it() -> Any:
-            return compile_lowered(lower(self._blocked, prepared, carried, first), self.width)[0]
+        def compile_it(label: str) -> Any:
+            return compile_lowered(lower(self._blocked, prepared, carried, first, label=label), self.width)[0]
 
-        advance, outputs = self._program("block", compile_it), []
+        advance, outputs = self._program("block", compile_it, prepared, carried, first), []
         for begin in range(0, len(drive.length), self.block):
             carried, out = advance(prepared, carried, CommandSteps(*(x[begin : begin + self.block] for x in drive)))
             outputs.append(out)
@@ -86,12 +89,26 @@ class LanesOpenLoop(EditedOpenLoop):
         after = [np.moveaxis(np.asarray(x), -1, 0) for x in carried[:-1]]
         return LaneBatchState._make([*after, carried.hidden]), StepReadings(*whole)
 
-    def _program(self, name: str, compile_it: Callable[[], Any]) -> Any:
-        """A program, compiled the first time."""
+    def _program(self, name: str, compile_it: Callable[[str], Any], *arguments: Any) -> Any:
+        """A program for such arguments, the first time from the disk or compiled."""
         with self._lock:
             if name not in self._programs:
-                self._programs[name] = compile_it()
+                own = self._identity
+                found = compile_it("") if own is None else stored([name.encode(), *own], arguments, compile_it)
+                self._programs[name] = found
         return self._programs[name]
+
+    @cached_property
+    def _identity(self) -> list[bytes] | None:
+        """All that programs are made from; None where effects are not this package's own, and so may change."""
+        if any(not is_fixed(e) for e in self.catalogue):
+            return None
+        models = [_saved(model) for model in (self.robot.model, self.on_mjx.armed)]
+        leaves = jax.tree.leaves(self.on_mjx.model)
+        shapes = [(np.shape(x), np.asarray(x).dtype.name) for x in leaves]
+        names, differing = [e.name for e in self.catalogue], (self.differing.positions, sorted(self.differing.fields))
+        own = repr((names, self.width, self.block, shapes, differing))
+        return [own.encode(), *models, *(np.asarray(x).tobytes() for x in leaves)]
 
     def _resting(self, prepared: Any, roll: RolledRows) -> Hidden:
         _, acting = self._acting(prepared, roll.qpos.dtype)
@@ -144,6 +161,12 @@ class LanesOpenLoop(EditedOpenLoop):
                 sensors = distort(sensors, values[effect.name])
         after = from_lanes(layout, lanes)
         return LaneBatchState(after[0], after[1], state.act, after[2], hidden), (sensors, qpos, qvel)
+
+
+def _saved(model: mujoco.MjModel) -> bytes:
+    found = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, found)
+    return found.tobytes()
 
 
 def _lanes_last(x: Any) -> np.ndarray:
