@@ -24,8 +24,9 @@ from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import ParameterSpace, Place, nuisances, parameter_space
 from estexp_jax.physics.effects.registry import effect
 
-_STEPS, _GROWTH_STEPS = 2_500_000, 5_000_000
-"""Robot steps that one linearisation may take, and one of all candidates: windows are as many as that allows ..."""
+_STEPS, _GROWTH_STEPS, _FIRST_STEPS = 2_500_000, 5_000_000, 800_000
+"""Robot steps that one linearisation may take, one of all candidates, and one that others follow or that only compares:
+windows are as many as that allows ..."""
 _FEWEST, _MOST = 8, 240
 """... but at least and at most so many."""
 _FEWEST_LONG, _MOST_LONG = 12, 240
@@ -86,7 +87,8 @@ class JointSearch:
         tried += [c.as_derivative() for c in others if effect(c.place[0]).model_attribute]
         data = problem.dataset(criteria.short_window, criteria.memory)
         data = evenly(data, _affordable(data, len(tried), _GROWTH_STEPS))
-        objective = self._objective(data, states=True).without_step_error(space.neutral, problem.lacking)
+        plain = Objective(problem.simulator, space, data, states=True, counted=problem.counted)
+        objective = plain.without_step_error(space.neutral, problem.lacking)
         added = [i for i in self._errors if effect(space.parameters[i].effect).additive]
         choices = torque_choices(objective, tried, added, problem.robots, criteria)
         fits, longest = list[JointFit](), data
@@ -94,7 +96,8 @@ class JointSearch:
             point, places, fit, longest_now = chosen.point, chosen.places, None, np.inf
             for round_ in range(_ROUNDS):
                 yield Progress("joint fit", k * _ROUNDS + round_, len(choices) * _ROUNDS)
-                data = self._windows(point, len(self._errors) + 3 * len(places), longest=longest_now)
+                steps = _STEPS if round_ == _ROUNDS - 1 else _FIRST_STEPS
+                data = self._windows(point, len(self._errors) + 3 * len(places), steps, longest_now)
                 fit = self._fitted(data, point, places)
                 if np.array_equal(fit.point, point):  # windows so long are not linear enough
                     longest_now = _SHORTER * float(np.median(data.durations))
@@ -117,7 +120,7 @@ class JointSearch:
             if about is None:
                 promising, about = self._promising(fit), fit
             directions = len(self._errors) + 3 * len(fit.places) + len(promising)
-            more = self._growth(self._windows(fit.point, directions)).grown(fit, promising)
+            more = self._growth(self._windows(fit.point, directions), fit).grown(fit, promising)
             if more is None and about is fit:
                 break
             fit, about = (fit, None) if more is None else (more, about)
@@ -126,8 +129,8 @@ class JointSearch:
     def settled(self, fit: JointFit) -> JointFit:
         """A fit with values of the model that are far off, and without what held-out stretches contradict."""
         data = self._last_windows(fit)
-        judge = self._growth(data)
         fit = self._fitted(data, fit.point, fit.places)
+        judge = self._growth(data, fit)
         wrong = [p for p in wrong_values(judge, fit) if p in self.problem.places]
         if wrong:
             fit = self._fitted(data, fit.point, [*fit.places, *wrong])
@@ -142,8 +145,9 @@ class JointSearch:
         """
         yield Progress("rivals", 0, 1)
         tried = self._candidates()
-        instead = self._growth(self._few_windows(fit, tried)).replacements(fit, tried)
-        return self._growth(self._last_windows(fit)).rivals(fit, instead)
+        instead = self._growth(self._few_windows(fit, tried), fit).replacements(fit, tried)
+        directions = len(self._errors) + 3 * len(fit.places)
+        return self._growth(self._windows(fit.point, directions, _FIRST_STEPS), fit).rivals(fit, instead)
 
     def values_only(self) -> Generator[Progress, None, JointFit]:
         """Values of the model refitted within ordinary errors, and no effect.
@@ -158,7 +162,7 @@ class JointSearch:
     def _promising(self, fit: JointFit) -> list[Candidate]:
         """Of all candidates those that gain anything on few windows."""
         tried = self._candidates()
-        return self._growth(self._few_windows(fit, tried)).promising(fit, tried)
+        return self._growth(self._few_windows(fit, tried), fit).promising(fit, tried)
 
     def _candidates(self) -> list[Candidate]:
         """Small changes by all effects at all places; of what is sinusoidal readings show no more than torques do."""
@@ -169,17 +173,25 @@ class JointSearch:
     def _few_windows(self, fit: JointFit, tried: Sequence[Candidate]) -> Dataset:
         return self._windows(fit.point, len(self._errors) + len(tried), _GROWTH_STEPS)
 
-    def _growth(self, data: Dataset) -> Growth:
+    def _growth(self, data: Dataset, fit: JointFit) -> Growth:
         noise, observed = self.problem.least_noise, self.problem.observed
-        return Growth(self._objective(data), self._errors, noise, observed, self.criteria, self.problem.lacking)
+        return Growth(self._objective(data, fit.point, fit.places), self._errors, noise, observed, self.criteria)
 
-    def _objective(self, data: Dataset, *, states: bool = False) -> Objective:
-        return Objective(self.problem.simulator, self.space, data, states, counted=self.problem.counted)
+    def _objective(self, data: Dataset, point: np.ndarray, places: Sequence[Place]) -> Objective:
+        """Of some windows, without the step's error as it is at the first point with effects at these places."""
+        known, asked = self._without_step_error, (id(data), tuple(places))
+        if asked not in known:
+            plain = Objective(self.problem.simulator, self.space, data, counted=self.problem.counted)
+            known[asked] = plain.without_step_error(point, self.problem.lacking)
+        return known[asked]
+
+    @cached_property
+    def _without_step_error(self) -> dict[tuple[int, tuple[Place, ...]], Objective]:
+        return {}
 
     def _fitted(self, data: Dataset, point: np.ndarray, places: Sequence[Place]) -> JointFit:
-        objective = self._objective(data)
-        least, lacking = self.problem.least_noise, self.problem.lacking
-        return gauss_newton(objective, point, places, self._errors, least, self.criteria, lacking)
+        objective = self._objective(data, point, places)
+        return gauss_newton(objective, point, places, self._errors, self.problem.least_noise, self.criteria)
 
     def _most_plausible(self, data: Dataset, fits: Sequence[JointFit]) -> int:
         """Index of the fit with the largest evidence, by Schwarz's criterion, on common windows.
@@ -187,10 +199,7 @@ class JointSearch:
         Values of the model that are off by more than they usually are cost what their prior says.
         """
         criteria, space, points = self.criteria, self.space, np.array([f.point for f in fits])
-        objective, least = (
-            self._objective(data).without_step_error(points[0], self.problem.lacking),
-            self.problem.least_noise,
-        )
+        objective, least = self._objective(data, points[0], fits[0].places), self.problem.least_noise
         left = [reading_noise_of(data, simulated, least, criteria.clip) for simulated in objective.simulate(points)]
         costs = cost_at(objective, points, np.min(left, axis=0), criteria)
         measured = np.isfinite(data.measurements).any(axis=1).sum(axis=1)
@@ -209,6 +218,10 @@ class JointSearch:
     def _last_windows(self, fit: JointFit) -> Dataset:
         return self._windows(fit.point, len(self._errors) + 3 * len(fit.places))
 
+    @cached_property
+    def _even_windows(self) -> dict[tuple[float, int], Dataset]:
+        return {}
+
     def _windows(self, point: np.ndarray, directions: int, steps: float = _STEPS, longest: float = np.inf) -> Dataset:
         """Windows as long as the simulator stays near the readings, and not longer than so many s."""
         problem, criteria = self.problem, self.criteria
@@ -218,8 +231,9 @@ class JointSearch:
             most = min(_affordable(data, directions, steps), _MOST_LONG)
             if length > _LENGTHS[-1] and min(len(data.windows), most) < _FEWEST_LONG:
                 continue
-            data = evenly(data, most)
-            simulated = self._objective(data).simulate(point[None])[0]
+            data = self._even_windows.setdefault((length, most), evenly(data, most))
+            plain = Objective(problem.simulator, self.space, data, counted=problem.counted)
+            simulated = plain.simulate(point[None])[0]
             ranges = np.array([channel_ranges(problem.channels, problem.recordings[r]) for r in data.owner])
             error = (data.measurements - simulated) / ranges[:, None, :]
             if np.sqrt(np.nanmean(error**2)) < criteria.near:

@@ -43,12 +43,11 @@ class Growth:
     """What a joint fit may grow by, and how that is judged.
 
     Attributes:
-        objective: the windows on which candidates are tried and fits are made.
+        objective: the windows on which candidates are tried and fits are made, without the error of the step.
         nuisances: indices of values of the model that may be a little off.
         least_noise: (channels,) noise of the readings.
         observed: what recordings show of joints and sensors.
         criteria: what decides.
-        lacking: share of the error of the simulator's step that the robot lacks.
     """
 
     objective: Objective
@@ -56,7 +55,6 @@ class Growth:
     least_noise: np.ndarray
     observed: Observed
     criteria: SelectionCriteria
-    lacking: float = 1.0
 
     def promising(self, fit: JointFit, tried: Sequence[Candidate]) -> list[Candidate]:
         """Candidates that gain anything beside the fit or in place of one of its effects, the best first."""
@@ -103,8 +101,8 @@ class Growth:
                 sets.insert(0, lasting)
         if not found:
             return None
-        objective = self.objective.without_step_error(fit.point, self.lacking)
-        data, left = objective.dataset, objective.simulate(fit.point[None])[0]
+        objective, data = self.objective, self.objective.dataset
+        left = objective.simulate(fit.point[None])[0]
         noise = reading_noise_of(data, left, self.least_noise, self.criteria.clip)
         costs = cost_at(objective, np.array([fit.point, *(f.point for f in found)]), noise, self.criteria)
         measured = np.isfinite(data.measurements).any(axis=1).sum(axis=1)
@@ -195,8 +193,8 @@ class Growth:
         return self._step(point, places, prune=prune)
 
     def _step(self, point: np.ndarray, places: Sequence[Place], *, prune: bool = True) -> JointFit:
-        objective, least = self.objective, self.least_noise
-        return gauss_newton(objective, point, places, self.nuisances, least, self.criteria, self.lacking, prune=prune)
+        least = self.least_noise
+        return gauss_newton(self.objective, point, places, self.nuisances, least, self.criteria, prune=prune)
 
     def free(self, fit: JointFit) -> list[int]:
         """Indices of a fit's own parameters, and of the model's values that may be a little off."""
@@ -214,7 +212,7 @@ class Growth:
 
     def held_out(self, fit: JointFit, more: Sequence[np.ndarray]) -> tuple[HeldOut, np.ndarray]:
         """Windows about a fit with its own parameters, nuisances, and more directions; and the first two's columns."""
-        objective, criteria = self.objective.without_step_error(fit.point, self.lacking), self.criteria
+        objective, criteria = self.objective, self.criteria
         space = objective.space
         free = derivatives(space, fit.point, self.free(fit))
         directions = np.concatenate([free.directions, np.reshape(more, (len(more), len(fit.point)))])

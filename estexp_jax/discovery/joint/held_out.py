@@ -126,20 +126,29 @@ class HeldOut:
     def _known_rows(self) -> dict[int, np.ndarray]:
         return {}
 
-    def _rows(self, base: np.ndarray) -> np.ndarray:
-        """Rows (windows, k, n) of each window's normal matrix; few are ever needed of the many."""
-        known = self._known_rows
-        if missing := [c for c in base.tolist() if c not in known]:
-            found = np.array([j[:, missing].T @ j for j, _ in self._own])
-            known.update(zip(missing, np.moveaxis(found, 1, 0), strict=True))
-        rows = [known[c] for c in base.tolist()]
-        return np.stack(rows, axis=1) if rows else np.zeros((len(self._own), 0, self.linear.columns.shape[1]))
+    @cached_property
+    def _last_base(self) -> list[tuple[tuple[int, ...], np.ndarray, np.ndarray]]:
+        return []
+
+    def _rows(self, base: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rows (windows, k, n) of each window's normal matrix, and their sum; few are ever needed of the many."""
+        asked, last = tuple(base.tolist()), self._last_base
+        if not last or last[0][0] != asked:
+            known = self._known_rows
+            if missing := [c for c in asked if c not in known]:
+                found = np.array([j[:, missing].T @ j for j, _ in self._own])
+                known.update(zip(missing, np.moveaxis(found, 1, 0), strict=True))
+            empty = np.zeros((len(self._own), 0, self.linear.columns.shape[1]))
+            rows = np.stack([known[c] for c in asked], axis=1) if asked else empty
+            last[:] = [(asked, rows, rows.sum(axis=0))]
+        return last[0][1:]
 
     def _fitted(self, left_out: np.ndarray, base: np.ndarray) -> _Fitted:
         """The fit of a base (k,) to all windows but some."""
-        kept = np.setdiff1d(np.arange(len(self._own)), left_out)
-        rows = self._rows(base)[kept].sum(axis=0)
+        each, total = self._rows(base)
+        rows = total - each[left_out].sum(axis=0)
         rows[np.arange(len(base)), base] += self._prior[base]
+        kept = np.setdiff1d(np.arange(len(self._own)), left_out)
         vector, diagonal = self._vectors[kept].sum(axis=0), self._diagonals[kept].sum(axis=0) + self._prior
         inverse = np.linalg.inv(rows[:, base])
         return _Fitted(rows, vector, diagonal, inverse, inverse @ vector[base])
@@ -150,7 +159,7 @@ class HeldOut:
 
     def _errors(self, part: np.ndarray, base: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Sum of squares (windows,) that coefficients (k,) of a base leave in each window of a stretch."""
-        own = self._rows(base)[part][:, :, base]
+        own = self._rows(base)[0][part][:, :, base]
         return self._squares[part] - 2.0 * self._vectors[part][:, base] @ x + (own @ x) @ x
 
     def _with_each(
@@ -159,7 +168,7 @@ class HeldOut:
         """Loss (columns,) of a stretch, predicted by the others' fit of a base with each of some columns beside it."""
         fit = self._fitted(part, base)
         times, cross = fit.with_each(c, least, most)
-        rows, v = self._rows(base)[part], self._vectors[part]
+        rows, v = self._rows(base)[0][part], self._vectors[part]
         own, others, m = rows[:, :, base], rows[:, :, c], fit.mean
         # One more column moves the coefficients along (-cross, 1) by `times`: a parabola in it.
         slope = m @ others - (own @ m) @ cross - (v[:, c] - v[:, base] @ cross)

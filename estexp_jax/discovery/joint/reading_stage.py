@@ -56,23 +56,21 @@ def gauss_newton(
     nuisances: Sequence[int],
     least_noise: np.ndarray,
     criteria: SelectionCriteria,
-    lacking: float = 1.0,
     *,
     prune: bool = True,
 ) -> JointFit:
     """One step: relinearise, choose anew by evidence, and go as far as the residuals fall.
 
     Args:
-        objective: the windows that are fitted.
+        objective: the windows that are fitted, without the error of the simulator's step.
         point: where to linearise.
         places: effects claimed so far.
         nuisances: indices of values of the model that may be a little off.
         least_noise: (channels,) noise of the readings.
         criteria: what decides.
-        lacking: share of the error of the simulator's step that the robot lacks.
         prune: whether effects go that evidence speaks against.
     """
-    objective, space = objective.without_step_error(point, lacking), objective.space
+    space = objective.space
     own = [int(i) for place in places for i in space.of_place[place]]
     errors = [i for i in nuisances if i not in own]  # a claimed value of the model is no nuisance besides
     free = derivatives(space, point, [*own, *errors])

@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import replace
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from estexp_jax.discovery.comparison import apart_in, problem_of, replayer_of
-from estexp_jax.discovery.cross_validation import as_fitted
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.findings_json import Found, diagnosis
 from estexp_jax.discovery.fitting import Progress
-from estexp_jax.discovery.hypotheses import Hypothesis, claiming, known_values, parameters_only, simulated
+from estexp_jax.discovery.hypotheses import known_values, parameters_only, simulated
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.discovery.joint.fit import JointSearch
+from estexp_jax.discovery.joint.judgement import Judged, judged_alone, judged_beside
 from estexp_jax.discovery.joint.problem import JointProblem
-from estexp_jax.discovery.joint.reading_stage import JointFit, without
-from estexp_jax.discovery.location import element
+from estexp_jax.discovery.joint.reading_stage import JointFit
 from estexp_jax.discovery.marginal import about
-from estexp_jax.discovery.placebo import placebo
 from estexp_jax.discovery.problem import Problem
 from estexp_jax.discovery.rivals import base_of, black_box_errors
-from estexp_jax.discovery.selection import NOISE, Selection, folds_of, worth
+from estexp_jax.discovery.selection import NOISE, Selection, probabilities, simplest, worth
 from estexp_jax.discovery.shown_time_step import resolved
 from estexp_jax.discovery.slopes import Fit
 from estexp_jax.discovery.verdict import is_wrong_value
-from estexp_jax.estimation.parameters import ParameterSpace, Place
+from estexp_jax.estimation.parameters import ParameterSpace
 from estexp_jax.physics.effects.changes import Change
 from estexp_jax.physics.effects.registry import effect, every
 from estexp_jax.physics.effects.sites import driven_joint_sites, scalar_joint_sites
@@ -87,26 +84,38 @@ def explain_jointly(
     fit = search.settled(fit)
     bent = yield from search.values_only()
     yield Progress("held-out windows", 0, 1)
-    selection, *_ = _selected(whole, search, parameters, [fit], bent)
-    if not _suffices(case.robot, selection):
+    judged = judged_alone(whole, search, parameters, fit, bent)
+    if not _suffices(case.robot, judged.selection):
         return None
     rivals = yield from search.rivals(fit)
-    selection, fits, compared = _selected(whole, search, parameters, [fit, *rivals], bent)
-    better = _better(selection, rivals)
+    judged = judged_beside(judged, search, parameters, rivals)
+    better = _plainly_better(judged.selection, rivals) or _likelier(judged.selection, rivals)
     if better is not None:  # what stands in for an effect may take several others; its replacement shows them needless
         fit = search.settled(better)
         rivals = yield from search.rivals(fit)
-        selection, fits, compared = _selected(whole, search, parameters, [fit, *rivals], bent)
-        if not _suffices(case.robot, selection) or _better(selection, rivals) is not None:
+        judged = judged_beside(judged_alone(whole, search, parameters, fit, bent), search, parameters, rivals)
+        if not _suffices(case.robot, judged.selection) or _plainly_better(judged.selection, rivals) is not None:
             return None
-    return (yield from _told(case, config, compared, selection, fits, _intervals(space, fits["explained"], fit)))
+    intervals = _intervals(space, judged.fits["explained"], fit)
+    return (yield from _told(case, config, judged, intervals))
 
 
-def _better(selection: Selection, rivals: Sequence[JointFit]) -> JointFit | None:
-    """The rival that held-out windows plainly prefer to the choice, None if there is none."""
+def _plainly_better(selection: Selection, rivals: Sequence[JointFit]) -> JointFit | None:
+    """The best rival that held-out windows plainly prefer to the choice, None if there is none."""
     by_places = {e.places: e for e in selection.tried}
     found = [(by_places[r.places], r) for r in rivals if worth(by_places[r.places], selection.chosen)]
     return min(found, key=lambda both: both[0].error)[1] if found else None
+
+
+def _likelier(selection: Selection, rivals: Sequence[JointFit]) -> JointFit | None:
+    """The likeliest rival, if it is likelier than the choice and no near tie of it: what is told first is likeliest."""
+    each = probabilities(selection, 0)[1:]
+    share = {e.places: p for e, p in zip(selection.tried, each, strict=True)}
+    best = max(rivals, key=lambda r: share[r.places], default=None)
+    if best is None or share[best.places] <= share[selection.chosen.places]:
+        return None
+    fitted = next(e for e in selection.tried if e.places == best.places)
+    return best if simplest([selection.chosen, fitted]) is fitted else None
 
 
 def _claims(fit: JointFit, space: ParameterSpace) -> list[Change]:
@@ -143,74 +152,6 @@ def joint_problem_of(case: Case, config: ExplainConfig, memory: dict[str, Any]) 
     )
 
 
-def _selected(
-    whole: Problem,
-    search: JointSearch,
-    parameters: Hypothesis,
-    joint: Sequence[JointFit],
-    bent: JointFit,
-) -> tuple[Selection, dict[str, Fit], Problem]:
-    """The first joint fit, judged among what competes with it: nothing, values alone, less of it, and the others."""
-    robot, fit, space = whole.replayer.robot, joint[0], search.space
-    nominal = Fit(parameters, parameters.start(), np.inf)
-    explained = as_fit(robot, space, parameters, fit, fit.places)
-    own = as_fit(robot, space, parameters, bent, ())
-    heard = replace(whole.heard(explained.member), lacking=search.problem.lacking)
-    problem, unchanged = heard.about(explained.member), heard.about(nominal.member)
-    folds = folds_of(problem)
-    less = [as_fit(robot, space, parameters, fit, kept) for kept in _with_fewer(robot, fit.places)]
-    less += [as_fit(robot, space, parameters, other, other.places) for other in joint[1:]]
-    plain = replace(unchanged, rough=None)
-    kinds = (replace(plain, step=None), plain, unchanged)
-    as_it_is, mended, doubted = (as_fitted(p, [nominal], folds)[0] for p in kinds)
-    corrected = doubted if doubted.error <= NOISE else mended  # but for the step's doubt, where nothing else is left
-    found = as_fitted(problem, [own, *less, explained], folds)
-    selection = Selection(as_it_is, corrected, found[0], tuple(found[1:]), found[-1])
-    sayable = [p for p in fit.places if effect(p[0]).in_mjcf]
-    fits = {
-        "parameters_only": own,
-        "nominal": nominal,
-        "explained": explained,
-        "sayable": as_fit(robot, space, parameters, fit, sayable),
-    }
-    wrong = placebo(robot, parameters, selection)
-    tried = {e.places: e.fitted for e in selection.tried}
-    if wrong and wrong[0].places in tried:
-        fits["placebo"] = tried[wrong[0].places]
-    return selection, fits, problem
-
-
-def _with_fewer(robot: Robot, places: Sequence[Place]) -> list[tuple[Place, ...]]:
-    """The places less one effect each, and less all effects of one element each: how much either explains."""
-    each = [tuple(p for p in places if p != place) for place in places]
-    elements = dict.fromkeys(element(robot, place) for place in places)
-    each += [tuple(p for p in places if element(robot, p) != e) for e in elements]
-    return [kept for kept in dict.fromkeys(each) if kept]
-
-
-def as_fit(robot: Robot, space: ParameterSpace, parameters: Hypothesis, fit: JointFit, places: Sequence[Place]) -> Fit:
-    """A joint fit with some of its effects only, the others' values as they follow from its covariance.
-
-    Args:
-        robot: the nominal robot.
-        space: of the fit's point.
-        parameters: the hypothesis that only values of the model are off.
-        fit: the joint fit.
-        places: those of its effects that are kept.
-    """
-    point = without(space, fit, [p for p in fit.places if p not in places])
-    hypothesis = claiming(robot, parameters, places)
-    index = {(p.effect, p.site, p.name): i for i, p in enumerate(space.parameters)}
-    free, vector = [], []
-    for f in hypothesis.free:
-        value = float(point[index[f.effect, f.site, f.parameter]])
-        if np.isinf(f.spread):  # bounds of a claim come from what motors could do, which the recordings may exceed
-            f = replace(f, low=min(f.low, 2.0 * value), high=max(f.high, 2.0 * value))
-        free.append(f)
-        vector.append(np.clip(value, f.low, f.high))
-    return Fit(Hypothesis(hypothesis.places, tuple(free)), np.array(vector), np.inf)
-
-
 def _intervals(space: ParameterSpace, explained: Fit, fit: JointFit) -> np.ndarray:
     """90 % intervals (n_free, 2) of the explained fit's values; of what was not free, the value itself."""
     std = np.zeros(len(space.parameters))
@@ -223,14 +164,10 @@ def _intervals(space: ParameterSpace, explained: Fit, fit: JointFit) -> np.ndarr
 
 
 def _told(
-    case: Case,
-    config: ExplainConfig,
-    problem: Problem,
-    selection: Selection,
-    fits: dict[str, Fit],
-    intervals: np.ndarray,
+    case: Case, config: ExplainConfig, judged: Judged, intervals: np.ndarray
 ) -> Generator[Progress, None, Diagnosis]:
     """The result, proven on the test recordings."""
+    selection, fits, problem, _ = judged
     yield Progress("black box", 0, 1)
     bases = [base_of(case, problem, fits[name]) for name in ("parameters_only", "nominal")]
     learned = black_box_errors(case, config, problem, bases)

@@ -2,14 +2,18 @@
 
 from collections.abc import Generator
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from estexp_jax.discovery.diagnosis import Case, Diagnosis, ExplainConfig
 from estexp_jax.discovery.explain import explain
-from estexp_jax.discovery.joint.strategy import explain_jointly, is_jointly_fitted
+from estexp_jax.discovery.joint.reading_stage import JointFit
+from estexp_jax.discovery.joint.strategy import _likelier, explain_jointly, is_jointly_fitted
+from estexp_jax.discovery.selection import Explanation, Selection
+from estexp_jax.discovery.slopes import Fit
 from estexp_jax.physics.model.robot import Robot
 from tests.discovery.joint.arm import NOMINAL, PLANTED, case
 
@@ -61,3 +65,21 @@ def test_it_applies_to_robots_of_hinges_and_slides_that_are_all_measured():
         "floating",
     )
     assert not is_jointly_fitted(Case(floating, arm.recordings, (floating,) * 3))
+
+
+def test_what_is_told_first_is_the_likeliest():
+    """A rival that is better by a tenth on every window, but not plainly, is likelier; one that is as good is not."""
+    hypotheses = {name: SimpleNamespace(places=((name, "j1"),), free=(), changes=tuple) for name in "abc"}
+    errors = {"a": 1.0, "b": 0.9, "c": 1.0}
+    tried = {
+        name: Explanation(cast(Fit, SimpleNamespace(hypothesis=h, vector=np.zeros(0))), np.full(12, errors[name]))
+        for name, h in hypotheses.items()
+    }
+    rivals = {name: cast(JointFit, SimpleNamespace(places=h.places)) for name, h in hypotheses.items()}
+    nothing = Explanation(cast(Fit, SimpleNamespace(hypothesis=SimpleNamespace(places=(), free=()))), np.full(12, 9.0))
+    selection = Selection(nothing, nothing, nothing, (tried["c"], tried["b"], tried["a"]), tried["a"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("estexp_jax.discovery.selection.stretched", lambda _: ())
+        assert _likelier(selection, [rivals["c"], rivals["b"]]) is rivals["b"]
+        assert _likelier(selection, [rivals["c"]]) is None
+        assert _likelier(selection, []) is None

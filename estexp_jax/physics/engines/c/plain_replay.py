@@ -68,6 +68,7 @@ class PlainReplay:
             if model.joint(j).name in robot.names("joint")
         ]
         self._switched: dict[bytes, mujoco.MjModel] = {}
+        self._remembers = begin is not None or _remembers(robot.model, model)
         self._timestep = float(model.opt.timestep)
 
     def replay(self, windows: Sequence[Window]) -> OpenLoopRollout:
@@ -102,34 +103,38 @@ class PlainReplay:
         rows = {int(k): row for row, k in enumerate(steps.sample)}
         commands, on = window.logged, window.switched_on
         last = np.flatnonzero(steps.length)[-1]
+        changes, switches = np.append(False, (on[1:] != on[:-1]).any(axis=1)), self._switches(on[0])
         for k in range(steps.n_steps + 1):
             now = min(k, steps.n_steps - 1)
+            if changes[now]:
+                switches = self._switches(on[now])
             data.ctrl[self._ctrl] = commands[now][self._own_ctrl]
             row = rows.get(k)
             if row is not None:
                 for q, v, own_q, own_v in self._joints:
                     qpos[row, own_q], qvel[row, own_v] = data.qpos[q], data.qvel[v]
             if k < steps.n_steps and steps.length[k] == 0.0:
-                mujoco.mj_forward(self._with_motors(self._switches(on[now])), data)
+                mujoco.mj_forward(self._with_motors(switches), data)
             else:
                 self._model.opt.timestep = steps.length[k] if k < steps.n_steps else steps.length[last]
-                step(self._model, data, self._switches(on[now]))
+                step(self._model, data, switches)
             if row is not None:
                 sensors[row, self._columns[0]] = data.sensordata[self._columns[1]]
-            if not np.all(np.abs(data.qvel) < _TOO_FAST):
-                break
+                if not np.all(np.abs(data.qvel) < _TOO_FAST):
+                    break
         return sensors, qpos, qvel
 
     def _remembering(self, window: Window) -> tuple[mujoco.MjData, Stepper]:
         """The state at a window's start, with all that the model remembers there, and what steps it."""
         path, start, first = window.path, window.start, window.first
         time = window.history.time
-        since = first if path is None else int(np.searchsorted(time, time[first] - _ROLLED))
-        qpos, qvel = (start.qpos, start.qvel) if path is None else (path.qpos[since], path.qvel[since])
+        rolled = path is not None and self._remembers
+        since = first if not rolled else int(np.searchsorted(time, time[first] - _ROLLED))
+        qpos, qvel = (path.qpos[since], path.qvel[since]) if path is not None and rolled else (start.qpos, start.qvel)
         self._model.opt.timestep = self._timestep
         data = self._resting(window, since, qpos, qvel)
         step = self._begin(self._model, data)
-        if path is not None and first > since:
+        if path is not None and rolled and first > since:
             steps = physics_steps(time[since : first + 1], self._timestep)
             commands = window.history.mean(steps.start, steps.length, *_as_logged(self._robot))
             for k in range(steps.n_steps):
@@ -207,6 +212,12 @@ class PlainReplay:
 
 
 _FILTERS = (int(mujoco.mjtDyn.mjDYN_FILTER), int(mujoco.mjtDyn.mjDYN_FILTEREXACT))
+
+
+def _remembers(nominal: mujoco.MjModel, model: mujoco.MjModel) -> bool:
+    """Whether a model's step hangs on more than the nominal robot's position, speed and command."""
+    delays = (model.actuator_history[:, 0] > 0).any() or (model.sensor_history[:, 0] > 0).any()
+    return bool(delays or model.na or model.nplugin or model.nv != nominal.nv)
 
 
 def _as_logged(robot: Robot) -> tuple[np.ndarray, np.ndarray]:

@@ -31,7 +31,7 @@ from estexp_jax.physics.engines.open_loop_inputs import CommandSteps, RolledRows
 from estexp_jax.physics.engines.open_loop_states import LaneBatchState, StepReadings
 from estexp_jax.physics.window import Window
 
-LANES_REPLAY = 72, 64
+LANES_REPLAY = 200, 32
 """Lanes in a chunk, and physics steps in a call: XLA copies a call's rows at each step, so they are few."""
 
 
