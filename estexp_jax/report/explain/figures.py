@@ -22,6 +22,7 @@ from estexp_jax.report.drawing.axes import (
     short,
 )
 from estexp_jax.report.drawing.onto import new_figure
+from estexp_jax.report.explain.text import place_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,7 +67,7 @@ def figure_fit(diagnosis: Diagnosis) -> Figure:
 
 def figure_prediction(prediction: Prediction, channel: int) -> Figure:
     """One channel of a test recording under both simulators, and their errors."""
-    time, breaks = _with_breaks(prediction)
+    time, breaks = with_breaks(prediction)
     recorded, nominal, explained = (
         np.insert(getattr(prediction, name)[:, channel].astype(float), breaks, np.nan)
         for name in ("recorded", "nominal", "explained")
@@ -189,7 +190,7 @@ def _draw_places(axes: Axes, places: list[dict[str, Any]]) -> None:
     shares = [100.0 * p["share"] for p in places]
     bars = axes.barh(range(len(places)), shares, height=0.6, color=[EXPLAINED] + [OTHER] * (len(places) - 1))
     axes.bar_label(bars, [f"{s:.0f} %" for s in shares], padding=4, fontsize=9)
-    names = [short(p["kind"] if p["name"] is None else f"{p['kind']} {p['name']}") for p in places]
+    names = [short(place_name(p["kind"], p["name"])) for p in places]
     axes.set_yticks(range(len(places)), names, fontsize=9, parse_math=False)
     axes.set_ylim(len(places) - 0.4, -0.6)
     axes.set_xlim(0.0, max(shares) * 1.15)
@@ -213,7 +214,7 @@ def _colour(diagnosis: Diagnosis, explanation: Explanation) -> str:
     return NOMINAL if explanation is diagnosis.selection.nominal else OTHER
 
 
-def _with_breaks(prediction: Prediction) -> tuple[np.ndarray, np.ndarray]:
+def with_breaks(prediction: Prediction) -> tuple[np.ndarray, np.ndarray]:
     """Times (rows + windows - 1,) with a NaN before each window but the first, and the indices of the NaNs."""
     breaks = np.flatnonzero(np.diff(prediction.window)) + 1
     return np.insert(prediction.time.astype(float), breaks, np.nan), breaks
