@@ -41,7 +41,7 @@ def demo_command(options: DemoOptions) -> int:
     record_command(RecordOptions(model_path("leg"), recorded, effect=(_PLANTED,), duration=4.0, seed=seed, force=anew))
     manifest = recorded / "recordings.toml"
     print(f"\n{_usual_answer(manifest)}\n\nWhat estexp explain answers:\n", flush=True)
-    explain_command(ExplainOptions((str(manifest),), explained, engine="c", force=force, resume=resume))
+    explain_command(ExplainOptions((str(manifest),), explained, force=force, resume=resume))
     print("\n2. A quadruped loses a leg, and walks again.\n", flush=True)
     recover_command(RecoverOptions(out=walking, situation=3, seed=seed, quick=True, force=force, resume=resume))
     print(f"\nThe two reports:\n  {explained / 'report.html'}\n  {walking / 'report.html'}")
