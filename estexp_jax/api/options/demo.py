@@ -16,7 +16,7 @@ from estexp_jax.api.options.ranges import SEEDS, CheckedOptions
 class DemoOptions(CheckedOptions):
     """See both jobs at work: a leg's concealed delay is found, and a damaged quadruped recovers.
 
-    Takes about a minute on two cores. Where `mujoco.sysid` is installed, its answer stands beside the first.
+    Takes two or three minutes on two cores. Where `mujoco.sysid` is installed, its answer stands beside the first.
 
     Example:
         estexp demo --out out/demo

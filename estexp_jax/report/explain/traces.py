@@ -26,9 +26,14 @@ _FOLDER = Path(__file__).parent
 
 
 def traces_script() -> str:
-    """The program that draws them, after the library that it uses."""
-    library = (_FOLDER.parent / "uplot" / "uPlot.iife.min.js").read_text(encoding="utf-8")
-    return f"{library}\n{(_FOLDER / 'traces.js').read_text(encoding='utf-8')}"
+    """The program that draws them, after the library that it uses, with the library's licence."""
+    files = (
+        _FOLDER.parent / "uplot" / "LICENSE",
+        _FOLDER.parent / "uplot" / "uPlot.iife.min.js",
+        _FOLDER / "traces.js",
+    )
+    licence, library, own = (path.read_text(encoding="utf-8") for path in files)
+    return f"/*\n{licence}*/\n{library}\n{own}"
 
 
 def traces_style() -> str:
