@@ -1,7 +1,9 @@
 """Sphinx settings of the documentation: `make docs`."""
 
 import re
+import shutil
 from importlib.metadata import version as _version
+from pathlib import Path
 
 project = "estexp_jax"
 author = "The estexp_jax developers"
@@ -47,6 +49,15 @@ def _plain(app, what, name, obj, options, lines):
     lines[:] = "\n".join(lines).split("\n")
 
 
+def _bring_in(app):
+    """Notebooks, with the outputs that they hold, which stand elsewhere in the repository."""
+    folder = Path(app.srcdir) / "_notebooks"
+    folder.mkdir(exist_ok=True)
+    for path in (Path(app.srcdir).parent / "experiments" / "notebooks").glob("*.ipynb"):
+        shutil.copy(path, folder / path.name)
+
+
 def setup(app):
     """Before napoleon, which has the default priority."""
+    app.connect("builder-inited", _bring_in)
     app.connect("autodoc-process-docstring", _plain, priority=400)

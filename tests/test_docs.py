@@ -3,15 +3,19 @@
 import importlib
 import importlib.util
 import re
+import shlex
 import shutil
 import subprocess
 import sys
+from textwrap import indent
 
 import pytest
 
+from estexp_jax.cli import commands
 from estexp_jax.package_data import model_path
 from estexp_jax.physics.effects import registry
 from estexp_jax.physics.effects.changes import parse_change
+from estexp_jax.physics.model.actuators import HAS_DECLARED_INPUTS
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.columns import UNITS
 from tests.conftest import ROOT
@@ -22,7 +26,7 @@ OF_EACH_COMMAND = ("files.py", "page.py", "result.py", "run.py", "text.py")
 """Names that files have in several folders: a table may tell them without one."""
 RUN_ELSEWHERE = ["recovering.md"]
 """Its program drives a robot in `tests/api/test_recover.py`."""
-WITH_EXAMPLES = ["effects.md", "engines.md", "recordings.md", "report.md"]
+WITH_EXAMPLES = ["effects.md", "engines.md", "faq.md", "recordings.md", "report.md"]
 
 
 def blocks(page: str) -> list[str]:
@@ -37,7 +41,7 @@ def test_every_page_with_examples_is_run():
 def test_examples_run_one_after_another(page, tmp_path, monkeypatch, request):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(registry, "_EFFECTS", dict(registry._EFFECTS))  # an example registers an effect
-    if page == "report.md":
+    if page in ("faq.md", "report.md"):
         shutil.copytree(request.getfixturevalue("explained"), tmp_path / "explain")
     script = "\n".join(blocks(page))
     assert "assert " in script
@@ -45,6 +49,44 @@ def test_examples_run_one_after_another(page, tmp_path, monkeypatch, request):
     spec = importlib.util.spec_from_file_location("example", tmp_path / "example.py")
     assert spec is not None and spec.loader is not None
     spec.loader.exec_module(importlib.util.module_from_spec(spec))
+
+
+@pytest.mark.slow
+def test_the_readmes_program_runs(recorded, tmp_path, monkeypatch):
+    import matplotlib.pyplot as plt
+    import pandas as pd
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "models").symlink_to(ROOT / "models")
+    for name, own in (("nominal.xml", "nominal.xml"), ("train_0.csv", "a.csv"), ("test_0.csv", "c.csv")):
+        shutil.copy(recorded / name, tmp_path / own)
+    [program] = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.S | re.M)
+    (tmp_path / "example.py").write_text(f"def run(frame, ax):\n{indent(program, '    ')}    return locals()\n")
+    spec = importlib.util.spec_from_file_location("example", tmp_path / "example.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    made = module.run(pd.read_csv(recorded / "train_1.csv"), plt.subplots()[1])
+    assert made["diagnosis"].verdict == "missing_physics" and "time" in made["traces"]
+    assert (tmp_path / "out" / "report.html").is_file()
+
+
+COMMAND_LINES = [
+    (page, line.partition("  #")[0].strip())
+    for page in ["../README.md", *PAGES]
+    for block in re.findall(r"^```sh\n(.*?)^```$", (DOCS / page).read_text(encoding="utf-8"), re.S | re.M)
+    for line in block.replace("\\\n", " ").splitlines()
+    if line.startswith("estexp ")
+]
+
+
+def test_commands_that_pages_show_are_understood():
+    assert len(COMMAND_LINES) >= 50
+    for page, line in COMMAND_LINES:
+        try:
+            commands._parsed(shlex.split(line)[1:])
+        except SystemExit as end:
+            raise AssertionError(f"{page}: {line}") from end
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -86,22 +128,32 @@ def test_the_page_of_effects_is_that_of_the_registry_and_its_examples_can_be_pla
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     page = (DOCS / "effects_reference.md").read_text(encoding="utf-8")
-    assert module.reference() == page, "run: python docs/generate_effects.py"
+    of_version = "" if HAS_DECLARED_INPUTS else "- In MJCF: "  # elements are those of MuJoCo 4
+    written, kept = (
+        [line for line in text.splitlines() if not of_version or not line.startswith(of_version)]
+        for text in (module.reference(), page)
+    )
+    assert written == kept, "run: python docs/generate_effects.py"
     planted = re.findall(r'models/(\w+)\.xml --effect "(.*)"', page)
     robots = {name: Robot.from_xml(model_path(name)) for name in ("leg", "quadruped")}
     assert len(planted) >= 40
     for robot, text in planted:
         parse_change(text, robots[robot])
+    assert sorted(re.findall(r"signatures/(\w+)\.svg", page)) == sorted(p.stem for p in (DOCS / "signatures").glob("*"))
+    assert len(re.findall("signatures/", page)) >= 36  # python docs/draw_effects.py
 
 
 @pytest.mark.slow
 def test_sphinx_builds_it_without_a_warning(tmp_path):
     if any(importlib.util.find_spec(name) is None for name in ("sphinx", "furo", "myst_nb")):
         pytest.skip("no Sphinx; pip install 'estexp_jax[docs]'")
-    shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("_api", "_build"))
+    shutil.copytree(DOCS, tmp_path / "docs", ignore=shutil.ignore_patterns("_api", "_build", "_notebooks"))
+    (tmp_path / "experiments").symlink_to(ROOT / "experiments")
     command = [sys.executable, "-m", "sphinx", "-W", "-q", "-b", "html", str(tmp_path / "docs"), str(tmp_path / "html")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
+    for notebook in (ROOT / "experiments" / "notebooks").glob("*.ipynb"):
+        assert (tmp_path / "html" / "_notebooks" / f"{notebook.stem}.html").is_file()
     assert "CoulombFriction" in "".join(
         path.read_text(encoding="utf-8") for path in (tmp_path / "html" / "_api").glob("*coulomb*.html")
     )

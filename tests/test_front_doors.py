@@ -142,6 +142,18 @@ def test_there_are_notebooks_of_both_jobs_and_of_an_own_effect():
     assert [path.stem for path in NOTEBOOKS] == ["explain", "own_effect", "recover"]
 
 
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_holds_outputs_of_its_own_and_no_place_on_a_machine(path):
+    import nbformat
+
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"/(home|root|work|Users)/| at 0x[0-9a-f]{6,}", text)
+    for cell in nbformat.reads(text, as_version=4).cells:
+        if cell.cell_type == "code":
+            assert cell.execution_count, "run: python docs/run_notebooks.py"
+            assert all(output.output_type != "error" for output in cell.outputs)
+
+
 SMALLER = {
     "most=2": "most=1, effects=('viscous_friction', 'coulomb_friction')",
     r"population=\d+, generations=\d+, steps=\d+": "population=8, generations=2, steps=40, settle_steps=10",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from estexp_jax.discovery.hypotheses import Place
-from estexp_jax.discovery.selection import NOISE, Explanation, Selection, p_value
+from estexp_jax.discovery.selection import FEWEST_WINDOWS, NOISE, Explanation, Selection, p_value
 from estexp_jax.discovery.stuck_sensors import PLAIN
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import ALL_ALIKE
@@ -19,6 +19,8 @@ _TIE = 0.99
 
 def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
     """Ranked places: kind, name, share of the removable held-out error, p-value against parameters alone.
+
+    The p-value is that of the best of all effects tried, at whatever place, so it is multiplied by their number.
 
     Of near ties, and where it leaves only noise, what is claimed comes first: all motors weaker, with the others bent
     back, say the same as one. Where what is claimed is plain in the recordings themselves, there is no other place.
@@ -36,7 +38,7 @@ def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
             if place not in best or explanation.error < best[place].error:
                 best[place] = explanation
     removed = {place: max(base - e.held_out.sum(), 0.0) for place, e in best.items()}
-    total = sum(removed.values())
+    total, tries = sum(removed.values()), sum(len(e.places) == 1 for e in selection.tried)
     claimed, most = {element(robot, place) for place in selection.chosen.places}, max(removed.values(), default=0.0)
     guilty = {p for p in claimed & set(best) if removed[p] >= _TIE * most or best[p].error <= NOISE}
     ranked = sorted(best, key=lambda place: (place in guilty, removed[place]), reverse=True)
@@ -45,7 +47,7 @@ def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
             "kind": kind,
             "name": name,
             "share": removed[kind, name] / total,
-            "p_value": p_value(best[kind, name], selection.parameters),
+            "p_value": _corrected(best[kind, name], selection.parameters, tries),
         }
         for kind, name in ranked
         if total > 0.0
@@ -53,14 +55,25 @@ def where(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
     return [entry for entry in entries if entry["share"] >= _TOLD]
 
 
+def _corrected(best: Explanation, base: Explanation, tries: int) -> float | None:
+    """The p-value of the best of so many; None with too few windows for one."""
+    return min(tries * p_value(best, base), 1.0) if len(base.held_out) >= FEWEST_WINDOWS else None
+
+
 def _where_without(robot: Robot, selection: Selection) -> list[dict[str, Any]]:
     """The same of effects that were never tried singly: by how much leaving out all at a place raises the error."""
-    chosen, found = selection.chosen, list[tuple[tuple[str, str | None], float, float]]()
+    chosen, found = selection.chosen, list[tuple[tuple[str, str | None], float, float | None]]()
     for place in dict.fromkeys(element(robot, p) for p in chosen.places):
         rest = {p for p in chosen.places if element(robot, p) != place}
         for e in selection.tried:
             if set(e.places) == rest:
-                found.append((place, max(e.held_out.sum() - chosen.held_out.sum(), 0.0), p_value(chosen, e)))
+                found.append(
+                    (
+                        place,
+                        max(e.held_out.sum() - chosen.held_out.sum(), 0.0),
+                        _corrected(chosen, e, len(chosen.places)),
+                    )
+                )
                 break
     total = sum(raised for _, raised, _ in found) or 1.0
     ranked = sorted(found, key=lambda entry: entry[1], reverse=True)

@@ -27,6 +27,8 @@ _TIE = 1.03
 _SAME = 1.02
 """Held-out squared errors this near tell nothing apart."""
 _FOLDS = 3
+FEWEST_WINDOWS = 5
+"""For a signed-rank test."""
 _PRICE, _MORE = 1.1, 1.03
 """Factors on the held-out squared error for each effect, or value of the model that is far off, and for each of an
 effect's parameters beyond the first, when explanations are compared for their probability."""
@@ -165,7 +167,7 @@ def p_value(new: Explanation, old: Explanation) -> float:
     With fewer than five windows there is no such test; the sum's sign alone counts.
     """
     before, after = np.sqrt(old.held_out), np.sqrt(new.held_out)
-    if len(before) < 5 or np.array_equal(before, after):
+    if len(before) < FEWEST_WINDOWS or np.array_equal(before, after):
         return 0.0 if after.sum() < before.sum() else 1.0
     test = stats.wilcoxon(before, after, alternative="greater")
     return float(test.pvalue)  # pyright: ignore[reportAttributeAccessIssue] (SciPy has no stubs)

@@ -2,10 +2,10 @@
 
 Robots' clocks jitter, drift, and run at other rates. At control step k, that is at t = k dt after the first row:
 
-    angles and positions   interpolated between the samples around t; holding them would add a delay of up to a row
-    touch                  the sample nearest to t, as +1/-1
-    commands               the command valid in the middle of the step, at t + dt / 2, so that a slightly delayed row
-                           still counts for its own step
+- angles and positions are interpolated between the samples around t; holding them would add a delay of up to a row;
+- touch is that of the sample nearest to t, as +1/-1;
+- commands are those valid in the middle of the step, at t + dt / 2, so that a slightly delayed row still counts for its
+  own step.
 
 Then the readings that the network received are identified. In closed loop it gives the recorded commands for the
 recorded readings. If the robot has played the predicted commands instead, these are the predicted readings. If neither

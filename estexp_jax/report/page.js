@@ -54,5 +54,24 @@ for (const image of document.querySelectorAll("figure img")) {
     large.showModal();
   });
 }
+// A button copies a command. Files of one's own disk may be refused the clipboard: then the text is marked, and copied so.
+for (const command of document.querySelectorAll("pre.command")) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "copy";
+  button.textContent = "Copy";
+  command.append(button);
+  button.addEventListener("click", async () => {
+    const code = command.querySelector("code");
+    try {
+      await navigator.clipboard.writeText(code.textContent);
+      button.textContent = "Copied";
+    } catch {
+      getSelection().selectAllChildren(code);
+      button.textContent = document.execCommand("copy") ? "Copied" : "Marked";
+    }
+    setTimeout(() => (button.textContent = "Copy"), 2000);
+  });
+}
 // What is folded on a screen is printed.
 addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => (part.open = true)));

@@ -1,8 +1,8 @@
 """Rendering of report pages: single files without external parts, for screens, phones and paper.
 
-Figures enlarge on a click and tables sort by their headings, with the script of `page.js`. A content security policy
-allows only this script, by its hash, and data in the page. So names from a log can load and run nothing, even if the
-templates did not escape them.
+Figures enlarge on a click, tables sort by their headings and commands can be copied, with the script of `page.js`. A
+content security policy allows only a page's own script, by its hash, and data in the page. So names from a log can load
+and run nothing, even if the templates did not escape them.
 """
 
 from __future__ import annotations
@@ -23,16 +23,19 @@ if TYPE_CHECKING:
 _FOLDER = Path(__file__).parent
 
 
-def render_page(template: str, **values: Any) -> str:
+def render_page(template: str, *, more_script: str = "", more_style: str = "", **values: Any) -> str:
     """HTML of a page.
 
     Args:
         template: a file of this folder that extends `page.html`.
+        more_script: what this page runs before `page.js`.
+        more_style: style sheet before `page.css`.
         values: contents of the page; texts are escaped.
     """
     from markupsafe import Markup
 
     script, style = ((_FOLDER / name).read_text(encoding="utf-8") for name in ("page.js", "page.css"))
+    script, style = f"{more_script}{script}", f"{more_style}{style}"
     shared = {"script": Markup(script), "style": Markup(style), "policy": policy(script)}
     return _environment().get_template(template).render(**shared, **values)
 

@@ -27,7 +27,7 @@ class TextTable(NamedTuple):
 
 
 def html_table(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """An HTML table; cells and column names are escaped.
+    """An HTML table, which scrolls where it is wider than the page; cells and column names are escaped.
 
     Args:
         columns: names of the columns.
@@ -35,7 +35,7 @@ def html_table(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
     body = "".join(f"<tr>{''.join(f'<td>{_cell(value)}</td>' for value in row)}</tr>" for row in rows)
-    return f"<table><tr>{head}</tr>{body}</table>"
+    return f'<div style="overflow-x:auto"><table><tr>{head}</tr>{body}</table></div>'
 
 
 def _cell(value: Any) -> str:

@@ -10,6 +10,9 @@ import pytest
 import estexp_jax as ee
 from estexp_jax.errors import InputError
 from tests.physics.mixed_actuators import MIXED
+from tests.versions import needs_mujoco_4
+
+pytestmark = needs_mujoco_4  # for the model's motors
 
 TIME = 0.01 * np.arange(30)
 COLUMNS = ("turn.0", "turn.1", "turn.2", "pid.0", "pid.1", "push", "servo")

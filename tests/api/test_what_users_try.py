@@ -91,6 +91,8 @@ MISUSE: dict[str, tuple[Callable[[], Any], str]] = {
     "a result that is not there": (lambda: ee.load_explained("nothing"), "nothing"),
     "propose without explain": (lambda: ee.propose("."), "explain"),
     "a class that is no effect": (lambda: ee.register(int), "effect"),  # pyright: ignore[reportArgumentType]
+    "a sensor that is not there": (lambda: _explained().plot_fit(reading="knee"), "known are: angle, force.0"),
+    "a recording that is not there": (lambda: _explained().plot_fit(recording="c.csv"), "known are: a.csv"),
     "axes that are none": (lambda: _explained().plot_fit(ax=3), "axes from plt.subplots"),
 }
 
@@ -183,6 +185,8 @@ def test_figures_stand_in_axes_of_the_callers_own() -> None:
     assert all(picture.figure is figure for picture in pictures) and len(figure.subfigs) == 2
     assert pictures[0]._repr_png_().startswith(b"\x89PNG")
     assert explained.plot_fit().figure is not figure
+    own = explained.plot_fit(reading="force.0", recording="a.csv").figure
+    assert own.axes[0].get_ylabel() == "force.0" and own.axes[0].get_title(loc="left") == "a.csv, fitted"
 
 
 def test_the_table_has_forty_lines_and_more() -> None:

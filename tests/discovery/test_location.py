@@ -27,3 +27,14 @@ def test_of_near_ties_and_within_noise_the_claimed_place_comes_first(claimed: fl
     assert {entry["name"] for entry in found} == {"shoulder", "*", "elbow"}
     shares = [entry["share"] for entry in found[1:]]
     assert shares == sorted(shares, reverse=True) and sum(e["share"] for e in found) == pytest.approx(1.0)
+
+
+def test_chance_counts_how_many_were_tried_and_wants_five_windows() -> None:
+    def told(windows: int) -> list[float | None]:
+        def some(held_out: float, *places: tuple[str, str]) -> Explanation:
+            return Explanation(Fit(Hypothesis(places, ()), np.zeros(0), 0.0), held_out * np.linspace(1.0, 2.0, windows))
+
+        base, one, other = some(9.0), some(1.0, ("motor_weakness", "hip")), some(5.0, ("viscous_friction", "elbow"))
+        return [entry["p_value"] for entry in where(nominal("two"), Selection(base, base, base, (one, other), one))]
+
+    assert told(8) == pytest.approx([2.0 * 2.0**-8] * 2) and told(4) == [None, None]

@@ -19,7 +19,8 @@ LONG = "left_front_upper_leg_abduction_and_rotation_joint"
 ARM = """<mujoco><worldbody><body><joint name="{0}" axis="0 1 0"/><geom size=".1"/></body></worldbody>
 <actuator><position name="servo" joint="{0}" ctrlrange="-1 1"/></actuator>
 <sensor><jointpos name="&lt;i&gt;angle&lt;/i&gt;$\\x$" joint="{0}"/></sensor></mujoco>"""
-XML = f'<mujoco><worldbody><body><joint name="{LONG}"/><geom size="1"/></body></worldbody></mujoco>'
+XML = f"""<mujoco><worldbody><body><joint name="{LONG}"/><geom size="1"/><site name="s"/></body></worldbody>
+<sensor><jointpos name="angle" joint="{LONG}"/><force name="force" site="s"/></sensor></mujoco>"""
 ROWS = 60
 NUMBERS = {"train": 0.05, "test": 0.04}
 

@@ -1,4 +1,4 @@
-"""Reports in a real browser: quiet, alone, readable on phones and desks, figures that enlarge, tables that sort.
+"""Reports in a real browser: quiet, alone, readable on phones, desks and paper, by day and by night, clicked through.
 
 Needs Chromium, its driver and selenium (`apt-get install chromium chromium-driver`, `pip install selenium`).
 """
@@ -24,12 +24,17 @@ FLAGS += ("--disable-background-networking", "--disable-component-update", "--hi
 SMALLEST_TEXT_PX = 12.0
 
 PAGES = {
-    "explain": lambda: explain_page.explain_page(diagnosis(), diagnosis().findings),
+    "explain": lambda: explained(),
     "recover": lambda: recover_page.recover_page(
         "<b>run</b>", [LOST, WEAK], recovered(), "x", {"seed": 0, "model": "a.xml"}
     ),
     "propose": lambda: propose_page.propose_page(proposal()),
 }
+
+
+def explained() -> str:
+    """With commands, as in a folder that holds results."""
+    return explain_page.explain_page(diagnosis(), diagnosis().findings, folder=Path("some where"))
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +92,8 @@ def test_a_page_is_quiet_alone_and_readable(browser, files, name, width):
         .map((part) => parseFloat(getComputedStyle(part).fontSize))"""
     found = browser.execute_script(sizes)
     assert len(found) > 20 and min(found) >= SMALLEST_TEXT_PX
-    seen = "return [...document.images].map((image) => [image.complete && image.naturalWidth, image.clientWidth])"
+    seen = """return [...document.images].filter((image) => image.checkVisibility())
+        .map((image) => [image.complete && image.naturalWidth, image.clientWidth])"""
     for natural, shown in browser.execute_script(seen):
         assert natural and shown >= 0.9 * min(width - 32, 700)
     head = browser.execute_script("return document.querySelector('h1').getBoundingClientRect().bottom")
@@ -97,7 +103,8 @@ def test_a_page_is_quiet_alone_and_readable(browser, files, name, width):
 @pytest.mark.parametrize("name", PAGES)
 def test_figures_enlarge_and_escape_closes_them(browser, files, name):
     open_at(browser, files[name], 390)
-    for figure in browser.find_elements("css selector", "figure button.zoom"):
+    figures = browser.find_elements("css selector", "figure button.zoom")
+    for figure in (figure for figure in figures if figure.is_displayed()):
         browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", figure)
         before = figure.size["width"]
         figure.click()
@@ -108,6 +115,114 @@ def test_figures_enlarge_and_escape_closes_them(browser, files, name):
     assert browser.get_log("browser") == []
 
 
+LINES = "return [...document.querySelectorAll('.panels canvas')].map((canvas) => canvas.toDataURL())"
+"""What each panel shows."""
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_recording_and_reading_are_chosen_and_a_part_enlarged(browser, files, width):
+    open_at(browser, files["explain"], width)
+    recordings, readings = browser.find_elements("css selector", "#traces select")
+    assert [o.text for o in recordings.find_elements("tag name", "option")] == [
+        "b <i>$\\x$.csv (test)",
+        "a.csv (train)",
+    ]
+    shown, told = [browser.execute_script(LINES)], [browser.find_element("css selector", "#traces .errors").text]
+    for choice in ("force.0", "a.csv (train)", "angle"):
+        box = recordings if choice.startswith("a.csv") else readings
+        next(o for o in box.find_elements("tag name", "option") if o.text == choice).click()
+        kept = readings.find_elements("css selector", "option:checked")[0].text
+        assert kept == ("angle" if choice == "angle" else "force.0")  # the reading stays when the recording changes
+        wait(browser)
+        shown.append(browser.execute_script(LINES))
+        told.append(browser.find_element("css selector", "#traces .errors").text)
+    assert len({tuple(one) for one in (shown[0], shown[1], shown[3])}) == 3  # the forces of both are the same
+    assert "17 deg" in told[0] and "2 N" in told[1] and "5.7 deg" in told[3]
+
+    whole = shown[-1]
+    for move, same in (("in", False), ("later", False), ("whole", True)):
+        button = browser.find_element("css selector", f"#traces [data-move={move}]")
+        button.click()
+        wait(browser)
+        now = browser.execute_script(LINES)
+        assert (now == whole) == same, move
+    panel = browser.find_element("css selector", ".panels .u-over")
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", panel)
+    if width > 500:  # by drawing with a mouse
+        actions = action_chains(browser)
+        actions.move_to_element(panel).click_and_hold().move_by_offset(60, 0).release().perform()
+        wait(browser)
+        drawn = browser.execute_script(LINES)
+        assert all(a != b for a, b in zip(drawn, whole, strict=True))  # both panels
+        actions = action_chains(browser)
+        actions.move_to_element(panel).perform()
+        wait(browser)
+        values = [one.text for one in browser.find_elements("css selector", ".panels .u-legend .u-value")]
+        assert len(values) == 7 and all(re.fullmatch(r"-?[\d.e-]+", value) for value in values)
+    assert browser.get_log("browser") == []
+
+
+def action_chains(browser: Any) -> Any:
+    from selenium.webdriver import ActionChains
+
+    return ActionChains(browser)
+
+
+def wait(browser: Any) -> None:
+    """Until what was asked for is drawn."""
+    browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", PAGES)
+def test_text_is_legible_by_day_and_by_night(browser, files, name, scheme):
+    media = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
+    try:
+        open_at(browser, files[name], 1280)
+        contrast = """const light = (colour) => {
+            const [r, g, b] = colour.match(/[\\d.]+/g).map((part) => part / 255)
+                .map((part) => (part <= .03928 ? part / 12.92 : ((part + .055) / 1.055) ** 2.4));
+            return .2126 * r + .7152 * g + .0722 * b;
+        };
+        const paper = (part) => {
+            const colour = getComputedStyle(part).backgroundColor;
+            return colour === "rgba(0, 0, 0, 0)" && part.parentElement ? paper(part.parentElement) : colour;
+        };
+        return [...document.querySelectorAll("body *")].filter((part) => part.checkVisibility() &&
+            [...part.childNodes].some((node) => node.nodeType === 3 && node.data.trim())).map((part) => {
+                const [a, b] = [light(getComputedStyle(part).color), light(paper(part))].sort((x, y) => y - x);
+                return [(a + .05) / (b + .05), part.outerHTML.slice(0, 90)];
+            })"""
+        found = browser.execute_script(contrast)
+        assert len(found) > 20 and [one for one in found if one[0] < 4.5] == []
+        dark = browser.execute_script("return getComputedStyle(document.body).backgroundColor") != "rgb(255, 255, 255)"
+        assert dark == (scheme == "dark")
+    finally:
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+def test_a_command_is_copied(browser, files):
+    open_at(browser, files["explain"], 1280)
+    for command in browser.find_elements("css selector", "pre.command"):
+        command.find_element("css selector", "button.copy").click()
+        wait(browser)
+        assert command.find_element("css selector", "button.copy").text == "Copied"
+        paste = "return document.body.appendChild(document.createElement('textarea'))"
+        field = browser.execute_script(paste)
+        field.send_keys("\ue009v")  # control and v
+        assert field.get_property("value") == command.find_element("tag name", "code").text
+    assert browser.find_elements("css selector", "pre.command")
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_contents_lead_to_every_section(browser, files, name):
+    open_at(browser, files[name], 390)
+    links = [a.get_attribute("href").partition("#")[2] for a in browser.find_elements("css selector", "nav a")]
+    heads = [head.get_attribute("id") for head in browser.find_elements("tag name", "h2")]
+    assert links == heads and len(links) >= 3
+
+
 COLUMN = "return [...arguments[0].tBodies[0].rows].map((row) => row.cells[arguments[1]].textContent.trim())"
 
 
@@ -115,7 +230,7 @@ COLUMN = "return [...arguments[0].tBodies[0].rows].map((row) => row.cells[argume
 def test_every_table_sorts_by_every_column(browser, files, name):
     open_at(browser, files[name], 1280)
     browser.execute_script("document.querySelectorAll('details').forEach((part) => (part.open = true))")
-    tables = browser.find_elements("css selector", "table")
+    tables = browser.find_elements("css selector", "table.sortable")
     heads = [table.find_elements("css selector", "th button") for table in tables]
     assert any(heads)
     for table, buttons in zip(tables, heads, strict=True):
@@ -151,6 +266,12 @@ def test_paper_has_all_of_it_and_no_buttons(browser, files, name):
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
     try:
         assert browser.execute_script("return document.documentElement.scrollWidth") <= 690
+        unseen = (
+            "return [...document.querySelectorAll('.copy, nav, .traces, video')].filter((p) => p.checkVisibility())"
+        )
+        assert browser.execute_script(unseen) == []
+        drawings = "return [...document.querySelectorAll('figure img')].every((image) => image.checkVisibility())"
+        assert browser.execute_script(drawings)
     finally:
         browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
@@ -171,3 +292,20 @@ def test_what_names_bring_in_never_runs(browser, tmp_path):
     refused = [entry["message"] for entry in browser.get_log("browser")]
     assert len(refused) >= 3 and all("Content Security Policy" in message for message in refused)
     assert browser.execute_script("return window.ran === undefined")
+
+
+@pytest.mark.slow
+def test_the_report_of_a_saved_explanation_offers_all_that_was_recorded(browser, explained):
+    open_at(browser, explained / "report.html", 1280)
+    recordings, readings = browser.find_elements("css selector", "#traces select")
+    shown = [o.text.rpartition(" ")[0] for o in recordings.find_elements("tag name", "option")]
+    assert sorted(shown) == sorted(f"{path.stem}.csv" for path in (explained / "predictions").glob("*.csv"))
+    for k in range(len(shown)):
+        recordings.find_elements("tag name", "option")[k].click()
+        for o in readings.find_elements("tag name", "option"):
+            o.click()
+            wait(browser)
+            assert "off by" in browser.find_element("css selector", "#traces .errors").text
+    links = [a.get_attribute("href") for a in browser.find_elements("css selector", "td.file a")]
+    assert len(links) >= 6 and all((explained / link.rstrip("/").rpartition("/")[2]).exists() for link in links)
+    assert browser.get_log("browser") == []

@@ -17,6 +17,10 @@ class Picture:
     def __init__(self, figure: Any) -> None:
         self.figure = figure
 
+    def __repr__(self) -> str:
+        width, height = self.figure.get_size_inches()
+        return f"Picture({width:.3g} x {height:.3g} inches); .save('NAME.png'), .figure"
+
     def _repr_png_(self) -> bytes:
         stream = io.BytesIO()
         self.figure.savefig(stream, format="png", dpi=100)

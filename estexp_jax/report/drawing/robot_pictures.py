@@ -14,6 +14,8 @@ from estexp_jax.physics.model.robot import Robot
 
 MARK = (0.9, 0.35, 0.1)
 """Colour of changed parts."""
+_GHOST = 0.25
+"""Opacity of lost parts."""
 _SKY = ([0.93, 0.95, 0.98], [0.75, 0.82, 0.9])
 _FIT = 2.4
 """Distance of the camera over the radius of the scene, for MuJoCo's field of view of 45 degrees."""
@@ -41,7 +43,7 @@ def drawn(robot: Robot) -> mujoco.MjModel:
 
 
 def colours(robot: Robot, changes: Sequence[Change] = ()) -> np.ndarray:
-    """Colours (ngeom, 4) of a robot: changed parts are marked, lost parts are transparent."""
+    """Colours (ngeom, 4) of a robot: changed parts are marked, lost parts are ghosts in that colour."""
     model = robot.model
     rgba = model.geom_rgba.copy()
     for change in changes:
@@ -50,10 +52,9 @@ def colours(robot: Robot, changes: Sequence[Change] = ()) -> np.ndarray:
             continue
         gone = effect(change.effect).removes_part
         geoms = np.isin(model.geom_bodyid, robot.subtree(body) if gone else (body,))
+        rgba[geoms, :3] = MARK
         if gone:
-            rgba[geoms] = 0.0
-        else:
-            rgba[geoms, :3] = MARK
+            rgba[geoms, 3] *= _GHOST
     return rgba
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from estexp_jax.errors import InputError, known
 from estexp_jax.report.drawing.axes import (
     EXPLAINED,
     NOMINAL,
@@ -22,6 +23,7 @@ from estexp_jax.report.drawing.axes import (
     short,
 )
 from estexp_jax.report.drawing.onto import new_figure
+from estexp_jax.report.explain.text import place_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,14 +61,23 @@ def figure_where(diagnosis: Diagnosis) -> Figure:
     return figure
 
 
-def figure_fit(diagnosis: Diagnosis) -> Figure:
-    """A test recording before and after: the channel with the largest nominal error, and both simulators' errors."""
-    return figure_prediction(*worst_channel(diagnosis))
+def figure_fit(diagnosis: Diagnosis, reading: str | None = None, recording: str | None = None) -> Figure:
+    """A recording before and after: one channel, and both simulators' errors.
+
+    Args:
+        diagnosis: what was found.
+        reading: name of the channel; None: the one with the largest nominal error.
+        recording: its file name; None: the test recording with the largest nominal error.
+
+    Raises:
+        InputError: there is none of that name, or it has no sample.
+    """
+    return figure_prediction(*worst_channel(diagnosis, reading, recording))
 
 
 def figure_prediction(prediction: Prediction, channel: int) -> Figure:
     """One channel of a test recording under both simulators, and their errors."""
-    time, breaks = _with_breaks(prediction)
+    time, breaks = with_breaks(prediction)
     recorded, nominal, explained = (
         np.insert(getattr(prediction, name)[:, channel].astype(float), breaks, np.nan)
         for name in ("recorded", "nominal", "explained")
@@ -84,7 +95,8 @@ def figure_prediction(prediction: Prediction, channel: int) -> Figure:
             axes.axvline(start, color="0.9", lw=0.8, zorder=0)
         axes.spines[["top", "right"]].set_visible(False)
     # File names may contain dollars, so mathematics is off.
-    title = "\n".join(wrap(f"{prediction.recording}, never fitted", 52))
+    fitted = "never fitted" if prediction.role == "test" else "fitted"
+    title = "\n".join(wrap(f"{prediction.recording}, {fitted}", 52))
     above.set_title(title, fontsize=10, loc="left", parse_math=False)
     above.set_ylabel("\n".join(wrap(prediction.channels[channel], 30)), parse_math=False)
     below.set_ylabel("simulated - recorded")
@@ -114,16 +126,26 @@ def figure_ranking(diagnosis: Diagnosis) -> Figure:
     return figure
 
 
-def worst_channel(diagnosis: Diagnosis) -> tuple[Prediction, int]:
-    """The test recording and channel with the largest nominal error relative to the channel's range."""
+def worst_channel(
+    diagnosis: Diagnosis, reading: str | None = None, recording: str | None = None
+) -> tuple[Prediction, int]:
+    """The recording and channel with the largest nominal error relative to the channel's range; see `figure_fit`."""
+    recordings = [p.recording for p in diagnosis.predictions]
+    readings = list(dict.fromkeys(c for p in diagnosis.predictions for c in p.channels))
+    for what, name, choices in (("recording", recording, recordings), ("reading", reading, readings)):
+        if name is not None and name not in choices:
+            raise InputError(f"there is no {what} '{name}'", where=f"{what}=", right=known(choices))
     errors = [
         (float(np.sqrt(np.mean(error**2))), i, channel)
         for i, p in enumerate(diagnosis.predictions)
-        if p.role == "test"
+        if (p.role == "test" if recording is None else p.recording == recording)
         for channel, error in enumerate(_normalised(p).T)
+        if reading in (None, p.channels[channel])
         for error in [error[np.isfinite(error)]]
         if error.size
     ]
+    if not errors:
+        raise InputError("has no sample", where=" of ".join(filter(None, (reading, recording))), right=known(readings))
     _, i, channel = max(errors)
     return diagnosis.predictions[i], channel
 
@@ -189,7 +211,7 @@ def _draw_places(axes: Axes, places: list[dict[str, Any]]) -> None:
     shares = [100.0 * p["share"] for p in places]
     bars = axes.barh(range(len(places)), shares, height=0.6, color=[EXPLAINED] + [OTHER] * (len(places) - 1))
     axes.bar_label(bars, [f"{s:.0f} %" for s in shares], padding=4, fontsize=9)
-    names = [short(p["kind"] if p["name"] is None else f"{p['kind']} {p['name']}") for p in places]
+    names = [short(place_name(p["kind"], p["name"])) for p in places]
     axes.set_yticks(range(len(places)), names, fontsize=9, parse_math=False)
     axes.set_ylim(len(places) - 0.4, -0.6)
     axes.set_xlim(0.0, max(shares) * 1.15)
@@ -213,7 +235,7 @@ def _colour(diagnosis: Diagnosis, explanation: Explanation) -> str:
     return NOMINAL if explanation is diagnosis.selection.nominal else OTHER
 
 
-def _with_breaks(prediction: Prediction) -> tuple[np.ndarray, np.ndarray]:
+def with_breaks(prediction: Prediction) -> tuple[np.ndarray, np.ndarray]:
     """Times (rows + windows - 1,) with a NaN before each window but the first, and the indices of the NaNs."""
     breaks = np.flatnonzero(np.diff(prediction.window)) + 1
     return np.insert(prediction.time.astype(float), breaks, np.nan), breaks

@@ -80,7 +80,7 @@ def write_explanation(
         name = f"predictions/{Path(prediction.recording).stem}.csv"
         write_csv(folder.file(name), _columns(prediction))
     report = folder.file("report.html")
-    write_text(report, explain_page(diagnosis, findings, ghosts=ghosts, marked=marked))
+    write_text(report, explain_page(diagnosis, findings, ghosts=ghosts, marked=marked, folder=folder.path))
     return report, missing
 
 

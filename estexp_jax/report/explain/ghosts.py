@@ -10,27 +10,27 @@ import numpy as np
 
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.report.channels import sensor_of
-from estexp_jax.report.drawing.film import captioned, strip
+from estexp_jax.report.drawing.film import strip
 from estexp_jax.report.drawing.gl import Shot, render_shots
 from estexp_jax.report.drawing.robot_pictures import drawn, ground_covered, standing_view, tinted
 
 if TYPE_CHECKING:
     from estexp_jax.discovery.diagnosis import Diagnosis, Prediction
 
-_SIZE, _N_ROWS = (320, 262), 4
+_SIZE, _N_ROWS, _ACROSS = (420, 344), 4, 2
 _REAL, _NOMINAL, _EXPLAINED = (0.35, 0.4, 0.45), (0.85, 0.35, 0.1), (0.1, 0.55, 0.85)
 _SHARE = 0.15
 """Least spacing of the times, as a share of the recording."""
 
 
-def ghosts_of(diagnosis: Diagnosis) -> bytes | None:
-    """A strip (JPEG) of a test recording at the largest nominal errors of the joints.
+def ghosts_of(diagnosis: Diagnosis) -> tuple[bytes, str] | None:
+    """Pictures (JPEG), two beside each other, of a test recording at the largest nominal errors of the joints.
 
     Grey: the robot as recorded; orange: as the nominal simulator predicts it; blue: as the explained one does. Joints
     that were not recorded stay at home, and a floating base is where it was recorded.
 
     Returns:
-        The picture; None if no joint's position was recorded.
+        The pictures, and where they are from; None if no joint's position was recorded.
 
     Raises:
         NoGlError: no renderer works here.
@@ -49,8 +49,10 @@ def ghosts_of(diagnosis: Diagnosis) -> bytes | None:
     rgba = np.stack([tinted(robot, _REAL, 1.0), tinted(robot, _NOMINAL, 0.45), tinted(robot, _EXPLAINED, 0.45)])
     shot = Shot(qpos, rgba, np.tile(centre, (len(rows), 1)), *standing_view(robot, radius))
     (pictures,) = render_shots(drawn(robot), [shot], width=_SIZE[0], height=_SIZE[1])
-    captions = [f"{prediction.recording}, {prediction.time[k]:.2f} s" for k in rows]
-    return strip([[captioned(picture, text) for picture, text in zip(pictures, captions, strict=True)]])
+    times = ", ".join(f"{prediction.time[k]:.2f}" for k in rows)
+    even = list(pictures) + [np.full_like(pictures[0], 255)] * (len(pictures) % _ACROSS)
+    lines = [even[k : k + _ACROSS] for k in range(0, len(even), _ACROSS)]
+    return strip(lines), f"{prediction.recording}, line by line at {times} s."
 
 
 def angles_of(robot: Robot, prediction: Prediction) -> dict[int, int]:

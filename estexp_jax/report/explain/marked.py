@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from estexp_jax.physics.model.robot import Robot
-from estexp_jax.report.drawing.film import captioned, strip
+from estexp_jax.report.drawing.film import strip
 from estexp_jax.report.drawing.gl import Shot, render_shots
 from estexp_jax.report.drawing.robot_pictures import MARK, drawn, ground_covered, part_at, standing_view, tinted
 
@@ -55,5 +55,4 @@ def marked_of(robot: Robot, places: Sequence[tuple[str, str]]) -> bytes | None:
     other = view._replace(azimuth=view.azimuth + _TURN, elevation=max(-80.0, view.elevation + _RAISE))
     shots = [Shot(qpos, rgba[None], centre[None], *v) for v in (view, other)]
     pictures = render_shots(drawn(robot), shots, width=_SIZE[0], height=_SIZE[1])
-    caption = ", ".join(f"{kind} {name}" for kind, name in known)
-    return strip([[captioned(frames[0], text) for frames, text in zip(pictures, (caption, ""), strict=True)]])
+    return strip([[frames[0] for frames in pictures]])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from estexp_jax.discovery.clock_doubt import clock_lines
 from estexp_jax.discovery.law_findings import joint_unit
+from estexp_jax.discovery.regime import THROUGHOUT
 from estexp_jax.estimation.windows import FINER
 from estexp_jax.physics.effects.laws.base import UNKNOWN_LAW
 from estexp_jax.report.drawing.film import source
@@ -15,7 +16,10 @@ from estexp_jax.report.explain.competing_models import NAMES, figure_competing_m
 from estexp_jax.report.explain.figures import figure_fit, figure_ranking, figure_where
 from estexp_jax.report.explain.latex import latex
 from estexp_jax.report.explain.law_figure import figure_law
-from estexp_jax.report.explain.text import is_change, verdict_sentence
+from estexp_jax.report.explain.marked import claimed_places
+from estexp_jax.report.explain.next_steps import files_beside, next_commands, settled
+from estexp_jax.report.explain.text import is_change, place_name, verdict_sentence
+from estexp_jax.report.explain.traces import traces, traces_script, traces_style
 from estexp_jax.report.pages import capital, finite, format_number, image, percent, probability, render_page
 
 if TYPE_CHECKING:
@@ -30,18 +34,31 @@ _NOTHING = {
 
 
 def explain_page(
-    diagnosis: Diagnosis, findings: Mapping[str, Any], *, ghosts: bytes | None = None, marked: bytes | None = None
+    diagnosis: Diagnosis,
+    findings: Mapping[str, Any],
+    *,
+    ghosts: tuple[bytes, str] | None = None,
+    marked: bytes | None = None,
+    folder: Path | None = None,
 ) -> str:
     """HTML of an explanation.
 
     Args:
         diagnosis: with the arrays for the figures.
         findings: as in `findings.json`.
-        ghosts: the robots in one scene (JPEG); None: not drawn.
+        ghosts: the robots in one scene (JPEG), and where they are from; None: not drawn.
         marked: the robot with the claimed parts (JPEG); None: not drawn.
+        folder: where the page's other files lie, all of them written; None: they are not named.
     """
     return render_page(
         "explain/page.html",
+        more_script=traces_script(),
+        more_style=traces_style(),
+        traces=traces(diagnosis),
+        what_heading=_what_heading(findings),
+        files=files_beside(folder),
+        commands=next_commands(folder, findings),
+        settled=settled(findings),
         model=Path(diagnosis.case.robot.source).name,
         verdict=findings["verdict"],
         headline=explain_headline(findings),
@@ -69,9 +86,19 @@ def explain_page(
         fit=image(figure_fit(diagnosis)),
         competing=image(figure_competing_models(findings)),
         ranking=image(figure_ranking(diagnosis)),
-        ghosts="" if ghosts is None else source(ghosts, "image/jpeg"),
+        ghosts="" if ghosts is None else source(ghosts[0], "image/jpeg"),
+        ghosts_from="" if ghosts is None else ghosts[1],
+        marked_places=", ".join(place_name(kind, name) for kind, name in claimed_places(findings)),
         marked="" if marked is None else source(marked, "image/jpeg"),
     )
+
+
+def _what_heading(findings: Mapping[str, Any]) -> str:
+    if is_change(findings) and findings["what"]:
+        return "What has changed"
+    if findings["verdict"] == "missing_physics":
+        return "What is missing"
+    return "What is off" if findings["what"] else "What was found"
 
 
 def _nothing(findings: Mapping[str, Any]) -> str:
@@ -120,14 +147,14 @@ def _place(entry: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _place_name(entry: Mapping[str, Any]) -> str:
-    return entry["kind"] if entry["name"] is None else f"{entry['kind']} {entry['name']}"
+    return place_name(entry["kind"], entry["name"])
 
 
 def _when(when: Mapping[str, Any]) -> str:
     onsets = [
         f"from {format_number(onset)} s on in {file}" for file, onset in when["onset_s"].items() if onset is not None
     ]
-    return "; ".join([*([when["regime"]] if when["regime"] else []), *onsets])
+    return "; ".join([*([when["regime"]] if when["regime"] not in (None, THROUGHOUT) else []), *onsets])
 
 
 def _errors(fit: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -89,9 +89,18 @@ class ExplainResult:
         """
         return picture_of(lambda: figure_where(self.diagnosis), ax)
 
-    def plot_fit(self, ax: Any = None) -> Picture:
-        """A test recording, before and after."""
-        return picture_of(lambda: figure_fit(self.diagnosis), ax)
+    def plot_fit(self, ax: Any = None, *, reading: str | None = None, recording: str | None = None) -> Picture:
+        """A recording, before and after.
+
+        Args:
+            ax: axes of the caller's, as for `plot_where`.
+            reading: name of the sensor to show, such as `knee_angle`; None: the one with the largest error.
+            recording: file name of the recording, such as `c.csv`; None: a test recording.
+
+        Raises:
+            InputError: there is none of that name, or it has no sample; the message lists what there is.
+        """
+        return picture_of(lambda: figure_fit(self.diagnosis, reading, recording), ax)
 
     def plot_rivals(self, ax: Any = None) -> Picture:
         """Test and training errors of the nominal simulator, the competing models and the explanation."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
+from estexp_jax.physics.effects.sites import ALL_ALIKE
 from estexp_jax.physics.recording import HEALTHY
 from estexp_jax.report.tables import html_table
 
@@ -23,6 +24,13 @@ CHANGES = {
     "unexplained": "The robot has changed since it was healthy, and no effect of the catalogue explains how.",
 }
 """Each verdict in a sentence, where recordings of the healthy robot were given."""
+
+
+def place_name(kind: str, name: str | None) -> str:
+    """`joint knee`; `all actuators` of all alike; `environment`."""
+    if name is None:
+        return kind
+    return f"all {kind}s" if name == ALL_ALIKE else f"{kind} {name}"
 
 
 def is_change(findings: Mapping[str, Any]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, final
 
 import numpy as np
@@ -43,8 +43,8 @@ class Film:
         video: MP4 of the runs side by side; None: the encoder is not installed, or simulation of all frames is slow.
     """
 
-    strip: bytes
-    video: bytes | None
+    strip: bytes = field(repr=False)
+    video: bytes | None = field(repr=False)
 
     def _repr_html_(self) -> str:
         still = f'<img alt="the walks" src="{source(self.strip, "image/jpeg")}">'

@@ -102,15 +102,27 @@ def _path_known(state: RunState) -> bool:
 
 
 def recover_headline(state: RunState, axis: str, stands_in: bool = False) -> str:
-    """The run in one sentence; `stands_in` as for `recover_page`."""
+    """The run and what broke, in two sentences; `stands_in` as for `recover_page`."""
     if state.before is None:
         return "The robot has not been damaged yet."
     before, damaged = metres(state.before.distance(axis)), metres(state.trials[0].distance(axis))
     text = f"The robot walked {before} before the damage and {damaged} after it"
     if stands_in:
         text = f"The undamaged simulator walked {before}, the damaged robot {damaged}"
-    last = f"; its last trial covered {metres(state.trials[-1].distance(axis))}" if state.trials[1:] else ""
-    return f"{text}{last}."
+    if state.trials[1:]:
+        whole, last = state.before.distance(axis), state.trials[-1].distance(axis)
+        share = f", {percent(last / whole, 0)} of before" if isfinite(last / whole) and whole > 0.0 else ""
+        text = f"{text}; its last trial covered {metres(last)}{share}"
+    return f"{text}. {_found(state, axis)}".strip()
+
+
+def _found(state: RunState, axis: str) -> str:
+    """What broke, by the last diagnosis, in a sentence; nothing where there is none."""
+    passes, trials = state.passes(axis), len(state.trials) - 1
+    if not passes or not passes[-1].diagnosis:
+        return ""
+    broken = " and ".join(change.sentence() for change in passes[-1].diagnosis)
+    return f"Found after {trials} trial{'s' if trials > 1 else ''}: {broken}."
 
 
 def recover_rows(state: RunState, axis: str) -> list[dict[str, Any]]:

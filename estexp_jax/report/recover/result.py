@@ -36,6 +36,9 @@ class RecoverTable:
     def __str__(self) -> str:
         return self._table.text()
 
+    def __repr__(self) -> str:
+        return str(self)
+
     def _repr_html_(self) -> str:
         return self._table.html()
 

@@ -13,7 +13,7 @@ def test_colours_tell_what_happened() -> None:
     geoms = {quadruped.model.geom(i).name: i for i in range(quadruped.model.ngeom)}
     changes = [parse_change(text, quadruped) for text in ("part_lost@lower_f", "motor_weakness@knee_l loss=0.5")]
     rgba = colours(quadruped, [*changes, parse_change("gravity_tilt angle=0.1", quadruped)])
-    assert rgba[geoms["foot_f"], 3] == 0.0 and rgba[geoms["foot_b"], 3] == 1.0
+    assert 0.0 < rgba[geoms["foot_f"], 3] < 0.4 and rgba[geoms["foot_b"], 3] == 1.0
     assert rgba[geoms["foot_l"], 0] > 0.8 and rgba[geoms["foot_b"], 0] < 0.3
     assert (rgba[geoms["floor"]] == quadruped.model.geom_rgba[geoms["floor"]]).all()
     ghost = tinted(quadruped, (0.0, 0.0, 1.0), 0.5)

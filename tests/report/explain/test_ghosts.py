@@ -20,10 +20,12 @@ def test_ghosts_stand_as_recorded_and_predicted(arm_diagnosis) -> None:
 
 
 def test_ghosts_are_drawn(arm_diagnosis, renderer: None) -> None:
-    content = ghosts_of(arm_diagnosis)
-    assert content is not None
+    drawn = ghosts_of(arm_diagnosis)
+    assert drawn is not None
+    content, told = drawn
+    assert told.startswith("t.csv, line by line at 0.") and told.endswith(" s.")
     picture = np.asarray(Image.open(io.BytesIO(content))).astype(int)
-    assert picture.shape[0] == 280 and picture.shape[1] % 320 == 0
+    assert picture.shape[0] % 344 == 0 and picture.shape[1] == 2 * 420
     orange = (picture[..., 0] - picture[..., 2]) > 60
     assert orange.any()
     arm_diagnosis.predictions[0] = replace(arm_diagnosis.predictions[0], channels=("sensor_0", "sensor_0", "sensor_0"))

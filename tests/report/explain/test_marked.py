@@ -25,7 +25,7 @@ def test_the_claimed_part_is_marked(arm_diagnosis, renderer: None) -> None:
         content = marked_of(arm, places)
         assert content is not None
         picture = np.asarray(Image.open(io.BytesIO(content))).astype(int)
-        assert picture.shape == (348, 840, 3)
+        assert picture.shape == (330, 840, 3)
         orange = (picture[..., 0] - picture[..., 2]) > 60
         shares.append([half.mean() for half in (orange[:, :420], orange[:, 420:])])
     lower, both = np.array(shares)

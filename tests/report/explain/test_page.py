@@ -2,6 +2,7 @@
 
 import base64
 import re
+import shlex
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -11,6 +12,7 @@ import pytest
 
 from estexp_jax.discovery.law_forces import LawForces
 from estexp_jax.report.explain.page import explain_headline, explain_page
+from estexp_jax.report.explain.traces import traces_script
 from tests.report.examples import LONG, OTHERS, diagnosis
 
 
@@ -21,12 +23,14 @@ class Reader(HTMLParser):
         super().__init__()
         self.open: list[str] = []
         self.addresses: list[str] = []
+        self.links: list[str] = []
         self.text = ""
 
     def handle_starttag(self, tag, attrs):
         if tag not in ("meta", "img", "br"):
             self.open.append(tag)
-        self.addresses += [value or "" for key, value in attrs if key in ("src", "href")]
+        self.addresses += [value or "" for key, value in attrs if key == "src" or tag == "link"]
+        self.links += [value or "" for key, value in attrs if key == "href"]
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
@@ -53,9 +57,10 @@ def test_it_needs_nothing_else_and_its_figures_are_drawings(verdict):
         drawing = base64.b64decode(body).decode()
         assert ElementTree.fromstring(drawing).tag.endswith("svg")
         assert not re.search(r'(?:href|src)="(?!#|data:)', drawing)
-    outside = re.sub(r'src="data:[^"]*"', "", html)
-    assert not re.search(r"https?:|@import|url\(|<script .|<link", outside)
-    assert outside.count("<script>") == 1
+    outside = re.sub(r'src="data:[^"]*"', "", html).replace(traces_script(), "")
+    assert not re.search(r"https?:|@import|url\(|<script [^t]|<link", outside)
+    assert outside.count("<script") == 2 and '<script type="application/json"' in outside
+    assert reader.links and all(link[0] == "#" and f'id="{link[1:]}"' in html for link in reader.links)
 
 
 def test_an_unknown_law_is_drawn_beside_its_equation():
@@ -112,8 +117,31 @@ def test_other_verdicts_read_well(verdict):
 
 def test_the_sections_stand_in_order():
     html, _ = read("missing_physics")
-    titles = re.findall(r"<h2>(.*?)</h2>", html)
+    titles = re.findall(r"<h2 id=\"\w+\">(.*?)</h2>", html)
     assert titles == [
         "What is missing", "Where the error is", "Before and after",
         "What else it could be", "What to record next", "Recordings",
     ]  # fmt: skip
+
+
+def test_files_beside_it_are_linked_and_commands_name_their_folder(tmp_path):
+    folder = tmp_path / "it's"
+    folder.mkdir()
+    for name in ("findings.json", "rivals.json"):
+        (folder / name).touch()
+    d, reader = diagnosis(), Reader()
+    reader.feed(explain_page(d, d.findings, folder=folder))
+    assert {link for link in reader.links if link[0] != "#"} == {"findings.json", "rivals.json"}
+    assert f'ee.load_explained("{folder}")' in reader.text
+    assert f"estexp propose {shlex.quote(str(folder))} --out" in reader.text
+
+
+def test_when_is_told_only_where_it_says_something():
+    d = diagnosis()
+    always = {"regime": "throughout", "onset_s": {"a.csv": None}}
+    assert "When:" in explain_page(d, d.findings) and "When:" not in explain_page(d, d.findings | {"when": always})
+
+
+def test_settled_cases_say_that_nothing_more_needs_recording():
+    d = diagnosis()
+    assert "no further recording is needed" in explain_page(d, d.findings | {"advice": []})

@@ -24,7 +24,8 @@ def test_page_stands_alone_and_reports_the_damage(state: RunState) -> None:
     assert "&lt;run&gt;" in html
     assert html.count("data:image/svg+xml;base64") == 2
     assert "The true damage: the motor knee_f lost 48 % of its strength" in html
-    assert "2.00 m before" in recover_headline(state, "x") and "1.70 m" in recover_headline(state, "x")
+    assert "2.00 m before" in recover_headline(state, "x") and "1.70 m, 85 % of before" in recover_headline(state, "x")
+    assert recover_headline(state, "x").endswith("Found after 1 trial: the motor knee_f lost 48 % of its strength.")
 
 
 def test_the_verdict_is_what_the_last_trial_won_back(state: RunState) -> None:

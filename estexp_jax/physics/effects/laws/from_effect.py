@@ -23,7 +23,7 @@ class EffectLaw(JointLaw):
     `arms` and `n_states` that the subclass (or a class it lists before this one) does not state is the effect's. A
     joint takes over nothing that an effect on actuators has in the model or in MJCF.
 
-    Class attributes:
+    Attributes:
         effect: the named effect.
         adds_to: field of `JointForce` to which the first parameter adds; for an effect that edits the model, which has
             no force of its own. Empty where the effect has one, or the subclass states `act` itself.

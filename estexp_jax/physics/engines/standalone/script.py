@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
-import mujoco.batch
 import numpy as np
 
 from estexp_jax.physics.effects.base import BodyForce, CommandLaw, Effect, Term
 from estexp_jax.physics.effects.changes import Change, sentence_of
 from estexp_jax.physics.effects.registry import effect
 from estexp_jax.physics.effects.sites import driven_actuators
+from estexp_jax.physics.engines.c.batches import lane_fields
 from estexp_jax.physics.engines.c.numpy_operations import UnknownOperation
 from estexp_jax.physics.engines.standalone import (
     law_text,
@@ -141,7 +141,7 @@ def _calls(rows: Sequence[Any]) -> list[str]:
 
 def _difference(nominal: mujoco.MjModel, file: mujoco.MjModel) -> tuple[str, tuple[int, ...], float] | None:
     """A number that only the file's model has; None where both are alike."""
-    for name in mujoco.batch.MODEL_FIELDS:
+    for name in lane_fields():
         if name.startswith(("opt.", "name", "bvh")):
             continue
         own, theirs = (np.asarray(getattr(m, name)) for m in (nominal, file))

@@ -1,7 +1,8 @@
 """MJX's Newton solver on two cores of a CPU comes to an end, whatever the version of JAX.
 
-With jaxlib 0.10.2 it was once seen to stand still: a batched Cholesky, spread over the pool of threads, waited inside
-one worker of that pool for the others, and with two cores none was left. Batches of 400 did it.
+With jaxlib 0.10.2 some runs stand still: a batched Cholesky, spread over the pool of threads, waits in a worker of that
+pool for the others, and where two programs do so at once on two cores, no worker is left. Batches of 400 do it. The
+jaxlib of JAX 0.9, 0.11 and 0.12 does not spread it.
 """
 
 import os

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
-import mujoco.batch
 import numpy as np
 
 from estexp_jax.physics.effects.changes import Change, encode, stack
@@ -83,7 +82,9 @@ def by_batch(
     module: Any, model: mujoco.MjModel, start: np.ndarray, ctrl: np.ndarray, on: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The same of the second of two robots in a batch; the first is commanded otherwise."""
-    batch, qpos, readings = mujoco.batch.Batch(model, 2, nthread=1), [], []
+    from mujoco.batch import Batch  # MuJoCo 4
+
+    batch, qpos, readings = Batch(model, 2, nthread=1), [], []
     places, given = batch.bind("qpos"), batch.bind("ctrl")
     places[:] = start
     module.install(batch.model, batch)
