@@ -164,9 +164,14 @@ def _by_replay(
     for error, case in sorted(zip(errors[1:].tolist(), cases, strict=True), key=lambda pair: pair[0]):
         best.setdefault(case.kind, (error, case))
     promising = [pair for pair in best.values() if pair[0] < _PROMISING * whole][:_CLOSELY]
-    if not promising:
+    hidden = [*_hidden_cases(effects, robot, recording, {case.kind for _, case in promising})]
+    if not promising and not hidden:
         return ()
     plain = fit_physics(replay, recording)
+    if plain > quiet and hidden:
+        beside = [fit_physics(replay, case.mended(robot, recording)) for case in hidden]
+        if min(beside) < _PROMISING * plain:
+            promising.append((float("inf"), hidden[int(np.argmin(beside))]))
     believed = list[tuple[float, _Case, NumberFit, float]]()
     for error, case in promising:
         alone = _closely(replay, robot, recording, case, as_modelled=True)
@@ -191,6 +196,18 @@ def _cases(effects: Sequence[LoggingFault], robot: Robot, recording: Recording) 
                 yield _Case(((effect, Suspicion(site, values)),))
         for several in effect.tried_together(robot):
             yield _Case(tuple((effect, suspicion) for suspicion in several))
+
+
+def _hidden_cases(
+    effects: Sequence[LoggingFault], robot: Robot, recording: Recording, kinds: Collection[tuple[str, str]]
+) -> Iterator[_Case]:
+    """Faults that physics may hide, of other kinds than some."""
+    for effect in effects:
+        for site in effect.sites(robot):
+            for values in effect.tried_beside_physics(robot, site, recording):
+                case = _Case(((effect, Suspicion(site, values)),))
+                if case.kind not in kinds:
+                    yield case
 
 
 def _closely(

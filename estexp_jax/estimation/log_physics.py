@@ -1,7 +1,7 @@
 """How much of what a log's replay misses ordinary physics can explain, all of it at once, and a number beside it.
 
 Friction, damping and inertia of each joint, the strength of each motor and the mass of each body are fitted to the
-replayed pieces by Gauss and Newton's method.
+replayed pieces by Levenberg and Marquardt's method.
 """
 
 from __future__ import annotations
@@ -16,16 +16,18 @@ import numpy as np
 from estexp_jax.estimation.log_replay import LogReplay
 from estexp_jax.physics.recording import Recording
 
-_ROUNDS, _SHARES = 4, (1.0, 0.4, 0.1)
-"""Steps of the fit, and the shares of each that are tried."""
+_ROUNDS, _DAMPINGS = 4, (1e-4, 1e-3, 1e-2, 1e-1, 1.0)
+"""Steps of the fit, and the shares of the mean curvature by which each is damped in trials.
+
+The least holds a value where the log says nothing of it; the larger ones lead out of places where friction at rest
+makes the curvature a wrong one.
+"""
 _MOST = 1.5
 """Largest change of a strength or mass, as a logarithm; of others, in their own scale, a few times that."""
 _STEP = 0.05
 """Of a value, in its own scale, for its derivative."""
 _SLOW = 5.0
 """Damping that brings a joint to rest within a fifth of a second is the scale of dampings, 1/s."""
-_STIFF = 1e-4
-"""Share of the mean curvature that holds a value where the log says nothing of it."""
 _CLOSE = 0.98
 """A step that leaves more than this share of the squared error is the last one."""
 _TRIES = 11
@@ -67,9 +69,9 @@ def fit_physics(replay: LogReplay, recording: Recording) -> float:
         best = float(np.mean(here**2))
         derivatives = (np.array(moved) - here).T / _STEP
         curvature = derivatives.T @ derivatives
-        stiff = _STIFF * np.trace(curvature) / len(x) * np.eye(len(x))
-        way = -np.linalg.lstsq(curvature + stiff, derivatives.T @ here, rcond=None)[0]
-        tried = np.clip(x + np.outer(_SHARES, way), low, high)
+        stiff, down = np.trace(curvature) / len(x) * np.eye(len(x)), -derivatives.T @ here
+        ways = [np.linalg.lstsq(curvature + damping * stiff, down, rcond=None)[0] for damping in _DAMPINGS]
+        tried = np.clip(x + np.array(ways), low, high)
         errors = np.mean(at(tried) ** 2, axis=1)
         if not errors.min() < best:
             break

@@ -15,7 +15,9 @@ from estexp_jax.recordings.table import CLOCKS, Table
 
 UNITS: Mapping[str, float] = {
     "rad": 1.0,
+    "mrad": 1e-3,
     "deg": math.pi / 180.0,
+    "turn": 2.0 * math.pi,
     "rad/s": 1.0,
     "deg/s": math.pi / 180.0,
     "rpm": 2.0 * math.pi / 60.0,
@@ -24,6 +26,7 @@ UNITS: Mapping[str, float] = {
     "us": 1e-6,
     "ns": 1e-9,
     "m": 1.0,
+    "cm": 1e-2,
     "mm": 1e-3,
 }
 """Units that a manifest may name, each with its factor to SI."""

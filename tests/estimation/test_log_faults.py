@@ -6,6 +6,7 @@ import pytest
 from estexp_jax.estimation.log_faults import found_faults, untold_joints
 from estexp_jax.physics.effects.changes import parse_change
 from estexp_jax.physics.model.robot import Robot
+from tests.estimation.rubbing_servo import rubbing_log, servo
 from tests.estimation.two_links import XML, arm, faulty, log_of
 
 READINGS, COMMANDS = "channels_exchanged@q_shoulder with=q_elbow", "channels_exchanged@m_shoulder with=m_elbow"
@@ -49,6 +50,18 @@ def test_displaced_commands_and_two_clocks_are_told_with_their_size(real, fault)
     assert list(found) == [change.place]
     tolerance = 0.004 if name == "lead" else 0.001
     assert found[change.place][name] == pytest.approx(change.parameters[name], abs=tolerance)
+
+
+@pytest.mark.parametrize("seed", [9, pytest.param(12, marks=pytest.mark.slow)])
+def test_an_early_clock_is_told_behind_dry_friction_that_hides_it(seed):
+    rubbing = rubbing_log(seed, friction=0.45)
+    assert found_faults(servo(), rubbing)[0] == ()
+    [found] = found_faults(servo(), faulty(servo(), rubbing, "command_lead lead=0.02"))[0]
+    assert found.change.parameters == {"lead": pytest.approx(0.02, abs=0.004)}
+
+
+def test_dry_friction_is_no_late_command():
+    assert found_faults(servo(), rubbing_log(3, seconds=5.6))[0] == ()
 
 
 @pytest.mark.parametrize("factor", [0.9, 1.1])

@@ -5,6 +5,7 @@ import pytest
 from estexp_jax.estimation.log_physics import fit_number, fit_physics
 from estexp_jax.estimation.log_replay import log_replay_of
 from estexp_jax.physics.effects.catalogue.command_lead import CommandLead
+from tests.estimation.rubbing_servo import rubbing_log, servo
 from tests.estimation.two_links import arm, faulty, log_of
 
 
@@ -43,3 +44,10 @@ def test_the_least_error_is_found_from_afar(begin, wanted):
 
 def test_a_number_ends_at_its_bound():
     assert fit_number(lambda v: 2.0 - v, 0.5, 0.2, (0.0, 1.0), 100).value == 1.0
+
+
+def test_friction_at_rest_does_not_end_the_fit_early():
+    recording = rubbing_log(3, seconds=5.6)
+    replay = log_replay_of(servo(), recording)
+    assert replay is not None and replay.errors([recording])[0] > 5.0 * replay.floor
+    assert fit_physics(replay, recording) < 2.0 * replay.floor

@@ -1,4 +1,4 @@
-"""Twelve logs with names, orders, signs and units of other recorders: no joint is crossed, nothing silently assumed."""
+"""Twenty logs with names, orders, signs and units of other recorders: no joint is crossed, nothing silently assumed."""
 
 import tomllib
 
@@ -8,6 +8,7 @@ import pytest
 
 from estexp_jax.cli.main import main
 from estexp_jax.recordings.write import write_csv
+from tests.recordings import foreign_logs
 from tests.recordings.readers.variants import JOINTS, MODEL
 
 
@@ -76,3 +77,26 @@ def test_no_joint_is_crossed_and_what_is_open_is_said(tmp_path, name, motion, ca
         assert not crossed or "check this" in told, f"{ours} is read from {column}, not from {theirs}"
         assert column is not None or f'# "{ours}" = "?"' in text
     assert not words or any(word in told for word in words)
+
+
+@pytest.mark.parametrize("name", foreign_logs.LOGS)
+def test_logs_of_other_robots_in_other_formats(tmp_path, name, capsys, monkeypatch):
+    log = foreign_logs.LOGS[name]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.xml").write_text(foreign_logs.model_of(log.joints))
+    path = log.write(tmp_path, *foreign_logs.motion(log.joints))
+    assert main(["check", "robot.xml", str(path), "--init", "--out", "out"]) == 0
+    text = next(tmp_path.rglob("recordings.toml")).read_text()
+    told = text + "".join(capsys.readouterr())
+    mapped, lines = tomllib.loads(text)["columns"], text.splitlines()
+    for k, joint in enumerate(log.joints):
+        right = {f"ctrl.m_{joint}": log.command(joint, k), f"sensor.q_{joint}": log.position(joint, k)}
+        right |= {f"sensor.w_{joint}": log.speed(joint, k)} if log.speed else {}
+        for ours, theirs in right.items():
+            [line] = [each for each in lines if each.removeprefix("# ").startswith(f'"{ours}"')]
+            source = mapped.get(ours)
+            column, place = (source["column"], source.get("index")) if isinstance(source, dict) else (source, None)
+            found = f"{column}|{place}" if place is not None else column
+            assert found == theirs, line
+            assert place is None or "check this" in line
+    assert log.said in told

@@ -18,7 +18,7 @@ from estexp_jax.discovery.joint.candidates import Candidate, derivatives, log_od
 from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.discovery.joint.held_out import HeldOut, HeldOutGain
 from estexp_jax.discovery.joint.proposals import Proposal, proposed
-from estexp_jax.discovery.joint.reading_stage import STRETCHES, JointFit, cost_at, gauss_newton, without
+from estexp_jax.discovery.joint.reading_stage import STRETCHES, JointFit, cost_at, gauss_newton, within_bounds, without
 from estexp_jax.estimation.linearised import independent_data, linearised, reading_noise_of
 from estexp_jax.estimation.objective import Objective
 from estexp_jax.estimation.parameters import Place
@@ -187,8 +187,9 @@ class Growth:
 
     def _fitted(self, fit: JointFit, proposals: Sequence[Proposal], *, prune: bool = True) -> JointFit:
         gone = [p.instead_of for p in proposals if p.instead_of]
-        point = without(self.objective.space, fit, gone)
-        point = point + sum(p.candidate.at(p.gain.coefficient) for p in proposals)
+        space = self.objective.space
+        point = without(space, fit, gone)
+        point = within_bounds(space, point + sum(p.candidate.at(p.gain.coefficient) for p in proposals))
         places = [*(q for q in fit.places if q not in gone), *(p.candidate.place for p in proposals)]
         return self._step(point, places, prune=prune)
 

@@ -82,7 +82,7 @@ def gauss_newton(
     chosen = regression.pruned(range(len(places))) if prune else regression.posterior(range(len(places)))
     goal = space.neutral.copy()
     goal[free.indices] += chosen.coefficients(len(free.steps)) * free.steps
-    new, cost = _line_search(objective, point, _inside(space, goal), noise, criteria)
+    new, cost = _line_search(objective, point, within_bounds(space, goal), noise, criteria)
     odds = {places[g]: value for g, value in regression.odds_of(chosen).items()}
     scale = free.steps[chosen.columns]
     covariance = chosen.covariance * np.outer(scale, scale)
@@ -132,7 +132,7 @@ def _regression(
     )
 
 
-def _inside(space: ParameterSpace, point: np.ndarray) -> np.ndarray:
+def within_bounds(space: ParameterSpace, point: np.ndarray) -> np.ndarray:
     """The point with ratios within their bounds, and amounts on their side of nothing."""
     found = point.copy()
     for i in np.flatnonzero(found != space.neutral):

@@ -51,6 +51,13 @@ class LoggingFault(Effect):
         """Values at which a recording is mended and replayed, to see whether it has the fault."""
         return []
 
+    def tried_beside_physics(self, robot: Robot, site: str, recording: Recording) -> Vectors:
+        """Values at which it is tried with ordinary physics free, where that alone cannot explain a log.
+
+        Physics that the model lacks may hide it, as dry friction delays what early stamps advance.
+        """
+        return []
+
     def tried_together(self, robot: Robot) -> Sequence[tuple[Suspicion, ...]]:
         """Several of it at once that are as likely as a single one."""
         return ()

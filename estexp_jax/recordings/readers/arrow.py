@@ -18,6 +18,8 @@ from estexp_jax.recordings.table import Selection, Table, check_size, check_widt
 if TYPE_CHECKING:
     import pyarrow
 
+_INTERVAL = ", as Parquet stores intervals, in whole milliseconds: write seconds instead, in DuckDB epoch(column)"
+
 
 @final
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ def not_numeric(name: str, source: object, why: str) -> InputError:
 def _leaves(name: str, kind: pyarrow.DataType) -> Iterator[tuple[str, pyarrow.DataType]]:
     from pyarrow import types
 
-    inner = [kind.field(index) for index in range(kind.num_fields)] if types.is_struct(kind) else []
+    inner = kind.fields if types.is_struct(kind) else ()
     leaves = [leaf for field in inner for leaf in _leaves(f"{name}.{field.name}", field.type)]
     if all(_reason_unreadable(leaf) for _, leaf in leaves):  # a picture, say
         yield name, kind
@@ -84,9 +86,10 @@ def _reason_unreadable(kind: pyarrow.DataType) -> str:
     if types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind):
         inner = kind.value_type
         return "" if not types.is_nested(inner) and not _reason_unreadable(inner) else f"it holds lists of {inner}"
-    number = types.is_integer(kind) or types.is_floating(kind) or types.is_null(kind)
+    number = is_plain(kind) or types.is_null(kind) or types.is_boolean(kind) or types.is_decimal(kind)
     time = types.is_timestamp(kind) or types.is_duration(kind) or types.is_time(kind)
-    return "" if number or time or types.is_boolean(kind) or types.is_decimal(kind) else f"it holds {kind}"
+    interval = _INTERVAL if types.is_fixed_size_binary(kind) and kind.byte_width == 12 else ""
+    return "" if number or time else f"it holds {kind}{interval}"
 
 
 def arrays_of(
@@ -94,16 +97,15 @@ def arrays_of(
 ) -> dict[str, np.ndarray]:
     """The readable columns as arrays (rows,) or (rows, k), float64 or of NumPy's kinds of time; nulls are NaN or NaT.
 
-    They may be views of the table, not to be written to. Columns that turn out not to be numeric go to `unusable`.
+    They may be views of the table, not to be written to. Columns that prove not numeric go to `unusable`.
     """
     arrays: dict[str, np.ndarray] = {}
     wanted = set(readable)
     for name, values in _flattened((field.name, table.column(k)) for k, field in enumerate(table.schema)):
-        if name in wanted and name not in unusable:
-            try:
-                arrays[name] = _to_numpy(values.combine_chunks())
-            except ValueError as error:
-                unusable.setdefault(name, not_numeric(name, source, str(error)))
+        try:
+            arrays |= {name: _to_numpy(values.combine_chunks())} if name in wanted and name not in unusable else {}
+        except ValueError as error:
+            unusable.setdefault(name, not_numeric(name, source, str(error)))
     return {name: arrays[name] for name in readable if name in arrays}
 
 

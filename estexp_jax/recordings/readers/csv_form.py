@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import final
 
 from estexp_jax.errors import InputError
+from estexp_jax.recordings.columns import UNITS
 from estexp_jax.recordings.readers.stamps import parsed_stamps
 
 ABSENT = frozenset({"", "na", "n/a", "nan", "null", "none", "-", "--"})
@@ -23,9 +24,10 @@ _MOST_LINES, _LONGEST = 20, 2**24
 _MOST_LEVELS = 4
 """Lines of a header."""
 _UNITS: Mapping[str, str] = {
-    **{unit: unit for unit in ("rad", "deg", "rad/s", "deg/s", "rpm", "s", "ms", "us", "ns", "m", "mm")},
+    **{unit: unit for unit in UNITS},
+    **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
     **dict.fromkeys(("°", "degree", "degrees"), "deg"),
-    **dict.fromkeys(("°/s", "degrees/s"), "deg/s"),
+    **dict.fromkeys(("°/s", "degrees/s", "dps"), "deg/s"),
     **dict.fromkeys(("µs", "\u03bcs", "usec", "microseconds"), "us"),
     **{"sec": "s", "seconds": "s", "msec": "ms", "milliseconds": "ms", "nsec": "ns", "nanoseconds": "ns"},
 }

@@ -80,9 +80,14 @@ def _read_plain(path: Path, wanted: Callable[[str], bool]) -> tuple[dict[str, np
             if first != rows:
                 raise ValueError(f"it holds {first:,} rows instead of {rows:,}")
     except (pyarrow.ArrowException, OSError, ValueError, KeyError, OverflowError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise InputError(f"is not a Parquet file: {reason}", where=str(path)) from None
+        raise _no_parquet(path, error) from None
     return arrays, columns
+
+
+def _no_parquet(path: Path, error: Exception) -> InputError:
+    """The error to raise where pyarrow cannot read a file; without what stands at its end nothing can."""
+    what = f"is not a Parquet file: {' '.join(str(error).split())[:200]}"
+    return InputError(what, where=str(path), right="a file that was written to its end; a cut one cannot be read")
 
 
 def episodes(existing: Sequence[float] | np.ndarray) -> str:
@@ -160,8 +165,7 @@ def read_columns(
                     pieces.setdefault(name, []).append(values[keep])
                 check_size(sum(piece.size for parts in pieces.values() for piece in parts), source)
         except (pyarrow.ArrowException, OSError, ValueError, KeyError, OverflowError) as error:
-            reason = " ".join(str(error).split())[:200]
-            raise InputError(f"is not a Parquet file: {reason}", where=str(path)) from None
+            raise _no_parquet(path, error) from None
     if episode is not None and episode not in found_episodes:
         present = read_columns(files, None, source, _is_episode)[0].get(EPISODE, np.empty(0))
         raise InputError(f"has no episode {episode}", where=source, right=episodes(np.unique(present)))

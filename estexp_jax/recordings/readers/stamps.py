@@ -32,15 +32,18 @@ _PER_S = {"W": 1 / 604_800, "D": 1 / 86_400, "h": 1 / 3600, "m": 1 / 60, "s": 1.
 _PER_S |= {"ps": 1e12, "fs": 1e15, "as": 1e18}
 _LONG = {"sec": "s", "min": "m", "hr": "h"}
 _DURATION = re.compile(
-    r"(?:(\d{1,6}):)?(\d{1,2}):(\d{1,2}(?:\.\d{1,12})?)|(-?\d{1,12}(?:\.\d{1,15})?) ?(sec|min|hr|ms|us|ns|s)"
+    r"(?:(?P<days>-?\d{1,6}) days?,? \+?)?"
+    r"(?:(?P<hours>\d{1,6}):)?(?P<minutes>\d{1,2}):(?P<seconds>\d{1,2}(?:\.\d{1,12})?)"
+    r"|(?P<number>-?\d{1,12}(?:\.\d{1,15})?) ?(?P<unit>sec|min|hr|ms|us|ns|s)"
+    r"|P(?:(?P<d>\d{1,6})D)?T(?=\d)(?:(?P<h>\d{1,6})H)?(?:(?P<m>\d{1,6})M)?(?:(?P<s>\d{1,12}(?:\.\d{1,12})?)S)?"
 )
 
 
 def parsed_stamps(texts: Sequence[str]) -> np.ndarray | None:
     """Texts as time stamps or durations in ns, empty ones as NaT; None if one is neither, or they are of both kinds.
 
-    Time stamps are such as `2026-02-03T10:20:30.125+01:00`, durations `10:20:30.125` (also a time of the day) and
-    `0.125 sec`, as MATLAB writes them.
+    Time stamps are such as `2026-02-03T10:20:30.125+01:00`, durations `10:20:30.125` (also a time of the day),
+    `0 days 10:20:30.125` of pandas, `0.125 sec` of MATLAB and `PT0.125S` of ISO 8601.
     """
     first = next((text for text in texts if text), "")
     kind, parse = ("timedelta64[ns]", _duration) if _DURATION.fullmatch(first) else ("datetime64[ns]", _stamp)
@@ -59,10 +62,14 @@ def _duration(text: str) -> np.timedelta64:
     match = _DURATION.fullmatch(text)
     if match is None:
         raise ValueError("no duration")
-    hours, minutes, seconds, number, unit = match.groups()
-    if number is not None:
-        return np.timedelta64(round(float(number) * 1e9 / _PER_S[_LONG.get(unit, unit)]), "ns")
-    return np.timedelta64((int(hours or 0) * 60 + int(minutes)) * 60_000_000_000 + round(float(seconds) * 1e9), "ns")
+    part = match.groupdict(default="0")
+    if match["number"] is not None:
+        unit = part["unit"]
+        return np.timedelta64(round(float(part["number"]) * 1e9 / _PER_S[_LONG.get(unit, unit)]), "ns")
+    names = ("days", "hours", "minutes", "seconds") if match["minutes"] is not None else ("d", "h", "m", "s")
+    days, hours, minutes = (int(part[name]) for name in names[:3])
+    whole = ((days * 24 + hours) * 60 + minutes) * 60_000_000_000
+    return np.timedelta64(whole + round(float(part[names[3]]) * 1e9), "ns")
 
 
 def _stamp(text: str) -> np.datetime64:

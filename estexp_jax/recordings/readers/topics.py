@@ -25,6 +25,9 @@ _UNSET_NS = 1_000_000_000
 """A stamp of 0 was never set if all others are later than this; else the clock begins there."""
 _STAMPS = (("header", "stamp"), ("timestamp",))  # of ROS, of Foxglove
 
+_OTHER_CLOCK = {"log": "header", "publish": "log", "header": "log"}
+"""Which clock to try where one does not serve."""
+
 
 @final
 class TopicMerger:
@@ -130,7 +133,7 @@ class TopicMerger:
         for name, (stamps, values) in samples.items():
             filled[name] = np.full(len(every), np.nan)
             filled[name][np.searchsorted(every, stamps)] = values
-        n_repeated = max((len(stamps) - len(np.unique(stamps)) for stamps, _ in samples.values()), default=0)
+        n_repeated = max((self._repeated(name, stamps) for name, (stamps, _) in samples.items()), default=0)
         if n_repeated:
             notes.append(
                 f"{n_repeated} messages have the time of another one of their topic; the last of each time counts"
@@ -143,6 +146,22 @@ class TopicMerger:
             raise next(iter(unusable.values()))
         labels = self._name_lists.labels(filled)
         return Table(self._source, filled, unusable, notes=tuple(notes), labels=labels)
+
+    def _repeated(self, name: str, stamps: np.ndarray) -> int:
+        """How many samples of a column have the time of another one of it.
+
+        Raises:
+            InputError: it was asked for, and most have.
+        """
+        n_times = len(np.unique(stamps))
+        if self._selection.wanted is not None and 2 * n_times < len(stamps):
+            clock = self._samples[name].clock
+            right = (
+                f'another clock, clock = "{_OTHER_CLOCK[clock]}", if that tells them apart; one topic for each joint'
+            )
+            what = f"{name}: {len(stamps)} messages have {n_times} different times on the clock '{clock}'"
+            raise InputError(what, where=self._source, right=right)
+        return len(stamps) - n_times
 
     def _with_clock_set(self, notes: list[str]) -> dict[str, Samples]:
         """The samples without those whose stamp was never set, which are told."""
@@ -161,8 +180,8 @@ class TopicMerger:
                     f"{name}: {int(unset.sum())} of {len(times)} messages have the stamp 0 on the clock '{each.clock}'"
                 )
                 if unset.all():
-                    other = "header" if each.clock == "log" else "log"
-                    right = f'another clock for it: {{ column = "{name}", clock = "{other}" }}, or for the whole file'
+                    other = f'{{ column = "{name}", clock = "{_OTHER_CLOCK[each.clock]}" }}'
+                    right = f"another clock for it: {other}, or for the whole file"
                     raise InputError(f"{what}: it was never set", where=self._source, right=right)
                 notes.append(f"{what}: they are left out")
         return {**self._samples, **kept}
@@ -205,7 +224,7 @@ def _first_set(times: array) -> int | None:
 def _stamped(name: str, samples: Samples, source: str) -> tuple[np.ndarray, np.ndarray]:
     times = np.frombuffer(samples.times, dtype=np.int64)
     if len(times) > 2 and not times.any():
-        right = f'another clock: clock = "{"header" if samples.clock == "log" else "log"}"'
+        right = f'another clock: clock = "{_OTHER_CLOCK[samples.clock]}"'
         raise InputError(f"{name}: all stamps are 0 on the clock '{samples.clock}'", where=source, right=right)
     return times, np.frombuffer(samples.values)
 

@@ -24,6 +24,8 @@ from estexp_jax.recordings.templates.matching import Guess
 from estexp_jax.recordings.templates.names import NamedColumn
 from estexp_jax.runs.files import write_text
 
+_MOTION_UNITS = ("mrad", "deg", "deg/s", "rpm", "cm", "mm")
+
 
 def write_manifest(
     path: Path, files: Sequence[str], test: Sequence[str], maps: Sequence[str], root: Path | None = None
@@ -128,10 +130,7 @@ def _source(ours: str, guess: Guess, contents: _Contents) -> tuple[str, str]:
     if guess.nanoseconds is not None:
         return f"{{ column = {_text(column.name)}, nanoseconds = {_text(guess.nanoseconds)} }}", ""
     unit, note = column.unit, ""
-    fitting = (
-        CLOCK_UNITS if ours == "time" else ("deg", "deg/s", "rpm", "mm") if ours[:6] == "sensor" else ("deg", "mm")
-    )
-    if unit not in fitting:
+    if unit not in (CLOCK_UNITS if ours == "time" else _MOTION_UNITS):
         unit = ""
     if ours == "time" and not unit and column.name in contents.times:
         unit = likely_clock_unit(contents.times[column.name])

@@ -24,9 +24,11 @@ _QUANTITY_WORDS: Mapping[Quantity, str] = {
 _QUANTITIES: dict[str, Quantity] = {
     word: quantity for quantity, text in _QUANTITY_WORDS.items() for word in text.split()
 }
+_SECONDS = ("s", "sec", "secs", "seconds")
 _UNITS = {
     **dict.fromkeys(("deg", "degree", "degrees"), "deg"),
-    **dict.fromkeys(("rpm", "mm", "ms", "us", "ns", "rad", "s", "sec", "secs", "seconds"), ""),
+    **{"dps": "deg/s", **{unit: unit for unit in ("mrad", "rpm", "cm", "mm", "ms", "us", "ns")}},
+    **dict.fromkeys(("rad", *_SECONDS), ""),
     **{"msec": "ms", "milliseconds": "ms", "usec": "us", "microseconds": "us", "nsec": "ns", "nanoseconds": "ns"},
 }
 _MEASURED = frozenset(
@@ -116,9 +118,11 @@ class NamedColumn:
     @property
     def unit(self) -> str:
         """The unit in its name, of those that a manifest knows; empty for SI and where there is none."""
-        found = next((word for word in reversed(self.words) if word in _UNITS), "")
-        unit = _UNITS.get(found, "") or (found if found in ("rpm", "mm", "ms", "us", "ns") else "")
-        per_second = re.search(r"deg(rees)?\s*(/|_?per_?)\s*s", self.name.lower())
+        units = [word for word in reversed(self.words) if word in _UNITS]
+        if units[1:] and units[0] in _SECONDS and _UNITS[units[1]] not in ("", "ms", "us", "ns"):
+            units = units[1:]  # a second says per what
+        unit = _UNITS[units[0]] if units else ""
+        per_second = re.search(r"deg(rees)?\s*(/|_?per_?|_|\s)\s*s(ec(ond)?)?s?(?![a-z])", self.name.lower())
         return "deg/s" if unit == "deg" and (per_second or self.quantity == "velocity") else unit
 
 

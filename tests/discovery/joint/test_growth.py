@@ -12,6 +12,10 @@ import numpy as np
 
 from estexp_jax.discovery.diagnosis import Case, ExplainConfig
 from estexp_jax.discovery.joint.fit import JointSearch
+from estexp_jax.discovery.joint.growth import Growth
+from estexp_jax.discovery.joint.held_out import HeldOutGain
+from estexp_jax.discovery.joint.proposals import Proposal
+from estexp_jax.discovery.joint.reading_stage import JointFit
 from estexp_jax.discovery.joint.strategy import joint_problem_of
 from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
@@ -61,3 +65,16 @@ def test_a_weak_motor_is_found_beside_a_damped_joint():
     search = JointSearch(problem)
     found = search.settled(_result(search.grown(_result(search.first()).fit)))
     assert set(found.places) == {("motor_weakness", "motor"), ("viscous_friction", "pivot")}
+
+
+def test_a_replacement_far_beyond_its_bounds_is_fitted_from_within_them(monkeypatch):
+    _, problem = joint_problem_of(_case(), replace(ExplainConfig(), engine="c"), {})
+    search, none, begun = JointSearch(problem), np.zeros(0), []
+    monkeypatch.setattr(Growth, "_step", lambda self, point, places, prune: begun.append(point))
+    growth = search._growth(search._windows(search.space.neutral, 1))
+    fit = JointFit(search.space.neutral, (), none.astype(int), none[None, :0], none, {}, 1.0, np.ones(1))
+    mass = next(c for c in search._candidates() if c.place == ("body_mass", "rod"))
+    index = int(np.flatnonzero(mass.direction)[0])
+    gain = HeldOutGain(0.0, 1.0, -1e3 / mass.direction[index], 1)  # far below nothing: no simulator takes that
+    growth._fitted(fit, [Proposal(mass, None, gain, 0.0)])
+    assert begun[0][index] == search.space.bounds[index, 0]

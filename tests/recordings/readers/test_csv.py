@@ -68,6 +68,8 @@ GOOD = {"time": [0.0, 0.1, 0.2], "x": [1.5, -2.0, 0.25]}
         "sep=;\ntime;x\n0;1,5\n0,1;-2\n0,2;0,25\n",  # for a spreadsheet
         "time,x\n0.0 sec,1.5\n0.1 sec,-2\n0.2 sec,0.25\n",  # a timetable of MATLAB
         "time,x\n00:00:00,1.5\n00:00:00.1,-2\n00:00:00.2,0.25\n",
+        "time,x\n0 days 00:00:00,1.5\n0 days 00:00:00.1,-2\n0 days 00:00:00.200000,.25\n",  # pandas
+        "time,x\nPT0S,1.5\nPT0.1S,-2\nPT0.2S,.25\n",  # ISO 8601, as polars writes it
         "time,x\n2026-03-01 10:00:00.9Z,1.5\n2026-03-01 11:00:01+01:00,-2\n2026-03-01 10:00:01.1Z,.25\n",
     ],
 )

@@ -61,6 +61,15 @@ def test_single_stamps_that_were_not_set_are_left_out_and_told():
     assert table.notes == ("/state.x: 3 of 10 messages have the stamp 0 on the clock 'header': they are left out",)
 
 
+def test_stamps_that_most_messages_share_are_refused():
+    with pytest.raises(InputError, match=r"/cmd\.x: 10 messages have 1 different times .* clock = \"log\""):
+        _merged(_log(lambda t: UNIX, _unix), clock="header")
+    burst = [("/cmd", UNIX + 10 * (k // 3), {"x": float(k)}) for k in range(9)]
+    with pytest.raises(InputError, match=r"9 messages have 3 different times .* clock = \"header\""):
+        _merged(burst, frozenset({"/cmd.x"}))
+    assert _merged(burst, None).names == ("time", "/cmd.x")  # nobody may need it
+
+
 def test_a_clock_that_begins_at_0_is_one():
     table = _merged(_log(lambda t: t, lambda t: t), clock="header")
     np.testing.assert_allclose(table.column("time"), np.arange(10) * 0.005)

@@ -290,7 +290,8 @@ def _joint_states(log):
             yield topic, stamp, [JOINTS[j] for j in order], [values[j] for j in order]
 
 
-def _mcap(folder, log, pack=None, name="log.mcap"):
+def _mcap(folder, log, pack=None, name="log.mcap", stamped=None, booted=()):
+    """Headers have seconds alone, or whole stamps: those of the topics `stamped`, of `booted` since a start, else 0."""
     pytest.importorskip("mcap_ros2")
     from mcap.writer import Writer
     from mcap_ros2._dynamic import serialize_dynamic
@@ -305,7 +306,13 @@ def _mcap(folder, log, pack=None, name="log.mcap"):
         schema = writer.register_schema(kind, "ros2msg", JOINT_STATE.encode())
         channels = {topic: writer.register_channel(topic, "cdr", schema) for topic in ("/joint_states", "/command")}
         for topic, stamp, names, values in _joint_states(log):
-            data = encode({"name": names, "position": values, "header": {"stamp": {"sec": stamp // 10**9}}})
+            if np.isnan(values).any():
+                continue
+            when = {"sec": stamp // 10**9}
+            if stamped is not None:
+                since = stamp - (START_NS - 5_000_000_000 if topic in booted else 0) if topic in stamped else 0
+                when = {"sec": since // 10**9, "nanosec": since % 10**9}
+            data = encode({"name": names, "position": values, "header": {"stamp": when}})
             writer.add_message(channels[topic], stamp, pack(data) if pack else data, stamp)
         writer.finish()
     return folder / name
@@ -383,17 +390,19 @@ def _bag_folder(folder, log):
     return folder / "run"
 
 
-def _bag_rosbags(folder, log, version=2):
+def _bag_rosbags(folder, log, version=2, storage="SQLITE3", mode="NONE"):
     pytest.importorskip("rosbags.highlevel")
     from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import StoragePlugin
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
     from rosbags.rosbag2 import Writer as Writer2
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE if version == 2 else Stores.ROS1_NOETIC)
     kind, types = "sensor_msgs/msg/JointState", store.types
     path = folder / ("run" if version == 2 else "log.bag")
-    writer = Writer2(path, version=9, storage_plugin=StoragePlugin.SQLITE3) if version == 2 else Writer1(path)
+    writer = Writer1(path) if version == 1 else Writer2(path, version=9, storage_plugin=StoragePlugin[storage])
+    if isinstance(writer, Writer2) and mode != "NONE":
+        writer.set_compression(CompressionMode[mode], CompressionFormat.ZSTD)
     empty = np.empty(0)
     with writer:
         links = {topic: writer.add_connection(topic, kind, typestore=store) for topic in ("/joint_states", "/command")}

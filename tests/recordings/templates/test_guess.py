@@ -190,3 +190,25 @@ def test_values_of_a_list_are_taken_by_their_order():
 def test_clocks(names, time, nanoseconds):
     guess = guesses(_arm("a"), [NamedColumn(name) for name in names])["time"]
     assert guess.column is not None and (guess.column.name, guess.nanoseconds) == (time, nanoseconds)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("knee_speed_deg_s", "deg/s"),
+        ("knee velocity [deg/sec]", "deg/s"),
+        ("knee_deg_per_second", "deg/s"),
+        ("knee_vel_degrees", "deg/s"),
+        ("gyro_dps_knee", "deg/s"),
+        ("knee_angle_deg_2", "deg"),
+        ("knee_deg_smooth", "deg"),
+        ("knee_mrad", "mrad"),
+        ("slide_pos_cm", "cm"),
+        ("slide_mm_s", "mm"),
+        ("time_ms", "ms"),
+        ("time_s", ""),
+        ("knee_rad_s", ""),
+    ],
+)
+def test_units_in_names(name, unit):
+    assert NamedColumn(name).unit == unit

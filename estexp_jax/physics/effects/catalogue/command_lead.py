@@ -15,6 +15,7 @@ from estexp_jax.physics.recording import Recording
 
 _MOST_S = 0.2
 _TRIED_S = (0.006, 0.012, 0.02, 0.03, 0.045, 0.07, 0.12, 0.2)
+_BESIDE_PHYSICS_S = (0.02,)
 
 
 @register_effect
@@ -49,6 +50,10 @@ class CommandLead(LoggingFault):
     def tried(self, robot: Robot, site: str, recording: Recording) -> Vectors:
         least = 0.5 * float(np.median(np.diff(recording.time)))
         return [(sign * lead,) for sign in (1.0, -1.0) for lead in _TRIED_S if lead >= least]
+
+    def tried_beside_physics(self, robot: Robot, site: str, recording: Recording) -> Vectors:
+        least = 0.5 * float(np.median(np.diff(recording.time)))
+        return [(lead,) for lead in _BESIDE_PHYSICS_S if lead >= least]
 
     def is_undone(self, values: Mapping[str, float]) -> bool:
         """A command that acts late may as well be a delay of the robot, which the search finds."""
