@@ -27,7 +27,7 @@ def bench_to_folder(options: BenchOptions) -> WrittenBench:
     Raises:
         InputError: the model cannot be used, or the folder.
     """
-    names = ("feet", "population", "steps", "substeps", "repeats", "sweep", "seed")
+    names = ("feet", "population", "steps", "substeps", "repeats", "sweep", "explain", "seed")
     model = None if options.model is None else str(options.model)
     config = BenchConfig(model=model, **{name: getattr(options, name) for name in names})
     config = quick_bench(config) if options.quick else config

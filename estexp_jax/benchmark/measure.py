@@ -24,6 +24,7 @@ from estexp_jax.benchmark.engines import (
     runner,
 )
 from estexp_jax.benchmark.estimation import estimation_time
+from estexp_jax.benchmark.explaining import explaining_times
 from estexp_jax.benchmark.process import alone
 from estexp_jax.benchmark.subject import BenchmarkRobots, BenchmarkTask, load
 from estexp_jax.benchmark.sweep import sweep
@@ -48,6 +49,7 @@ class BenchConfig:
         repeats: how often each engine is timed.
         sweep: whether to go through populations from 1 to 6400.
         estimation: whether to time a generation of the estimation phase.
+        explain: whether to time explaining shipped logs.
     """
 
     model: str | None = None
@@ -58,6 +60,7 @@ class BenchConfig:
     repeats: int = 5
     sweep: bool = False
     estimation: bool = True
+    explain: bool = False
     seed: int = 0
 
     def races(self) -> list[BenchmarkTask]:
@@ -107,6 +110,8 @@ def measure(config: BenchConfig, progress: ProgressDisplay, made: Made = runner)
         result["estimation"] = estimation_time(races[0], config.repeats)
     if config.sweep:
         result["sweep"] = sweep(races[0], trusted, progress, made)
+    if config.explain:
+        result["explain"] = explaining_times(config.repeats, config.seed, progress)
     machine = {"cores": cores(), "device": device(), "load_average_before": load_before}
     conditions = {"repeats": config.repeats, **machine, "seed": config.seed}
     return {**result, **conditions, "notes": _notes(), "versions": versions()}

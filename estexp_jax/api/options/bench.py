@@ -31,6 +31,8 @@ class BenchOptions(CheckedOptions):
     """The quadruped with its four feet as only contacts."""
     sweep: bool = False
     """Go through populations from 1 to 6400 as well."""
+    explain: bool = False
+    """Time explaining shipped logs as well, beside mujoco.sysid where it is installed; some minutes more."""
     population: Annotated[int, Range(1, 1_000_000)] = 200
     """Robots."""
     steps: Annotated[int, Range(1, 1_000_000)] = 1000

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
-from estexp_jax.report.bench.text import BENCH_LEGEND, bench_sentences, bench_tables
+from estexp_jax.report.bench.text import BENCH_LEGEND, bench_sentences, bench_tables, explaining_table
 from estexp_jax.report.tables import TextTable
 
 
@@ -22,8 +22,11 @@ class BenchResult:
     measured: Mapping[str, Any]
 
     def tables(self) -> Iterator[tuple[TextTable, list[str]]]:
-        """A table for each number of physics steps, and a sentence on each engine that was not timed."""
-        return bench_tables(self.measured)
+        """A table for each number of physics steps, with a sentence on each engine that was not timed; explaining."""
+        yield from bench_tables(self.measured)
+        explaining = explaining_table(self.measured)
+        if explaining is not None:
+            yield explaining, []
 
     def sentences(self) -> list[str]:
         """What the columns mean, and what the tables do not show."""

@@ -37,6 +37,21 @@ def bench_tables(result: Mapping[str, Any]) -> Iterator[tuple[TextTable, list[st
         )
 
 
+def explaining_table(result: Mapping[str, Any]) -> TextTable | None:
+    """Times and memory of explaining shipped logs, None where they were not measured."""
+    if not result.get("explain"):
+        return None
+    header = ("concealed", "found", "cold s", "warm s", "MB", "sysid s", "sysid MB", "x sysid")
+    rows = []
+    for entry in result["explain"]:
+        sysid = entry["sysid"] or {"wall_s": None, "peak_mb": None}
+        values = (entry["cold_s"], entry["wall_s"], entry["peak_mb"], *(sysid[k] for k in ("wall_s", "peak_mb")))
+        cells = ["-" if value is None else f"{value:,.0f}" for value in values]
+        ratio = "-" if entry["ratio_to_sysid"] is None else f"{entry['ratio_to_sysid']:.1f}"
+        rows.append((entry["effect"], ", ".join(entry["found"]) or entry["verdict"], *cells, ratio))
+    return TextTable("Explaining, whole commands in processes of their own, medians", header, rows)
+
+
 def _row(entry: Mapping[str, Any]) -> tuple[str, ...]:
     cells = ["-" if entry.get(key) is None else format(entry[key], form) for key, (_, form) in _COLUMNS.items()]
     return entry["name"], *cells, f"{entry['agreement']['median']:.0e}"
@@ -58,4 +73,6 @@ def bench_sentences(result: Mapping[str, Any]) -> Iterator[str]:
         worst = min(shares, key=lambda p: p["share_of_neighbours"])
         rate = f"at worst {worst['share_of_neighbours']:.0%} of the rate between its neighbours"
         yield f"Lanes over the population: {rate}, at {worst['robots']} robots"
+    if any(entry["sysid"] is None for entry in result.get("explain", ())):
+        yield "mujoco.sysid is not installed: pip install 'mujoco[sysid]'"
     yield from (f"- {note}" for note in result["notes"])
