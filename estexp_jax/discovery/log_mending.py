@@ -68,7 +68,10 @@ def mended(case: Case, config: ExplainConfig) -> tuple[Case, tuple[MendedFault, 
     if not names:
         return case, ()
     train = case.indices("train")
-    found = {i: found_faults(case.robots[i], case.recordings[i], names)[0] for i in train}
+    found = dict[int, tuple[FoundFault, ...]]()
+    for i in train:
+        worth_while = not found or any(found.values())
+        found[i] = found_faults(case.robots[i], case.recordings[i], names, beside_physics=worth_while)[0]
     undone = {i: [f for f in faults if _effect(f.change).is_undone(f.change.values)] for i, faults in found.items()}
     groups: dict[tuple[str, ...], dict[int, FoundFault]] = {}
     for i, faults in undone.items():

@@ -89,7 +89,7 @@ class _Case:
 
 
 def found_faults(
-    robot: Robot, recording: Recording, names: Collection[str] | None = None
+    robot: Robot, recording: Recording, names: Collection[str] | None = None, *, beside_physics: bool = True
 ) -> tuple[tuple[FoundFault, ...], Recording]:
     """The faults of logging that a recording shows, and the recording without those that are undone.
 
@@ -97,6 +97,8 @@ def found_faults(
         robot: the nominal one, with what is known of the recording.
         recording: the log.
         names: of the faults that are looked for; None: all.
+        beside_physics: whether such as physics may hide are looked for as well, which takes seconds; of recordings of
+            one recorder, one tells whether that is worth while.
     """
     effects = [e for e in logging_faults() if names is None or e.name in names]
     found = [*_plain(effects, robot, recording)]
@@ -104,7 +106,7 @@ def found_faults(
         recording = _undone(robot, recording, one)
     for _ in range(_ROUNDS):
         replay = log_replay_of(robot, recording)
-        more = _by_replay(effects, robot, recording, replay) if replay is not None else ()
+        more = _by_replay(effects, robot, recording, replay, beside_physics) if replay is not None else ()
         if not more:
             break
         found += more
@@ -150,7 +152,7 @@ def _plain(effects: Sequence[LoggingFault], robot: Robot, recording: Recording) 
 
 
 def _by_replay(
-    effects: Sequence[LoggingFault], robot: Robot, recording: Recording, replay: LogReplay
+    effects: Sequence[LoggingFault], robot: Robot, recording: Recording, replay: LogReplay, beside_physics: bool
 ) -> tuple[FoundFault, ...]:
     """The fault, or those that go together, without which the nominal model fits a log far better; () if none."""
     cases = [*_cases(effects, robot, recording)]
@@ -164,7 +166,8 @@ def _by_replay(
     for error, case in sorted(zip(errors[1:].tolist(), cases, strict=True), key=lambda pair: pair[0]):
         best.setdefault(case.kind, (error, case))
     promising = [pair for pair in best.values() if pair[0] < _PROMISING * whole][:_CLOSELY]
-    hidden = [*_hidden_cases(effects, robot, recording, {case.kind for _, case in promising})]
+    kinds = {case.kind for _, case in promising}
+    hidden = [*_hidden_cases(effects, robot, recording, kinds)] if beside_physics else []
     if not promising and not hidden:
         return ()
     plain = fit_physics(replay, recording)

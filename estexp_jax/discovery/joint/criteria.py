@@ -33,6 +33,8 @@ class SelectionCriteria:
         kept_errors: an effect that all readings call for goes where its held-out gain is at most so many standard
             errors: stretches need not prove it once more, but they may not contradict it. Convention.
         wrong_value: a value of the model that is off by more than so many times `model_error` is a finding. Convention.
+        interval: standard deviations to either side of a value that are told with it, which hold 90 % of a normal
+            distribution; a value of the model that may be as the model has it is no finding. Convention.
         freedom: degrees of freedom of the error of a window, by Student's t. Convention of robust regression.
         near: root mean square error, as a share of a reading's range, up to which windows may be lengthened: beyond,
             the simulator is no longer linear in what it lacks. Measured: on the machines' board.
@@ -54,6 +56,7 @@ class SelectionCriteria:
     chance: float = 0.05
     kept_errors: float = 0.0
     wrong_value: float = 3.0
+    interval: float = 1.645
     freedom: float = 4.0
     near: float = 0.05
     fewest_effects: int = 3

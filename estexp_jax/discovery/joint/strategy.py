@@ -33,8 +33,6 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.physics.recording import Recording
 
 _CRITERIA = SelectionCriteria()
-_INTERVAL = 1.645
-"""Standard deviations to either side that hold 90 % of a normal distribution."""
 
 
 def is_jointly_fitted(case: Case) -> bool:
@@ -158,7 +156,9 @@ def _intervals(space: ParameterSpace, explained: Fit, fit: JointFit) -> np.ndarr
     std[fit.indices] = fit.std
     index = {(p.effect, p.site, p.name): i for i, p in enumerate(space.parameters)}
     # The least values stay bounds; the largest come from what motors could do, which the recordings may exceed.
-    reach = _INTERVAL * np.array([std[index[f.effect, f.site, f.parameter]] for f in explained.hypothesis.free])
+    reach = _CRITERIA.interval * np.array(
+        [std[index[f.effect, f.site, f.parameter]] for f in explained.hypothesis.free]
+    )
     low = np.minimum([f.low for f in explained.hypothesis.free], explained.vector)
     return np.stack([np.maximum(explained.vector - reach, low), explained.vector + reach], axis=1)
 

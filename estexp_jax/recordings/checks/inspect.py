@@ -27,13 +27,14 @@ CLOCK_KINDS = frozenset({"time_unit", "ahead", "clock_drift"})
 _MOVED = {"angle": 0.02, "length": 0.001, "speed": 0.05}
 
 
-def judge(robot: Robot, recording: Recording, *, replayed: bool = True) -> dict[str, Any]:
+def judge(robot: Robot, recording: Recording, *, replayed: bool = True, beside_physics: bool = True) -> dict[str, Any]:
     """The properties and faults of a recording, as plain JSON values.
 
     Args:
         robot: with the recording's settings applied.
         recording: the log.
         replayed: also replay pieces of it with the model, and look for faults of logging.
+        beside_physics: among these also for such as physics may hide, which takes seconds.
 
     Returns:
         `file`, `role`, `rows`, `duration_s`;
@@ -60,7 +61,7 @@ def judge(robot: Robot, recording: Recording, *, replayed: bool = True) -> dict[
     ]
     silent = [name for name, values in readings.items() if not np.isfinite(values).any()]
     found_faults += [faults.Fault("empty", name, "never reads anything") for name in silent]
-    logging = [*model_faults.model_faults(robot, recording)] if replayed else []
+    logging = [*model_faults.model_faults(robot, recording, beside_physics=beside_physics)] if replayed else []
     assumed = model_faults.assumed(robot, recording) if replayed and not logging else []
     found_faults += logging
     return {

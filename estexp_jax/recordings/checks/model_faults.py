@@ -14,14 +14,15 @@ from estexp_jax.physics.recording import Recording
 from estexp_jax.recordings.checks.faults import Fault
 
 
-def model_faults(robot: Robot, recording: Recording) -> Iterator[Fault]:
+def model_faults(robot: Robot, recording: Recording, *, beside_physics: bool = True) -> Iterator[Fault]:
     """Faults of logging that a recording shows, one line each.
 
     Args:
         robot: with the recording's settings applied.
         recording: the log.
+        beside_physics: whether such as physics may hide are looked for as well.
     """
-    for found in found_faults(robot, recording)[0]:
+    for found in found_faults(robot, recording, beside_physics=beside_physics)[0]:
         change = found.change
         effect = next(e for e in logging_faults() if e.name == change.effect)
         name = robot.channels[change.name].ours if change.name in robot.channels else "time"

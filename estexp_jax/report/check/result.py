@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple, final
 
+from estexp_jax.physics.effects.registry import logging_faults
 from estexp_jax.recordings.checks.copied_recordings import copied_recordings
 from estexp_jax.recordings.checks.excitation import missing
 from estexp_jax.recordings.checks.inspect import judge
@@ -79,7 +80,13 @@ class CheckResult:
 
 def check_inputs(inputs: Inputs) -> CheckResult:
     """Judge each recording, with what is known to differ in it."""
-    judged = [judge(apply_settings(inputs.robot, r.settings, where=r.name), r) for r in inputs.recordings]
+    judged, kinds = list[dict[str, Any]](), {e.name for e in logging_faults()}
+    for (
+        recording
+    ) in inputs.recordings:  # of one recorder: what physics may hide in none of the first is not in the rest
+        seen = not judged or any(fault["kind"] in kinds for each in judged for fault in each["faults"])
+        robot = apply_settings(inputs.robot, recording.settings, where=recording.name)
+        judged.append(judge(robot, recording, beside_physics=seen))
     for index, fault in copied_recordings(inputs.recordings):
         judged[index]["faults"].append(asdict(fault))
         judged[index]["suspicions"].append(f"{fault.name}: {fault.sentence}")
