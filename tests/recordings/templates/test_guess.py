@@ -6,6 +6,7 @@ from estexp_jax.physics.model.robot import Robot
 from estexp_jax.recordings.templates.guess import guesses
 from estexp_jax.recordings.templates.names import NamedColumn
 from tests.physics.mixed_actuators import MIXED
+from tests.versions import needs_mujoco_4
 
 TWO = """
 <mujoco><worldbody>
@@ -36,6 +37,7 @@ def test_guesses(names, found):
     assert _guessed(Robot.from_string(TWO), names) == found
 
 
+@needs_mujoco_4
 def test_each_input_of_an_actuator_is_found_by_what_it_is():
     robot = Robot.from_string(MIXED, "mixed.xml")
     names = ["cmd_pos_elbow", "cmd_vel_elbow", "cmd_torque_push", "cmd_pos_wrist"]
