@@ -71,8 +71,8 @@ def test_a_replacement_far_beyond_its_bounds_is_fitted_from_within_them(monkeypa
     _, problem = joint_problem_of(_case(), replace(ExplainConfig(), engine="c"), {})
     search, none, begun = JointSearch(problem), np.zeros(0), []
     monkeypatch.setattr(Growth, "_step", lambda self, point, places, prune: begun.append(point))
-    growth = search._growth(search._windows(search.space.neutral, 1))
     fit = JointFit(search.space.neutral, (), none.astype(int), none[None, :0], none, {}, 1.0, np.ones(1))
+    growth = search._growth(search._windows(search.space.neutral, 1), fit)
     mass = next(c for c in search._candidates() if c.place == ("body_mass", "rod"))
     index = int(np.flatnonzero(mass.direction)[0])
     gain = HeldOutGain(0.0, 1.0, -1e3 / mass.direction[index], 1)  # far below nothing: no simulator takes that

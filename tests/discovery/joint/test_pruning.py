@@ -1,4 +1,4 @@
-"""A value of the model that may as well be as the model has it is no finding; what the model leaves at nothing may be."""
+"""A value of the model that may be as the model has it is no finding; what the model leaves at nothing may be one."""
 
 from types import SimpleNamespace
 from typing import cast
