@@ -11,6 +11,10 @@ from typing import Any
 from estexp_jax.discovery.clock_doubt import MOST_PROBABLE, clocks_doubted
 from estexp_jax.physics.recording import Recording
 
+_HALF = 0.5
+"""Of the test's excess error: an explanation that surely takes less than this off does not explain the test. Convention:
+most of it."""
+
 
 def doubted(findings: Mapping[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:
     """Findings with the doubts that test recordings and clocks raise.
@@ -51,7 +55,9 @@ def _doubt(entry: Mapping[str, Any], fit: Mapping[str, Any], alternatives: Seque
     low = fit["gain"]["low"]
     if low is None or not low > 0.0:
         return "the test recordings may be predicted no better with it"
-    error = fit["explained"].get("test")
+    error, lacked = fit["explained"].get("test"), fit["nominal"].get("train")
+    if _as_good(lacked, error) and fit["gain"]["high"] < _HALF:
+        return "more is left on the test recordings than the training recordings lacked in all"
     if _as_good(fit["placebo"].get("test"), error):
         return "a wrong effect predicts the test recordings as well"
     own = f"{entry['effect']}@{entry['name'] or ''}"

@@ -22,6 +22,7 @@ def _fit(low: float | None = 0.8, placebo: float | None = 0.05, explained: float
         "gain": {"value": 0.9, "low": low, "high": 0.95},
         "placebo": {} if placebo is None else {"train": 0.0, "test": placebo},
         "explained": {"train": 0.01, "test": explained},
+        "nominal": {"train": 0.5, "test": 0.6},
     }
 
 
@@ -65,3 +66,12 @@ def test_refitted_values_are_a_rival():
 def test_it_never_raises_a_probability():
     [entry] = confirmed([{**CLAIM, "probability": 0.2}], _fit(low=0.0), [])
     assert entry["probability"] == 0.2
+
+
+def test_a_test_that_shows_far_more_than_training_bears_nothing_out_unless_most_of_it_is_explained():
+    fit = _fit(low=0.01, placebo=1.6, explained=1.5)
+    fit["gain"]["high"] = 0.02
+    [entry] = confirmed([CLAIM], fit, [])
+    assert entry["probability"] == MOST_PROBABLE and "more is left on the test recordings" in entry["sentence"]
+    larger = _fit(low=0.8, placebo=1.6, explained=1.5)  # a larger motion, most of whose error is gone
+    assert confirmed([CLAIM], larger, []) == [CLAIM]

@@ -97,7 +97,11 @@ file = "a.parquet"
         ("time = ", "tine = ", r"recordings\.toml, \[columns\]: 'tine' names nothing"),
         ('"ctrl.actuator_1"', '"ctrl.knee"', r"\[columns\]: 'ctrl\.knee' names nothing.*known are: ctrl\.servo\.1"),
         ('"sensor.angle" =', "sensor.angle =", r'\[columns\]: \'sensor\' is a nested table; .*"sensor\.angle" = '),
-        ('unit = "us"', 'unit = "fortnight"', r"\[columns\], 'time': unknown unit 'fortnight'; known are: rad, deg"),
+        (
+            'unit = "us"',
+            'unit = "fortnight"',
+            r"\[columns\], 'time': unknown unit 'fortnight'; known are: rad, mrad, deg, turn",
+        ),
         ('unit = "us"', 'factor = "us"', r"\[columns\], 'time': unknown key 'factor'"),
         ('{ column = "stamp", unit = "us" }', "{ value = 0.0 }", r"\[columns\]: time cannot be a constant"),
         ("scale = -1.0", 'scale = "x"', r"'ctrl\.servo\.1', scale: is 'x', not a finite number"),

@@ -129,6 +129,7 @@ class JointSearch:
     def settled(self, fit: JointFit) -> JointFit:
         """A fit with values of the model that are far off, and without what held-out stretches contradict."""
         data = self._last_windows(fit)
+        self._without_step_error.clear()  # what was right at the first guess is not exact where the search ends
         fit = self._fitted(data, fit.point, fit.places)
         judge = self._growth(data, fit)
         wrong = [p for p in wrong_values(judge, fit) if p in self.problem.places]

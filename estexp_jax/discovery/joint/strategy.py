@@ -87,13 +87,16 @@ def explain_jointly(
         return None
     rivals = yield from search.rivals(fit)
     judged = judged_beside(judged, search, parameters, rivals)
-    better = _plainly_better(judged.selection, rivals) or _likelier(judged.selection, rivals)
+    plain, likely = _plainly_better(judged.selection, rivals), _likelier(judged.selection, rivals)
+    better = plain or likely
     if better is not None:  # what stands in for an effect may take several others; its replacement shows them needless
-        fit = search.settled(better)
-        rivals = yield from search.rivals(fit)
-        judged = judged_beside(judged_alone(whole, search, parameters, fit, bent), search, parameters, rivals)
-        if not _suffices(case.robot, judged.selection) or _plainly_better(judged.selection, rivals) is not None:
-            return None
+        other = search.settled(better)
+        instead = judged_alone(whole, search, parameters, other, bent)
+        if plain is not None or instead.selection.chosen.error < judged.selection.chosen.error:
+            fit, rivals = other, (yield from search.rivals(other))
+            judged = judged_beside(instead, search, parameters, rivals)
+            if not _suffices(case.robot, judged.selection) or _plainly_better(judged.selection, rivals) is not None:
+                return None
     intervals = _intervals(space, judged.fits["explained"], fit)
     return (yield from _told(case, config, judged, intervals))
 

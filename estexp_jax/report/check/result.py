@@ -81,12 +81,10 @@ class CheckResult:
 def check_inputs(inputs: Inputs) -> CheckResult:
     """Judge each recording, with what is known to differ in it."""
     judged, kinds = list[dict[str, Any]](), {e.name for e in logging_faults()}
-    for (
-        recording
-    ) in inputs.recordings:  # of one recorder: what physics may hide in none of the first is not in the rest
-        seen = not judged or any(fault["kind"] in kinds for each in judged for fault in each["faults"])
+    for recording in inputs.recordings:  # of one recorder: what physics does not hide in the first it hides in none
+        beside = not judged or any(fault["kind"] in kinds for each in judged for fault in each["faults"])
         robot = apply_settings(inputs.robot, recording.settings, where=recording.name)
-        judged.append(judge(robot, recording, beside_physics=seen))
+        judged.append(judge(robot, recording, beside_physics=beside))
     for index, fault in copied_recordings(inputs.recordings):
         judged[index]["faults"].append(asdict(fault))
         judged[index]["suspicions"].append(f"{fault.name}: {fault.sentence}")
