@@ -9,6 +9,8 @@ from nbclient import NotebookClient
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "experiments" / "notebooks"
+_MOST = 200_000
+"""Characters of an output that is kept: films are left out, so that the repository stays small."""
 
 
 def main(names: list[str]) -> None:
@@ -20,6 +22,9 @@ def main(names: list[str]) -> None:
         with tempfile.TemporaryDirectory() as folder:
             NotebookClient(book, timeout=1800, record_timing=False, resources={"metadata": {"path": folder}}).execute()
         book.metadata.pop("widgets", None)
+        for cell in book.cells:
+            kept = [o for o in cell.get("outputs", []) if len(o.get("data", {}).get("text/html", "")) <= _MOST]
+            cell.update({"outputs": kept} if cell.cell_type == "code" else {})
         path.write_text(nbformat.writes(book).replace(f"{ROOT}/", "") + "\n", encoding="utf-8")
 
 

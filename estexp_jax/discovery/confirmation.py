@@ -12,8 +12,7 @@ from estexp_jax.discovery.clock_doubt import MOST_PROBABLE, clocks_doubted
 from estexp_jax.physics.recording import Recording
 
 _HALF = 0.5
-"""Of the test's excess error: an explanation that surely takes less than this off does not explain the test. Convention:
-most of it."""
+"""Share of the test's excess error: an explanation that surely takes off less does not explain it. Convention: most."""
 
 
 def doubted(findings: Mapping[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:
