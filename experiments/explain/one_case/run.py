@@ -56,7 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         getattr(found, f"plot_{name}")().save(str(out / f"{name}.png"))
     with suppress(NoGlError):
         marked = marked_of(found.diagnosis.case.robot, claimed_places(found.findings))
-        for name, picture in (("robots", ghosts_of(found.diagnosis)), ("marked", marked)):
+        ghosts = ghosts_of(found.diagnosis)
+        for name, picture in (("robots", ghosts and ghosts[0]), ("marked", marked)):
             if picture is not None:
                 (out / f"{name}.jpg").write_bytes(picture)
     print(found.summary())
