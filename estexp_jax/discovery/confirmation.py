@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from estexp_jax.discovery.clock_doubt import MOST_PROBABLE, clocks_doubted
+from estexp_jax.discovery.joint.criteria import SelectionCriteria
 from estexp_jax.physics.recording import Recording
 
-_HALF = 0.5
-"""Share of the test's excess error: an explanation that surely takes off less does not explain it. Convention: most."""
+_CRITERIA = SelectionCriteria()
 
 
 def doubted(findings: Mapping[str, Any], recordings: Sequence[Recording]) -> dict[str, Any]:
@@ -55,7 +55,7 @@ def _doubt(entry: Mapping[str, Any], fit: Mapping[str, Any], alternatives: Seque
     if low is None or not low > 0.0:
         return "the test recordings may be predicted no better with it"
     error, lacked = fit["explained"].get("test"), fit["nominal"].get("train")
-    if _as_good(lacked, error) and fit["gain"]["high"] < _HALF:
+    if _as_good(lacked, error) and fit["gain"]["high"] < _CRITERIA.least_of_test:
         return "more is left on the test recordings than the training recordings lacked in all"
     if _as_good(fit["placebo"].get("test"), error):
         return "a wrong effect predicts the test recordings as well"
