@@ -41,9 +41,9 @@ class SelectionCriteria:
         fewest_effects: where something is left, the joint fit is told if so many effects are missing; with fewer the
             stepwise search is asked, which knows more forms of each, and laws. Convention: it adds up to five effects,
             one at a time, and a UR5e takes it 13 minutes.
-        least_of_test: share of the error of test recordings, above their noise, that an explanation takes off, where what
-            it leaves there is more than training recordings lacked in all; with surely less, it is told with even odds
-            at most. Convention: most of it.
+        least_of_test: share of the excess error of test recordings that an explanation takes off, where what it leaves
+            there is more than training recordings lacked in all; with surely less, it is told with even odds at most.
+            Convention: most of it.
         clip: residuals count as at most so many standard deviations. Convention of robust regression.
     """
 
